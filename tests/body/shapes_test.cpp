@@ -230,8 +230,7 @@ RC_GTEST_PROP(Mesh, ScaleMultipliesCoordinates, ()) {
     for (Vector3<double>& v : scaled.vertices)
         for (int i = 0; i < 3; ++i) v[i] *= scale[i];
     for (std::array<int, 3>& t : scaled.triangles)
-        std::swap(t[0], t[1]);  // one factor is negative: a mirrored mesh
-                                // needs the opposite orientation
+        std::swap(t[0], t[1]);  // a mirrored mesh has the opposite orientation
     mesh.scale = scale;
     expect_near(of_mesh(mesh, 2), of_mesh(scaled, 2), 1e-13);
 }

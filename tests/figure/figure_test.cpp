@@ -1,3 +1,4 @@
+// Gnuplot scripts, page layout and the drawing of figures by a real gnuplot, including its failures.
 #include "figure/figure.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Errors of one body on trajectories made by hand, compared with values computed by hand.
 #include "measure/errors.h"
 
 #include <gtest/gtest.h>

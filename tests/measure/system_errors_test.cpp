@@ -1,3 +1,4 @@
+// Errors of several bodies on trajectories made by hand, compared with values computed by hand.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -244,8 +244,7 @@ TEST(ConservedByMechanism, HungOnAnAxis) {
     rod.name = "rod", rod.type = LoopType::distance, rod.second = "upper", rod.first_point = {0, 0, 3};
     rod.second_point = {0, 0, 0}, rod.length = 3;
     closed.loops = {rod};
-    EXPECT_EQ(conserved_by_mechanism(pose(closed)).size(), 1u);  // a loop closed by a distance to the world, although
-                                                                 // its force has no arm about the axis
+    EXPECT_EQ(conserved_by_mechanism(pose(closed)).size(), 1u);  // a distance to the world, although without an arm
 }
 
 TEST(ConservedByMechanism, MotionInPlanes) {

@@ -1,3 +1,4 @@
+// Impulses of contacts: conservation, Hecker's formula, friction computed by hand, simultaneous contacts.
 #include "motion/impact.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Energy, momenta, joint coordinates and joint errors of given motions, compared with the definition of each joint.
 #include "motion/mechanism_motion.h"
 
 #include <gtest/gtest.h>

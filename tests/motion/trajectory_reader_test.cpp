@@ -1,3 +1,4 @@
+// Reading of trajectory files: files of polhode and of other programs, several bodies, refusals.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -170,8 +171,7 @@ TEST(TrajectoryFile, TakesWhatOtherProgramsWrite) {
              "# by hand\nt, qw, qx,\tqy , qz\n 0, 1, 0, 0, 0\n# half-way\n1,0,1,0,0",  // spaces, comments, no final \n
              "t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n\n \r\n",                           // blank lines at the end
              "t,qw,qx,qy,qz\n+0.0,1.,0e5,.0,00\n1e0,0,10E-1,0,0\n",                    // unusual spellings of decimals
-             "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // an underflow is nearest to
-                                                                                       // zero
+             "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // underflow to zero
          }) {
         TrajectoryFile file = parse_trajectory(text, "f");
         const std::string read_past = file.read_past;

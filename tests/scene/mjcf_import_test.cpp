@@ -166,8 +166,7 @@ TEST(MjcfImport, IncludedFilesTakeThePlaceOfTheElement) {
                  "<mujoco>\n<include file='parts/common.xml'/>\n<worldbody><body name='a'>"
                  "<include file='parts/inside.xml'/></body></worldbody></mujoco>");
     folder.write("parts/common.xml", "<mujoco><compiler angle='radian'/>\n<include file='deep.xml'/></mujoco>");
-    folder.write("parts/deep.xml", "<x><option gravity='1 2 3'/></x>");  // relative to the folder of the including
-                                                                         // file
+    folder.write("parts/deep.xml", "<x><option gravity='1 2 3'/></x>");  // relative to the including file
     folder.write("parts/inside.xml",
                  "<x><joint name='j' type='slide' axis='0 1 0'/>\n<inertial pos='0 0 0' euler='0 0 1.5707963267948966' "
                  "mass='2' diaginertia='1 2 2.5'/></x>");

@@ -1,3 +1,4 @@
+// Scene files of one body: keys, defaults, limits, messages, built-in scenes.
 #include "scene/scene_file.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Atomic replacement of files: content, modes, links, failures, and files left by killed processes.
 #include "text/atomic_file.h"
 
 #include <gtest/gtest.h>

@@ -15,8 +15,7 @@ namespace {
 
 struct Count {
     const char* name;
-    int tree;       ///< degrees of freedom of the trees: revolute and prismatic 1, universal 2, spherical 3, free
-                    ///< base 6
+    int tree;       ///< degrees of freedom: revolute, prismatic 1, universal 2, spherical 3, free base 6
     int rows;       ///< equations of the loops: spherical 3, revolute 5, distance 1
     int redundant;  ///< of these, implied by the others
 };

@@ -161,8 +161,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ConditioningAgainstTaylor,
                                            Against{"lagrange_top", 5, 1e-10, 100},  // gravity
                                            Against{"struck_bar", 10, 1e-10, 2000},  // impulses
                                            Against{"thrown_hammer", 1, 1e-9, 200},  // closed form of the flight
-                                           Against{"every_load", 2, 1e-10, 5},      // load windows; translation is
-                                                                                    // integrated
+                                           Against{"every_load", 2, 1e-10, 5},      // windows, integrated flight
                                            Against{"damped_spin", 20, 1e-10, 20},
                                            Against{"attitude_regulator", 60, 1e-9, 5},
                                            Against{"towed_body", 10, 1e-10, 5}, Against{"chaotic_top", 50, 1e-6, 4e4}),

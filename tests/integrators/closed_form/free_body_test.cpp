@@ -1,3 +1,4 @@
+// The closed form of the free body against Taylor series, invariants, the separatrix and the symmetric body.
 #include "integrators/closed_form/free_body.h"
 
 #include <gtest/gtest.h>

@@ -41,8 +41,7 @@ TEST(ChooseMethod, TakesAnImplicitOneWhereDampingBindsTheStep) {
     EXPECT_NE(chosen(damped(0), Formulation::full), "radau");
 }
 
-// An overdamped spring: I lambda^2 + c lambda + k = 0 about each axis. The largest |lambda| is slightly below c / I - k
-// / c.
+// An overdamped spring: I lambda^2 + c lambda + k = 0 per axis. The largest |lambda| is just below c / I - k / c.
 TEST(ChooseMethod, SeesDampedSprings) {
     EXPECT_EQ(chosen(on_spring(1e4, 1000, 5)), "radau");
     // 80 slowly decaying oscillations, which an explicit method follows as efficiently

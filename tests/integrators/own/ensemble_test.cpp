@@ -1,3 +1,4 @@
+// Ensembles of single bodies, row by row against closed forms, the truth and other methods; bits and failures.
 #include "integrators/own/ensemble.h"
 
 #include <gtest/gtest.h>

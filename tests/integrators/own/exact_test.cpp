@@ -59,7 +59,7 @@ TEST(Exact, IsAsGoodAsItsDataNextToTheSeparatrix) {
     EXPECT_GT(largest, 1e8) << "nothing was next to the separatrix";
 }
 
-// Two moments are equal up to the body's moment about the line from the pivot to its centre of mass.
+// The two large moments differ by no more than the small moment about the line from the pivot to the centre of mass.
 TEST(Exact, KnowsABodyThatIsNearlyAPointBesideItsPivot) {
     const FreshCache cache;
     for (const Vector3<double>& arm : {Vector3<double>(0.3, 0.4, 0.5), Vector3<double>(0, 0, 0.5)}) {

@@ -127,7 +127,7 @@ TEST(RadauMethod, FollowsMotionThatIsNotStiff) {
     }
 }
 
-// |q| stays constant without projection.
+// |q| stays constant to the tolerance without projection.
 TEST(RadauMethod, KeepsTheLengthOfTheQuaternionToItsTolerance) {
     for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
         const Trajectory trajectory = with_tolerance(heavy_top(5), "radau", tolerance, 20);

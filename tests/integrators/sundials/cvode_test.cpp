@@ -1,3 +1,4 @@
+// The wrapped methods of CVODE: accuracy against closed forms, events, samples, limits, failures.
 #include <gtest/gtest.h>
 
 #include <cmath>

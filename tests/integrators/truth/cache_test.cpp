@@ -1,3 +1,4 @@
+// The truth cache: exact round trip, keys, corrupted files, location.
 #include "integrators/truth/cache.h"
 
 #include <gtest/gtest.h>

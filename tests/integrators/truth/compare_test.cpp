@@ -1,3 +1,4 @@
+// Comparison of two runs of a truth, made by hand: disagreement, bounds, written decimals and invariants.
 #include "integrators/truth/compare.h"
 
 #include <gtest/gtest.h>

@@ -263,7 +263,7 @@ TEST(Certified, SaysHowManyDigitsCanBeHad) {
     EXPECT_GE(all.digits, had);
 }
 
-// A spring with 10^8 oscillations is refused after a thousand steps at a single precision.
+// A spring with 10^8 oscillations is refused after a thousand steps at one working precision.
 TEST(Certified, SaysThatStepsWouldBeTooMany) {
     Scene scene = body("hard spring", {1, 2, 3}, {1, 2, 3}, 100);
     scene.loads.push_back(Spring{1e14, {0.6, 0.8, 0, 0}, {}});

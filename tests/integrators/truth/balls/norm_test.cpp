@@ -86,8 +86,7 @@ RC_GTEST_PROP(WeightedNorm, HoldsOverTheWholeBox, ()) {
 
 TEST(PlanPieces, WeightsMakeAnOverdampedPendulumLoseLittle) {
     // |dtau/dq| = 2 m g l = 10 and |d(dq/dt)/dw| = 1/2. For weights in the ratio s the logarithmic norm is at most
-    // about (s/2 + 10/s)^2 / (4 c) = 0.005/s at s = sqrt(20). Row sums of |J| would give a growth of e^(1/2) per
-    // second.
+    // about (s/2 + 10/s)^2 / (4 c) = 0.005/s at s = sqrt(20). Row sums of |J| would allow e^(1/2) per second.
     Scene scene;
     scene.name = "overdamped";
     scene.duration = 10;

@@ -70,8 +70,7 @@ TEST(Axis, StaysWithinBinary64) {
     EXPECT_TRUE(std::isfinite(make_axis(false, -1e300, 1e300, 8, 0.08).high));
 }
 
-// For any finite data: the range is finite and contains them, there are two labels or more, and the tics rise within
-// it.
+// For any finite data: the range is finite and contains them, two labels or more, and the tics rise within the range.
 RC_GTEST_PROP(Axis, HoldsItsDataAndItsTics, (bool logarithmic)) {
     const auto value = [&] {
         const double mantissa = *rc::gen::inRange(1000, 10000) / 1000.0;

@@ -46,8 +46,7 @@ class OwnDirectory {
     std::filesystem::path path_;
 };
 
-/// Writes the files in `text`, each preceded by a line "=== NAME". Drops characters of NAME that could leave the
-/// folder.
+/// Writes the files in `text`, each after a line "=== NAME". Drops characters of NAME that could leave the folder.
 inline void write_files(std::string_view text, const OwnDirectory& directory) {
     std::string name = "t.csv", contents;
     int files = 0;

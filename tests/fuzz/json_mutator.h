@@ -21,8 +21,7 @@ using MutateBytes = std::size_t (*)(std::uint8_t* data, std::size_t size, std::s
 /// Changes documents at random, reproducibly for a given seed.
 class JsonMutator {
   public:
-    /// `examples` are documents of the kind to be read: they provide parts, and the member names of objects by their
-    /// key.
+    /// `examples` are documents of the kind to be read; they provide parts, and the member names of objects by key.
     explicit JsonMutator(std::span<const std::string_view> examples);
 
     /// Changes the document in data[0, size) and returns its new size, at most `most`. Calls `bytes` instead for

@@ -87,8 +87,7 @@ void walk(const Problem& problem, const See& see) {
     }
 }
 
-// Checks the names of the invariants. Named quantities are constant along the motion, other energies and momenta
-// change.
+// Checks the names of the invariants. Named ones are constant along the motion, other energies and momenta change.
 void expect_kept(const char* what, const Scene& scene, KeptNames expected) {
     SCOPED_TRACE(what);
     const Problem problem = pose(scene);

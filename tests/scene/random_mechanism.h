@@ -21,8 +21,7 @@ inline std::string random_base(const Scene& scene, std::size_t index) {
     return chosen == index ? "world" : scene.bodies[chosen].name;
 }
 
-/// A joint that carries body `index` on the world or on an earlier body. Members unused by its type keep their
-/// defaults.
+/// A joint that carries body `index` on the world or on an earlier body. Members unused by its type keep defaults.
 inline Joint random_joint(const Scene& scene, std::size_t index) {
     Joint j;
     j.name = "joint " + std::to_string(index);

@@ -1,6 +1,5 @@
 // The mass properties stated in comments of the built-in scenes, derived independently: from the matrix of second
-// moments C = int r r^T dm about the centre of mass, I = tr(C) 1 - C, without the parallel axis theorem or tabulated
-// moments.
+// moments C = int r r^T dm about the centre of mass, I = tr(C) 1 - C. Without parallel axes, without tabulated moments.
 #include <gtest/gtest.h>
 
 #include <cmath>

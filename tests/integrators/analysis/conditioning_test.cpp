@@ -59,8 +59,7 @@ double shear_norm(double x, double d) {
     return std::sqrt((sum + std::sqrt(sum * sum - 4 * d * d)) / 2);
 }
 
-// Sphere: w is constant; dtheta grows by dw t along w and by less across it. kappa = |S|, S = ((1, x), (0, 1)), x = |w|
-// t.
+// Sphere: w is constant; dtheta grows by dw t along w and by less across it. kappa = |((1, x), (0, 1))|, x = |w| t.
 RC_GTEST_PROP(ConditioningOf, SphereIsTheClosedForm, ()) {
     Scene scene;
     scene.name = "sphere", scene.duration = moderate(0.1, 20);

@@ -68,7 +68,10 @@ LineAnswer EngineSession::ask(const std::string& request, double seconds, Engine
     hello = running.hello;
     if (!answer.fault.empty() || !hello.missing.empty()) return answer;
     answer = running.process->ask(request, std::chrono::duration<double>(seconds));
-    unanswered_ = answer.was_out_of_time ? unanswered_ + 1 : 0;
+    if (answer.was_out_of_time)
+        ++unanswered_;
+    else
+        unanswered_ = 0;
     give_back(std::move(running));
     return answer;
 }

@@ -401,6 +401,15 @@ class Block {
 
 }  // namespace
 
+void require_in_range(const EnsembleSettings& settings) {
+    if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
+        throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
+    if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0))
+        throw std::invalid_argument("an ensemble has at least one thread, one step and some time");
+    if (settings.instructions > widest_instruction_set())
+        throw std::invalid_argument("this processor has no such instructions");
+}
+
 struct EnsembleSolver::Prepared {
     Scene scene;
     EnsembleSettings settings;
@@ -408,12 +417,7 @@ struct EnsembleSolver::Prepared {
 };
 
 EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& settings) {
-    if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
-        throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
-    if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0))
-        throw std::invalid_argument("an ensemble has at least one thread, one step and some time");
-    if (settings.instructions > widest_instruction_set())
-        throw std::invalid_argument("this processor has no such instructions");
+    require_in_range(settings);
     if (is_mechanism(scene)) throw std::invalid_argument("an ensemble of bodies is of a scene of one body");
     validate(scene, scene.name);
     prepared_.reset(new Prepared{scene, settings, plan_of(scene)});

@@ -23,6 +23,9 @@ struct EnsembleSettings {
     InstructionSet instructions = instruction_set();  ///< not beyond what the processor has; same bits in each
 };
 
+/// Throws std::invalid_argument for settings out of range.
+void require_in_range(const EnsembleSettings& settings);
+
 /// What became of one body.
 struct EnsembleRow {
     Status status = Status::ok;  ///< how its run ended

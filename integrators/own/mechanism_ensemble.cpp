@@ -1,7 +1,6 @@
 #include "integrators/own/mechanism_ensemble.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <optional>
 #include <stdexcept>
@@ -135,28 +134,34 @@ class RowsInLanes {
 
 }  // namespace
 
+MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_starts, long samples,
+                                                 const EnsembleSettings& settings)
+    : scene_(scene), settings_(settings), samples_(samples) {
+    require_in_range(settings);
+    if (samples < 1) throw std::invalid_argument("an ensemble has at least one sample");
+    constexpr double least_tolerance = 1e-13;
+    if (!scene.loops.empty() || !only_starts || settings.tolerance < least_tolerance) return;
+    shared_ = pose(scene);
+    if (is_stiff(*shared_)) shared_.reset();
+}
+
+void MechanismEnsembleSolver::solve(const MechanismTable& table, std::span<MechanismRow> rows) const {
+    if (rows.size() != table.rows()) throw std::invalid_argument("an ensemble has as many rows as its table");
+    const std::size_t size = block();
+    parallel_for((rows.size() + size - 1) / size, settings_.threads, [&](std::size_t i) {
+        const std::size_t first = i * size;
+        const auto some = rows.subspan(first, std::min(size, rows.size() - first));
+        if (shared_)
+            RowsInLanes(scene_, mechanism_of(*shared_), table, first, some, settings_).solve(samples_);
+        else
+            some[0] = solved_row(table.scene_of(scene_, first), samples_, settings_);
+    });
+}
+
 std::vector<MechanismRow> solve_mechanism_ensemble(const Scene& scene, const MechanismTable& table, long samples,
                                                    const EnsembleSettings& settings) {
-    if (!(settings.tolerance > 0) || !std::isfinite(settings.tolerance))
-        throw std::invalid_argument("an ensemble's tolerance is finite and > 0");
-    if (settings.threads < 1 || settings.max_steps < 1 || !(settings.seconds_limit > 0) || samples < 1)
-        throw std::invalid_argument("an ensemble has at least one thread, one step, one sample and some time");
     std::vector<MechanismRow> rows(table.rows());
-    const auto alone = [&](std::size_t k) { rows[k] = solved_row(table.scene_of(scene, k), samples, settings); };
-    constexpr std::size_t block = 256;
-    constexpr double least_tolerance = 1e-13;
-    if (scene.loops.empty() && table.only_starts() && settings.tolerance >= least_tolerance) {
-        const Problem problem = pose(scene);
-        if (!is_stiff(problem)) {
-            parallel_for((rows.size() + block - 1) / block, settings.threads, [&](std::size_t i) {
-                const std::size_t first = i * block;
-                const auto some = std::span(rows).subspan(first, std::min(block, rows.size() - first));
-                RowsInLanes(scene, mechanism_of(problem), table, first, some, settings).solve(samples);
-            });
-            return rows;
-        }
-    }
-    parallel_for(rows.size(), settings.threads, alone);
+    MechanismEnsembleSolver(scene, table.only_starts(), samples, settings).solve(table, rows);
     return rows;
 }
 

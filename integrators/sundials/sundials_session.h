@@ -46,9 +46,6 @@ class SundialsSession {
     /// The motion at t, for callers that keep the time: t may differ from time() by rounding.
     auto sample_at(double t) { return system_.motion(t, y()); }
 
-    /// The time at which the right-hand side was not finite, since restart().
-    std::optional<double> not_finite_at() const { return not_finite_at_; }
-
   protected:
     /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc if there is not
     /// enough memory.

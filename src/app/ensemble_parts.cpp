@@ -134,13 +134,7 @@ class PartReader {
     }
     std::string take(std::size_t count) {
         std::string bytes(count, '\0');
-        std::size_t read = 0;
-        while (read < count) {
-            const std::size_t more = input_.read(bytes.data() + read, count - read);
-            if (more == 0) break;
-            read += more;
-        }
-        bytes.resize(read);
+        bytes.resize(input_.read_fully(bytes.data(), count));
         return bytes;
     }
 
@@ -226,12 +220,7 @@ TableIdentity identity_of(const std::string& path, const Scene& scene) {
         std::string bytes(length, '\0');
         for (std::size_t k = 0; k < samples; ++k) {
             input.seek(k + 1 < samples ? k * stride : identity.bytes - length);
-            std::size_t taken = 0;
-            while (taken < length) {
-                const std::size_t count = input.read(bytes.data() + taken, length - taken);
-                if (count == 0) input.refuse("changes while it is read");
-                taken += count;
-            }
+            if (input.read_fully(bytes.data(), length) < length) input.refuse("changes while it is read");
             hash.add(bytes);
         }
     } else {
@@ -245,7 +234,7 @@ TableIdentity identity_of(const std::string& path, const Scene& scene) {
     identity.hash = hash.text();
     const std::unique_ptr<EnsembleStream> rows = open_ensemble(path, scene);
     identity.rows = rows->skip(std::numeric_limits<std::size_t>::max());
-    if (identity.rows == 0) rows->require_bodies();
+    if (identity.rows == 0) rows->require_rows();
     return identity;
 }
 
@@ -318,7 +307,7 @@ MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const 
     }
     merged.parts = order.size();
     if (merged.rows == merged.refused)
-        throw InputError(name, "", "has no row that is a body", "give a table of bodies");
+        throw InputError(name, "", "has no row that was solved", "correct the table's rows");
     AtomicStream stream(merged.output);
     std::string header;
     NpyHeader npy_header;

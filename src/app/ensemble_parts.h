@@ -47,8 +47,8 @@ struct EnsemblePart {
     std::string program;      ///< the program's key: what may give other bits
     std::string options;      ///< those that may change a row
     std::size_t rows = 0;     ///< of the table, in this part
-    std::size_t ok = 0;       ///< bodies whose run ended well
-    std::size_t refused = 0;  ///< rows that are no bodies
+    std::size_t ok = 0;       ///< rows whose run ended well
+    std::size_t refused = 0;  ///< rows with a fault
     std::uint64_t bytes = 0;  ///< of the part's file behind its header
     std::string hash;         ///< content_hash() of them
 };
@@ -67,8 +67,8 @@ struct MergedEnsemble {
     std::string output;       ///< the file that was written
     std::size_t parts = 0;    ///< of how many parts
     std::size_t rows = 0;     ///< of the table
-    std::size_t ok = 0;       ///< bodies whose run ended well
-    std::size_t refused = 0;  ///< rows that are no bodies
+    std::size_t ok = 0;       ///< rows whose run ended well
+    std::size_t refused = 0;  ///< rows with a fault
     /// Whether all rows ended well: what decides on the exit code of the whole.
     bool all_ok() const { return refused == 0 && ok == rows; }
 };

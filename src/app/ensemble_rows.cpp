@@ -1,93 +1,20 @@
 #include "app/ensemble_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
+#include <iterator>
 #include <limits>
 
+#include "motion/trajectory_columns.h"
 #include "text/message.h"
 #include "text/npy.h"
 
 namespace polhode {
 namespace {
 
-void append_vector(std::string& text, const Vector3<double>& v) {
-    for (int i = 0; i < 3; ++i) append_number(text, v[i]);
-}
-
-class CsvFormat : public EnsembleFormat {
-  public:
-    explicit CsvFormat(bool has_ids) : has_ids_(has_ids) {}
-
-    std::string header(std::uint64_t) const override {
-        return std::string(has_ids_ ? "row,id,status" : "row,status") +
-               ",t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,message\n";
-    }
-    bool counts_rows() const override { return false; }
-
-    void append_row(std::string& text, std::size_t number, const std::string* id,
-                    const EnsembleRow& row) const override {
-        text += std::to_string(number);
-        if (has_ids_) text += ',';
-        if (id) text += *id;
-        text.append(",").append(name_of(row.status));
-        if (row.moved) {
-            append_number(text, row.end.t);
-            append_numbers(text, row.end);
-        } else {
-            text.append(14, ',');
-        }
-        append_message(text, row.message);
-        text += '\n';
-    }
-
-  private:
-    bool has_ids_;
-};
-
-class NpyFormat : public EnsembleFormat {
-  public:
-    explicit NpyFormat(std::size_t id_width) : id_width_(id_width) {}
-
-    std::string header(std::uint64_t rows) const override {
-        std::vector<NpyField> fields{{"row", "<i8"}, {"status", "<i8"}};
-        for (const char* name : {"t", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"})
-            fields.push_back({name, "<f8"});
-        if (id_width_ > 0) fields.push_back({"id", "|S" + std::to_string(id_width_)});
-        return write_npy_header(fields, rows);
-    }
-    bool counts_rows() const override { return true; }
-
-    void append_row(std::string& text, std::size_t number, const std::string* id,
-                    const EnsembleRow& row) const override {
-        struct {
-            std::int64_t row, status;
-            double numbers[14];
-        } record{};
-        static_assert(sizeof record == 128);
-        record.row = static_cast<std::int64_t>(number), record.status = static_cast<std::int64_t>(row.status);
-        const Sample& s = row.end;
-        double* next = record.numbers;
-        if (row.moved) {
-            for (const double value : {s.t, s.q.w, s.q.x, s.q.y, s.q.z}) *next++ = value;
-            for (const Vector3<double>& v : {angular_velocity_W(s), s.position_W, s.velocity_W})
-                for (int i = 0; i < 3; ++i) *next++ = v[i];
-        } else {
-            std::ranges::fill(record.numbers, std::numeric_limits<double>::quiet_NaN());
-        }
-        text.append(reinterpret_cast<const char*>(&record), sizeof record);
-        if (id_width_ == 0) return;
-        if (id) text += *id;
-        text.append(id_width_ - (id ? id->size() : 0), '\0');
-    }
-
-  private:
-    std::size_t id_width_;
-};
-
-}  // namespace
-
+// Appends a comma and the number, or only the comma where it is not finite.
 void append_number(std::string& text, double value) {
     text += ',';
     if (!std::isfinite(value)) return;
@@ -95,58 +22,131 @@ void append_number(std::string& text, double value) {
     text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
-void append_numbers(std::string& text, const Sample& s) {
-    for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) append_number(text, value);
-    append_vector(text, angular_velocity_W(s));
-    append_vector(text, s.position_W);
-    append_vector(text, s.velocity_W);
-}
+class CsvFormat : public EnsembleFormat {
+  public:
+    CsvFormat(bool has_ids, bool has_bodies) : has_ids_(has_ids), has_bodies_(has_bodies) {}
 
-void append_message(std::string& text, const std::string& message) {
-    text += ',';
-    if (message.empty()) return;
-    text += '"';
-    for (const char c : one_line(message, 500)) text.append(c == '"' ? 2 : 1, c);
-    text += '"';
-}
+    std::string header(std::uint64_t) const override {
+        std::string text = has_ids_ ? "row,id,status" : "row,status";
+        for (const std::string_view name : motion_columns) {
+            text.append(",").append(name);
+            if (has_bodies_ && name == "t") text += ",body";
+        }
+        return text + ",message\n";
+    }
+    bool counts_records() const override { return false; }
 
-std::vector<std::size_t> SolvedPiece::numbers() const {
-    std::vector<std::size_t> numbers;
-    numbers.reserve(table.bodies.size());
-    auto refused = table.refused.begin();
-    for (std::size_t number = first_row; numbers.size() < table.bodies.size(); ++number)
-        if (refused != table.refused.end() && refused->row == number)
-            ++refused;
+    void append(std::string& text, const EnsembleRecord& record) const override {
+        text += std::to_string(record.row);
+        if (has_ids_) text += ',';
+        if (record.id) text += *record.id;
+        text.append(",").append(name_of(record.status));
+        if (record.sample)
+            append_motion(text, record);
         else
-            numbers.push_back(number);
-    return numbers;
+            text.append(std::size(motion_columns) + (has_bodies_ ? 1 : 0), ',');
+        text += ',';
+        if (!record.message.empty()) append_quoted(text, record.message);
+        text += '\n';
+    }
+
+  private:
+    void append_motion(std::string& text, const EnsembleRecord& record) const {
+        const auto numbers = motion_numbers(*record.sample);
+        append_number(text, numbers[0]);
+        if (has_bodies_) text.append(",").append(record.body);
+        for (std::size_t i = 1; i < numbers.size(); ++i) append_number(text, numbers[i]);
+    }
+    static void append_quoted(std::string& text, const std::string& message) {
+        text += '"';
+        for (const char c : one_line(message, 500)) text.append(c == '"' ? 2 : 1, c);
+        text += '"';
+    }
+
+    bool has_ids_, has_bodies_;
+};
+
+// Records: row, status, the numbers, and then texts filled up with zeros, the body's name and the id.
+class NpyFormat : public EnsembleFormat {
+  public:
+    NpyFormat(std::size_t id_width, std::size_t body_width) : id_width_(id_width), body_width_(body_width) {}
+
+    std::string header(std::uint64_t bytes) const override {
+        std::vector<NpyField> fields{{"row", "<i8"}, {"status", "<i8"}};
+        for (const std::string_view name : motion_columns) fields.push_back({std::string(name), "<f8"});
+        if (body_width_ > 0) fields.push_back({"body", "|S" + std::to_string(body_width_)});
+        if (id_width_ > 0) fields.push_back({"id", "|S" + std::to_string(id_width_)});
+        return write_npy_header(fields, bytes / (sizeof(Numbers) + body_width_ + id_width_));
+    }
+    bool counts_records() const override { return true; }
+
+    void append(std::string& text, const EnsembleRecord& record) const override {
+        Numbers numbers{static_cast<std::int64_t>(record.row), static_cast<std::int64_t>(record.status), {}};
+        if (record.sample)
+            numbers.motion = motion_numbers(*record.sample);
+        else
+            numbers.motion.fill(std::numeric_limits<double>::quiet_NaN());
+        text.append(reinterpret_cast<const char*>(&numbers), sizeof numbers);
+        append_padded(text, record.body, body_width_);
+        append_padded(text, record.id ? *record.id : std::string_view(), id_width_);
+    }
+
+  private:
+    struct Numbers {
+        std::int64_t row, status;
+        std::array<double, std::size(motion_columns)> motion;
+    };
+    static_assert(sizeof(Numbers) == 128);
+
+    static void append_padded(std::string& text, std::string_view word, std::size_t width) {
+        text.append(word).append(width - word.size(), '\0');
+    }
+
+    std::size_t id_width_, body_width_;
+};
+
+// Appends all records of a row of a piece.
+void append_row(std::string& text, const SolvedPiece& piece, std::size_t i, std::size_t number, const Scene& scene,
+                const EnsembleFormat& format) {
+    static const std::string nothing;
+    const std::string* const id = piece.table.ids.empty() ? nullptr : &piece.table.ids[i];
+    for (const std::vector<EnsembleRow>& at : piece.at)
+        format.append(text, {number, id, at[i].status, at[i].moved ? &at[i].end : nullptr, "", at[i].message});
+    if (piece.mechanisms.empty()) return;
+    const MechanismRow& row = piece.mechanisms[i];
+    for (std::size_t k = 0; k < row.samples.size(); ++k)
+        format.append(text,
+                      {number, id, Status::ok, &row.samples[k], scene.bodies[k % scene.bodies.size()].name, nothing});
+    if (row.status != Status::ok) format.append(text, {number, id, row.status, nullptr, "", row.message});
 }
 
-std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const EnsembleStream& table,
+}  // namespace
+
+std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& scene, const EnsembleStream& table,
                                           const std::string& file) {
-    if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids());
+    if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids(), is_mechanism(scene));
     if (table.has_ids() && table.id_width() == 0)
         throw InputError(file, "column id", "has ids of any length, and an .npy file has none for them",
                          "leave the column out (rows are numbered), give an .npy table, or write CSV");
-    return std::make_unique<NpyFormat>(table.id_width());
+    std::size_t longest_name = 0;
+    for (const NamedBody& body : scene.bodies) longest_name = std::max(longest_name, body.name.size());
+    return std::make_unique<NpyFormat>(table.id_width(), longest_name);
 }
 
-std::string rows_of(const SolvedPiece& piece, const EnsembleFormat& format) {
+std::string rows_of(const SolvedPiece& piece, const Scene& scene, const EnsembleFormat& format) {
     const EnsembleTable& table = piece.table;
-    const std::vector<std::size_t> numbers = piece.numbers();
+    const std::vector<std::size_t> numbers = table.row_numbers(piece.first_row);
     std::string text;
     auto refused = table.refused.begin();
-    // a refused row stands in front of the next body; the last ones have none behind them
+    // a refused row is in front of the next row that was solved; the last ones have none behind them
     const auto refuse_before = [&](std::size_t number) {
         for (; refused != table.refused.end() && refused->row < number; ++refused)
-            format.append_row(text, refused->row, nullptr, {Status::failed, false, {}, refused->fault});
+            format.append(text, {refused->row, nullptr, Status::failed, nullptr, "", refused->fault});
     };
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         refuse_before(numbers[i]);
-        for (const std::vector<EnsembleRow>& at : piece.at) {
-            format.append_row(text, numbers[i], table.ids.empty() ? nullptr : &table.ids[i], at[i]);
-            if (i == 0 && &at == &piece.at.front()) text.reserve((text.size() + 16) * numbers.size() * piece.at.size());
-        }
+        append_row(text, piece, i, numbers[i], scene, format);
+        if (i == 0) text.reserve((text.size() + text.size() / 16) * numbers.size());
     }
     refuse_before(std::numeric_limits<std::size_t>::max());
     return text;

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "integrators/own/ensemble.h"
+#include "integrators/own/mechanism_ensemble.h"
 #include "motion/ensemble_stream.h"
-#include "motion/ensemble_table.h"
 
 namespace polhode {
 
@@ -17,44 +17,44 @@ namespace polhode {
 struct SolvedPiece {
     EnsembleTable table;                       ///< the rows
     std::size_t first_row = 1;                 ///< the number of the first among all rows
-    std::vector<std::vector<EnsembleRow>> at;  ///< at each time, the last one being the end: a row a body
+    std::vector<std::vector<EnsembleRow>> at;  ///< of one body: at each time, the last one being the end, by row
+    std::vector<MechanismRow> mechanisms;      ///< of several bodies: by row
     std::string text;                          ///< as it is written
     double solving = 0, formatting = 0;        ///< s that this took
 
     /// Whether there is no row.
-    bool is_empty() const { return table.bodies.empty() && table.refused.empty(); }
-    /// The number of each body's row among all rows.
-    std::vector<std::size_t> numbers() const;
+    bool is_empty() const { return table.rows() == 0 && table.refused.empty(); }
 };
 
-/// How a row is written.
+/// One line of CSV, or one record of an .npy file: a body at one time, or why there is none.
+struct EnsembleRecord {
+    std::size_t row;             ///< its number in the table
+    const std::string* id;       ///< null where the table has none, and of a row that was refused
+    Status status;               ///< of a body's run until then, or of a row that has come to its end early
+    const Sample* sample;        ///< the motion; null where there is none
+    std::string_view body;       ///< of several bodies its name
+    const std::string& message;  ///< why status is not ok
+};
+
+/// How a record is written.
 class EnsembleFormat {
   public:
     virtual ~EnsembleFormat() = default;
-    /// What stands in front of the rows, of so many: as long for any number of them.
-    virtual std::string header(std::uint64_t rows) const = 0;
-    /// Whether the header tells the number of rows.
-    virtual bool counts_rows() const = 0;
-    /// Appends a row; `id` is null of a row that was refused.
-    virtual void append_row(std::string& text, std::size_t number, const std::string* id,
-                            const EnsembleRow& row) const = 0;
+    /// The text in front of `bytes` bytes of records: of the same length for any number of them.
+    virtual std::string header(std::uint64_t bytes) const = 0;
+    /// Whether the header depends on the number of records.
+    virtual bool counts_records() const = 0;
+    /// Appends a record.
+    virtual void append(std::string& text, const EnsembleRecord& record) const = 0;
 };
 
 /// The format of `path`: NumPy's where it ends in .npy, else CSV. Throws InputError where ids of the table would have
 /// no width in NumPy's format; it calls the table `file`.
-std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const EnsembleStream& table,
+std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& scene, const EnsembleStream& table,
                                           const std::string& file);
 
-/// The rows of a piece in their order, each at all times.
-std::string rows_of(const SolvedPiece& piece, const EnsembleFormat& format);
-
-/// Appends a comma and the number, or only the comma where it is none.
-void append_number(std::string& text, double value);
-
-/// Appends a comma and the numbers of a body's motion: quaternion, angular velocity in world axes, place, velocity.
-void append_numbers(std::string& text, const Sample& sample);
-
-/// Appends a comma and the message in quotes, or only the comma where it is empty.
-void append_message(std::string& text, const std::string& message);
+/// The rows of a piece in their order, each at all times, and at each all bodies of the scene. A mechanism whose run
+/// ended early has one record more, which reports why.
+std::string rows_of(const SolvedPiece& piece, const Scene& scene, const EnsembleFormat& format);
 
 }  // namespace polhode

@@ -67,17 +67,10 @@ std::vector<Entry> engine_entries() {
 // the columns of the result table that measure something
 std::vector<Entry> metrics() {
     std::vector<Entry> entries;
-    for (const ErrorColumn& column : error_columns()) {
-        const Measure& measure = measures()[column.measure];
-        entries.push_back({column.name, fmt::format("{}, {}{}", measure.meaning,
-                                                    column.at_end ? "at T" : "the largest over all samples",
-                                                    measure.unit == "rad" ? ", rad" : "")});
-    }
-    entries.insert(entries.end(),
-                   {{"seconds_min", "Wall clock of the integration alone, the shortest of the repeats, s"},
-                    {"seconds_median", "Wall clock of the integration alone, the median of the repeats, s"},
-                    {"steps", "Steps taken"},
-                    {"rhs_evaluations", "Evaluations of the right-hand side"}});
+    for (const bool is_error : {true, false})
+        for (const ResultColumn& column : result_column_table())
+            if (!column.meaning.empty() && column.is_error == is_error)
+                entries.push_back({column.name, column.meaning});
     return entries;
 }
 

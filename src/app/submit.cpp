@@ -87,15 +87,10 @@ int submit_command(const SubmitOptions& options) {
     const double dearest =
         std::max(whole, dearest_shard(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
     submission.seconds = std::lround(std::min(1e8, std::ceil(3 * dearest + 600)));
-    const std::string path = (fs::path(output) / (submission.name + (options.engine == "slurm"      ? ".slurm.sh"
-                                                                     : options.engine == "parallel" ? ".parallel.sh"
-                                                                                                    : ".Snakefile")))
-                                 .string();
+    const std::string path = (fs::path(output) / script_name(options.engine, submission)).string();
     fs::create_directories(output);
     write_output(submission.plan, csv(costs));
-    write_output(path, options.engine == "slurm"      ? slurm_script(submission)
-                       : options.engine == "parallel" ? parallel_script(submission)
-                                                      : snakefile(submission));
+    write_output(path, submit_script(options.engine, submission));
     if (!options.quiet)
         fmt::print(stderr, "{}: the dearest of {} shards is expected to take {:.3g} s; run {}\n", submission.name,
                    options.shards, dearest,

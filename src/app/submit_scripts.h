@@ -1,4 +1,4 @@
-// What polhode submit writes: text for the engines that run shards of an experiment on many machines.
+// The scripts that polhode submit writes, for the engines that run shards of an experiment on many machines.
 #pragma once
 
 #include <string>
@@ -26,14 +26,11 @@ std::string shell_word(const std::string& text);
 /// Seconds as Slurm writes a time: D-HH:MM:SS, rounded up to whole minutes.
 std::string slurm_time(long seconds);
 
-/// A script that submits itself: one job array, or as many as the cluster's MaxArraySize asks for, and a job behind
-/// them that merges. A shard that runs out of time, or is killed, is queued again and goes on.
-std::string slurm_script(const Submission& submission);
+/// The file name of the script of an engine: `slurm`, `parallel` or `snakemake`.
+std::string script_name(const std::string& engine, const Submission& submission);
 
-/// A script that runs the shards by GNU parallel with a log of its jobs, those that failed again, and merges.
-std::string parallel_script(const Submission& submission);
-
-/// Rules for Snakemake: one a shard, one that merges.
-std::string snakefile(const Submission& submission);
+/// The script that runs the shards with an engine and merges them: the engine's template of src/app/submit/, filled in.
+/// Throws std::invalid_argument for another engine.
+std::string submit_script(const std::string& engine, const Submission& submission);
 
 }  // namespace polhode

@@ -1,9 +1,10 @@
 // Vectors, quaternions and 3x3 matrices over any scalar.
 //
-// Only +, - and * are used, so that S may be float, double, long double, a 128-bit float, a multiprecision number, a
-// traced Taylor coefficient, a dual number or a ball. Operations between two scalars A and B (say a binary64 parameter
-// and a dual number) give the type of a product of the two. Functions that need a square root or a comparison live
-// with the type they serve.
+// Main types: Vector3, Quaternion (Hamilton's convention) and Matrix3 (row-major). Only +, -, * and, in inverse(), /
+// are used, so that the scalar S may be float, double, long double, a 128-bit float, a multiprecision number, a
+// traced Taylor coefficient, a dual number or a ball. An operation between two scalar types A and B (say a binary64
+// parameter and a dual number) returns the type of their product. Functions that need a square root or a comparison
+// are defined beside the scalar type.
 #pragma once
 
 #include <array>
@@ -11,11 +12,11 @@
 
 namespace polhode {
 
-/// The scalar that a product of an A and a B has.
+/// The scalar type of the product of an A and a B.
 template <class A, class B>
 using Product = decltype(A() * B());
 
-/// Three components along the axes of one frame; a suffix _B or _W of the variable's name says which.
+/// Three components along the axes of one frame. A suffix _B or _W of a variable's name denotes the frame.
 template <class S>
 struct Vector3 {
     std::array<S, 3> component{};  ///< x, y, z
@@ -32,22 +33,23 @@ struct Vector3 {
     bool operator==(const Vector3&) const = default;
 };
 
-/// w + x i + y j + z k, Hamilton's product. A unit quaternion q maps body vectors to world vectors: v_W = q v_B q*.
+/// w + x i + y j + z k with Hamilton's product. A unit quaternion q maps body vectors to world vectors: v_W = q v_B
+/// q*.
 template <class S>
 struct Quaternion {
-    S w = S(1);  ///< the scalar part; a quaternion is the identity unless it is given others
-    S x = S(0);  ///< of the vector part, along the first axis
-    S y = S(0);  ///< of the vector part, along the second axis
-    S z = S(0);  ///< of the vector part, along the third axis
+    S w = S(1);  ///< scalar part; the default quaternion is the identity
+    S x = S(0);  ///< vector part, first axis
+    S y = S(0);  ///< vector part, second axis
+    S z = S(0);  ///< vector part, third axis
 
-    /// Whether all four numbers are equal: q and -q, one rotation, are not.
+    /// Whether all four numbers are equal. q and -q represent the same rotation but compare unequal.
     bool operator==(const Quaternion&) const = default;
 };
 
-/// Nine components, row by row: M[row][column].
+/// A 3x3 matrix, row by row: M[row][column].
 template <class S>
 struct Matrix3 {
-    std::array<Vector3<S>, 3> row{};  ///< the zero matrix unless it is given others
+    std::array<Vector3<S>, 3> row{};  ///< zero by default
 
     /// The i-th row, i = 0, 1, 2.
     Vector3<S>& operator[](std::size_t i) { return row[i]; }
@@ -57,43 +59,43 @@ struct Matrix3 {
     bool operator==(const Matrix3&) const = default;
 };
 
-/// The sum, component by component.
+/// Componentwise sum.
 template <class A, class B>
 Vector3<Product<A, B>> operator+(const Vector3<A>& a, const Vector3<B>& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-/// The difference, component by component.
+/// Componentwise difference.
 template <class A, class B>
 Vector3<Product<A, B>> operator-(const Vector3<A>& a, const Vector3<B>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// The opposite vector.
+/// The negated vector.
 template <class S>
 Vector3<S> operator-(const Vector3<S>& a) {
     return {-a[0], -a[1], -a[2]};
 }
 
-/// The vector scaled by a number.
+/// The product of a scalar and a vector.
 template <class A, class B>
 Vector3<Product<A, B>> operator*(const A& a, const Vector3<B>& v) {
     return {a * v[0], a * v[1], a * v[2]};
 }
 
-/// The scalar product a . b.
+/// The dot product a . b.
 template <class A, class B>
 Product<A, B> dot(const Vector3<A>& a, const Vector3<B>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// The vector product a x b.
+/// The cross product a x b.
 template <class A, class B>
 Vector3<Product<A, B>> cross(const Vector3<A>& a, const Vector3<B>& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// The matrix applied to a column vector, M v.
+/// The matrix-vector product M v.
 template <class A, class B>
 Vector3<Product<A, B>> operator*(const Matrix3<A>& m, const Vector3<B>& v) {
     return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
@@ -117,13 +119,13 @@ Matrix3<Product<A, B>> operator*(const Matrix3<A>& a, const Matrix3<B>& b) {
     return c;
 }
 
-/// The sum, entry by entry.
+/// Entrywise sum.
 template <class A, class B>
 Matrix3<Product<A, B>> operator+(const Matrix3<A>& a, const Matrix3<B>& b) {
     return {{a[0] + b[0], a[1] + b[1], a[2] + b[2]}};
 }
 
-/// The matrix with the components of `d` on its diagonal and zeros elsewhere.
+/// The diagonal matrix with the components of `d`.
 template <class S>
 Matrix3<S> diagonal(const Vector3<S>& d) {
     Matrix3<S> m;
@@ -131,7 +133,7 @@ Matrix3<S> diagonal(const Vector3<S>& d) {
     return m;
 }
 
-/// The inverse by cofactors; divides by the determinant, which must not be zero.
+/// The inverse by cofactors. Divides by the determinant, which must not be zero.
 template <class S>
 Matrix3<S> inverse(const Matrix3<S>& m) {
     const Vector3<S> c0 = cross(m[1], m[2]), c1 = cross(m[2], m[0]), c2 = cross(m[0], m[1]);
@@ -145,13 +147,13 @@ Matrix3<S> inverse(const Matrix3<S>& m) {
     return result;
 }
 
-/// q* = w - x i - y j - z k: of a unit quaternion, the inverse rotation.
+/// q* = w - x i - y j - z k. For a unit quaternion this is the inverse rotation.
 template <class S>
 Quaternion<S> conjugate(const Quaternion<S>& q) {
     return {q.w, -q.x, -q.y, -q.z};
 }
 
-/// Hamilton's product a b: as rotations of vectors, first b, then a.
+/// Hamilton's product a b. As a rotation of vectors: first b, then a.
 template <class A, class B>
 Quaternion<Product<A, B>> operator*(const Quaternion<A>& a, const Quaternion<B>& b) {
     return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
@@ -164,13 +166,13 @@ S squared_norm(const Quaternion<S>& q) {
     return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
 }
 
-/// The part (x, y, z).
+/// The vector part (x, y, z).
 template <class S>
 Vector3<S> vector_part(const Quaternion<S>& q) {
     return {q.x, q.y, q.z};
 }
 
-/// |q|^2 R(q), a quadratic form in q: for a unit quaternion, the rotation matrix from body to world axes.
+/// |q|^2 R(q), a quadratic form in q. For a unit quaternion this is the rotation matrix from body to world axes.
 template <class S>
 Matrix3<S> rotation_matrix(const Quaternion<S>& q) {
     const S ww = q.w * q.w, xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
@@ -182,7 +184,7 @@ Matrix3<S> rotation_matrix(const Quaternion<S>& q) {
     return m;
 }
 
-/// |q|^2 R(q)^T e_b: row b of rotation_matrix(q), the world's axis b in body axes.
+/// |q|^2 R(q)^T e_b: row b of rotation_matrix(q). For a unit quaternion this is the world axis b in body axes.
 template <class S>
 Vector3<S> world_axis(const Quaternion<S>& q, int b) {
     const auto twice = [](const S& s) { return s + s; };
@@ -195,7 +197,7 @@ Vector3<S> world_axis(const Quaternion<S>& q, int b) {
     return {twice(q.x * q.z - q.w * q.y), twice(q.y * q.z + q.w * q.x), q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z};
 }
 
-/// |q|^2 R(q) v: for a unit quaternion, the body vector v in world axes.
+/// |q|^2 R(q) v. For a unit quaternion this is the body vector v in world axes.
 template <class S, class V>
 Vector3<Product<S, V>> rotate(const Quaternion<S>& q, const Vector3<V>& v) {
     // (w^2 - u.u) v + 2 (u.v) u + 2 w u x v
@@ -205,23 +207,23 @@ Vector3<Product<S, V>> rotate(const Quaternion<S>& q, const Vector3<V>& v) {
     return scale * v + (twice_projection * u + twice_w * cross(u, v));
 }
 
-/// |q|^2 R(q)^T v: for a unit quaternion, the world vector v in body axes.
+/// |q|^2 R(q)^T v. For a unit quaternion this is the world vector v in body axes.
 template <class S, class V>
 Vector3<Product<S, V>> rotate_back(const Quaternion<S>& q, const Vector3<V>& v) {
     return rotate(conjugate(q), v);
 }
 
-/// The vector in another scalar, each component made by To(from).
+/// Converts each component to the scalar To by To(from).
 template <class To, class From>
 Vector3<To> cast(const Vector3<From>& v) {
     return {To(v[0]), To(v[1]), To(v[2])};
 }
-/// The quaternion in another scalar, each number made by To(from).
+/// Converts each number to the scalar To by To(from).
 template <class To, class From>
 Quaternion<To> cast(const Quaternion<From>& q) {
     return {To(q.w), To(q.x), To(q.y), To(q.z)};
 }
-/// The matrix in another scalar, each entry made by To(from).
+/// Converts each entry to the scalar To by To(from).
 template <class To, class From>
 Matrix3<To> cast(const Matrix3<From>& m) {
     return {{cast<To>(m[0]), cast<To>(m[1]), cast<To>(m[2])}};

@@ -1,5 +1,5 @@
-// The elementary functions that closed forms need, for every scalar they are evaluated in: binary64, 128 bits (the C
-// library's), and any number type that finds its own by its namespace (multiprecision). Balls have their own.
+// Elementary functions for every scalar in which closed forms are evaluated: binary64, 128 bits (by the C library)
+// and number types with functions in their own namespace (multiprecision). Balls define their own.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 /// @cond declarations of the C library
 #ifdef __clang__
-// the C library has them for every compiler and declares them for GCC alone
+// the C library provides these for every compiler but declares them only for GCC
 extern "C" {
 polhode::Wide expf128(polhode::Wide);
 polhode::Wide expm1f128(polhode::Wide);
@@ -26,7 +26,7 @@ polhode::Wide cbrtf128(polhode::Wide);
 
 namespace polhode {
 
-/// The square root in any scalar; the one in 128 bits is in body/wide.h.
+/// The square root in any scalar. The 128-bit version is in body/wide.h.
 template <class S>
 S square_root(const S& x) {
     using std::sqrt;
@@ -38,13 +38,13 @@ template <class S>
 S length(const Vector3<S>& v) {
     return square_root(dot(v, v));
 }
-/// |v|, also where its square is out of range.
+/// |v| without overflow or underflow of its square.
 template <class S>
 S hypotenuse(const Vector3<S>& v) {
     return std::hypot(v[0], v[1], v[2]);
 }
 
-/// The elementary functions and constants of a scalar whose library has them in its own namespace.
+/// Elementary functions and constants of a scalar whose library defines them in its own namespace.
 template <class S>
 struct Elementary {
     /// The ratio of a circle's circumference to its diameter.
@@ -52,8 +52,8 @@ struct Elementary {
         static thread_local const S value = acos(S(-1));
         return value;
     }
-    // not std::numeric_limits<S>'s functions: Boost 1.74 keeps their values in statics that it fills at the first call,
-    // without a lock where there are no expression templates, so that a second thread may read half of one
+    // Not std::numeric_limits<S>: Boost 1.74 keeps its values in statics that the first call fills without a lock (if
+    // there are no expression templates), so that a second thread may read a half-written value.
     /// The distance from 1 to the next number above it.
     static S epsilon() { return ldexp(S(1), 1 - std::numeric_limits<S>::digits); }
     /// Positive infinity.
@@ -66,13 +66,13 @@ struct Elementary {
     static void sine_cosine(const S& x, S& sine, S& cosine) { sine = sin(x), cosine = cos(x); }
     /// |x|.
     static S magnitude(const S& x) { return abs(x); }
-    /// The nearest whole number.
+    /// The nearest integer.
     static S rounded(const S& x) { return round(x); }
     /// The real cube root.
     static S cube_root(const S& x) { return cbrt(x); }
 };
 
-/// The sine and the cosine of an angle in rad, in any scalar that has Elementary.
+/// The sine and the cosine of an angle in rad, in any scalar with a specialisation of Elementary.
 template <class S>
 void sine_cosine(const S& x, S& sine, S& cosine) {
     Elementary<S>::sine_cosine(x, sine, cosine);

@@ -5,7 +5,7 @@
 namespace polhode {
 namespace {
 
-// One of Jacobi's rotations, in the (p, r) plane (Golub & Van Loan, 8.5); see principal_frame.cpp.
+// One Jacobi rotation in the (p, r) plane (Golub & Van Loan, 8.5); see principal_rotation.h.
 bool rotate_away(double (&a)[3][3], double (&q)[4], int p, int r) {
     const double entry = a[p][r], negligible = 1e-20 * std::abs(a[p][p]) + 1e-20 * std::abs(a[r][r]);
     if (entry == 0 || std::abs(entry) <= negligible) {
@@ -21,7 +21,8 @@ bool rotate_away(double (&a)[3][3], double (&q)[4], int p, int r) {
     const double kp = a[k][p], kr = a[k][r];
     a[k][p] = a[p][k] = c * kp - s * kr;
     a[k][r] = a[r][k] = s * kp + c * kr;
-    // about the third axis k, by -angle if (p, r, k) is right-handed: q times (cosine, sine e_k) of the half angle
+    // the same rotation about the third axis k, by -angle if (p, r, k) is right-handed: q times (cosine, sine e_k) of
+    // the half angle
     const double cosine = std::sqrt((1 + c) / 2), half = s / (2 * cosine), sine = (p + 1) % 3 == r ? -half : half;
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const double w = q[0], x = q[1 + i], y = q[1 + j], z = q[1 + k];

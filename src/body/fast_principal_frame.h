@@ -1,13 +1,13 @@
-// The principal frame in binary64, for bodies by the million.
+// The principal frame computed in binary64, fast enough for ensembles of millions of bodies.
 #pragma once
 
 #include "body/rigid_body.h"
 
 namespace polhode {
 
-/// As principal_frame, worked out in binary64: moments and axes are those of a tensor that differs from this one by a
-/// few epsilon of its largest moment. Of entries that disagree across the diagonal their mean counts. What is not
-/// finite comes back not finite.
+/// Computes principal_frame() in binary64. The result is the principal frame of a tensor that differs from `inertia`
+/// by a few epsilon of its largest moment. If `inertia` is not symmetric, its symmetric part is used. Non-finite
+/// input gives non-finite output.
 PrincipalFrame fast_principal_frame(const Matrix3<double>& inertia);
 
 }  // namespace polhode

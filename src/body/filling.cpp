@@ -32,7 +32,7 @@ struct Contains {
         return across2() + square(std::max(std::abs(z) - s.half_height, 0.0)) <= square(s.radius);
     }
     bool operator()(const Cone& s) const {
-        const double share = 0.75 - z / s.height;  // of the base's radius at this height
+        const double share = 0.75 - z / s.height;  // fraction of the base radius at this height
         return share >= 0 && share <= 1 && across2() <= square(share * s.radius);
     }
     bool operator()(const Ellipsoid& s) const {
@@ -45,7 +45,7 @@ struct Contains {
     bool operator()(const ThinDisc&) const { return false; }
     bool operator()(const ThinPlate&) const { return false; }
     bool operator()(const Tetrahedron& s) const {
-        // on the same side of each face as the corner opposite to it
+        // inside: on the same side of each face as the opposite vertex
         const Vector3<double> p(x, y, z);
         for (int i = 0; i < 4; ++i) {
             const Vector3<double>&a = s.vertices[(i + 1) % 4], &b = s.vertices[(i + 2) % 4],
@@ -103,11 +103,11 @@ void share(std::vector<PointMass<double>>& points, double mass) {
     for (PointMass<double>& point : points) point.mass = mass / static_cast<double>(points.size());
 }
 
-// Steele, Lea & Flood 2014, OOPSLA
+// SplitMix64 (Steele, Lea & Flood 2014, OOPSLA).
 struct SplitMix64 {
     std::uint64_t state;
 
-    /// even over [0, 1)
+    /// uniform in [0, 1)
     double next() {
         std::uint64_t z = (state += 0x9e3779b97f4a7c15);
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;

@@ -1,4 +1,4 @@
-// A solid shape as many point masses: sums in place of an integral.
+// Approximates a solid shape by point masses.
 #pragma once
 
 #include <vector>
@@ -8,21 +8,23 @@
 
 namespace polhode {
 
-/// Whether the point (m, from the shape's origin) is inside. A rod, disc or plate holds no point.
+/// Whether the point (m, from the shape's origin) is inside the shape. Always false for a rod, disc or plate.
 bool contains(const Shape& shape, const Vector3<double>& point);
 
-/// The corners of the smallest box around the shape, along its axes (m).
+/// The corners of the axis-aligned bounding box of the shape (m).
 struct Bounds {
     Vector3<double> low, high;
 };
+/// The axis-aligned bounding box of the shape, in its own axes (m).
 Bounds bounds(const Shape& shape);
 
-/// The centres of those cells of an n x n x n grid over the bounds whose centre is inside, the mass (kg) shared
-/// equally. Empty where no centre is.
+/// The cell centres of an n x n x n grid over the bounds that are inside the shape. The mass (kg) is shared equally.
+/// Empty if no centre is inside.
 std::vector<PointMass<double>> grid_points(const Shape& shape, double mass, int n);
 
-/// Points inside, drawn evenly from the bounds by a generator of this seed (SplitMix64: the same on every machine),
-/// until there are `count`; the mass (kg) shared equally. Throws std::invalid_argument for a shape without volume.
+/// `count` points inside the shape, drawn uniformly from the bounds and rejected outside. The generator is SplitMix64
+/// with this seed and gives the same points on every machine. The mass (kg) is shared equally. Throws
+/// std::invalid_argument for a shape without volume.
 std::vector<PointMass<double>> random_points(const Shape& shape, double mass, long count, unsigned long seed);
 
 }  // namespace polhode

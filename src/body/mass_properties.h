@@ -1,4 +1,4 @@
-// Mass, centre of mass and inertia of bodies made of placed and turned parts, over any scalar.
+// Mass, centre of mass and inertia of bodies composed of placed and rotated parts, over any scalar.
 #pragma once
 
 #include <vector>
@@ -9,42 +9,42 @@
 
 namespace polhode {
 
-/// The mass properties of a body in its own axes. A negative mass is a hole.
+/// The mass properties of a body in its own axes. A negative mass represents a hole.
 template <class S>
 struct MassProperties {
     S mass = S(0);       ///< kg
-    Vector3<S> center;   ///< of mass, from the origin, m
+    Vector3<S> center;   ///< centre of mass, from the origin, m
     Matrix3<S> inertia;  ///< about the centre of mass, kg m^2
 };
 
-/// q / |q|, which must not be zero.
+/// q / |q|. q must not be zero.
 template <class S>
 Quaternion<S> normalized(const Quaternion<S>& q) {
     const S norm = square_root(squared_norm(q));
     return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
-/// The inertia tensor in axes that the unit quaternion q maps its own to: R I R^T.
+/// The inertia tensor after rotation by the unit quaternion q: R I R^T.
 template <class S>
 Matrix3<S> rotated(const Matrix3<S>& inertia, const Quaternion<S>& q) {
     const Matrix3<S> R = rotation_matrix(q);
     return R * inertia * transposed(R);
 }
 
-/// The tensor about the centre of mass as one about the point `arm` away from it: Steiner's theorem.
+/// The inertia tensor about `point` (m, from the body's origin), by the parallel axis (Steiner's) theorem.
 template <class S>
 Matrix3<S> about_point(const MassProperties<S>& body, const Vector3<S>& point) {
     return body.inertia + parallel_axis(body.mass, Vector3<S>(body.center - point));
 }
 
-/// The body turned by q (a unit quaternion) about its origin, and its origin then moved to `position`.
+/// The body rotated by the unit quaternion q about its origin and then translated by `position` (m).
 template <class S>
 MassProperties<S> placed(const MassProperties<S>& body, const Vector3<S>& position, const Quaternion<S>& q) {
     return {body.mass, position + rotate(q, body.center), rotated(body.inertia, q)};
 }
 
-/// One rigid body of all parts: m = sum m_i, c = sum m_i c_i / m, I = sum (I_i + Steiner's term of c_i - c). A whole
-/// without mass keeps the origin for its centre.
+/// The mass properties of all parts as one rigid body: m = sum m_i, c = sum m_i c_i / m, I = sum (I_i + Steiner's
+/// term of c_i - c). If the total mass is zero, the centre of mass is the origin.
 template <class S>
 MassProperties<S> composite(const std::vector<MassProperties<S>>& parts) {
     MassProperties<S> whole;
@@ -66,7 +66,8 @@ struct PointMass {
     Vector3<S> position;  ///< m
 };
 
-/// The mass properties of point masses: the tensor is sum m_i (|r_i|^2 1 - r_i r_i^T) about their centre of mass.
+/// The mass properties of point masses. The tensor is sum m_i (|r_i|^2 1 - r_i r_i^T), with r_i from their centre of
+/// mass.
 template <class S>
 MassProperties<S> of_points(const std::vector<PointMass<S>>& points) {
     std::vector<MassProperties<S>> parts;

@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-// for each vertex the first at the same place: files of triangles alone repeat their corners
+// For each vertex, the first one at the same place. Files that list only triangles repeat their vertices.
 std::vector<int> same_places(const Mesh& mesh) {
     std::map<std::array<double, 3>, int> first;
     std::vector<int> same;
@@ -22,7 +22,7 @@ std::vector<int> same_places(const Mesh& mesh) {
 }  // namespace
 
 double enclosed_volume(const Mesh& mesh) {
-    // the sum of the tetrahedra's volumes, and of their sizes
+    // the sum of the signed volumes of the tetrahedra, and the sum of their magnitudes
     const Vector3<Wide> from = cast<Wide>(mesh.vertices[static_cast<std::size_t>(mesh.triangles.front()[0])]);
     Wide volume = 0, size = 0;
     for (const std::array<int, 3>& triangle : mesh.triangles) {
@@ -38,7 +38,8 @@ double enclosed_volume(const Mesh& mesh) {
 std::string mesh_fault(const Mesh& mesh) {
     if (mesh.triangles.empty()) return "has no triangles";
     const std::vector<int> same = same_places(mesh);
-    // how often each edge is run through from its lower vertex to its higher one, less the other way
+    // for each edge, the number of traversals from its lower vertex to its higher one minus those in the other
+    // direction
     std::map<std::pair<int, int>, int> edges;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const std::array<int, 3>& triangle = mesh.triangles[t];

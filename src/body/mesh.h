@@ -1,4 +1,4 @@
-// Bodies bounded by triangles: exact sums over tetrahedra.
+// Mass properties of bodies bounded by triangles, by exact sums over tetrahedra.
 #pragma once
 
 #include <array>
@@ -9,13 +9,13 @@
 
 namespace polhode {
 
-/// Triangles by the indices of their vertices, counter-clockwise as seen from outside.
+/// A triangle mesh. The vertices of each triangle are counter-clockwise as seen from outside.
 struct Mesh {
     std::vector<Vector3<double>> vertices;  ///< in the file's units
     std::vector<std::array<int, 3>> triangles;
-    Vector3<double> scale{1, 1, 1};  ///< m per unit along each axis; negative: mirrored
+    Vector3<double> scale{1, 1, 1};  ///< m per unit along each axis; negative values mirror the mesh
 
-    /// Vertex i in m, in the scalar S.
+    /// Vertex i in m, as the scalar S.
     template <class S>
     Vector3<S> vertex(std::size_t i) const {
         const Vector3<double>& v = vertices[i];
@@ -23,18 +23,18 @@ struct Mesh {
     }
 };
 
-/// Why the volume integrals of the triangles are not those of a body, or an empty string: no triangles, a vertex that
-/// does not exist, or an edge that is not balanced. Every edge must be run through equally often in both directions:
-/// then the triangles form one or several closed surfaces and the divergence theorem is exact, also with triangles of
-/// no area and with edges that several closed parts share. The message names up to five unbalanced edges. Vertices at
-/// the same place count as one.
+/// Why the triangles do not bound a body, or an empty string if they do. Faults are: no triangles, a vertex index out
+/// of range, or an unbalanced edge. Every edge must occur equally often in both directions. Then the triangles form
+/// one or several closed surfaces and the divergence theorem is exact, even with triangles of zero area and with
+/// edges shared by several closed parts. The message names up to five unbalanced edges. Vertices at the same place
+/// count as one.
 std::string mesh_fault(const Mesh& mesh);
 
-/// The volume (in cubed units of the file) that a faultless mesh encloses, negative where its triangles face inward, 0
-/// where it is no more than what rounding of the coordinates would leave.
+/// The volume (in cubed file units) enclosed by a mesh without faults. Negative if its triangles face inward; 0 if it
+/// is within the rounding error of the coordinates.
 double enclosed_volume(const Mesh& mesh);
 
-/// The extent of a body whose coordinates are multiplied by these factors, none of them zero.
+/// The extent of a body whose coordinates are multiplied by these nonzero factors.
 template <class S>
 Extent<S> scaled(const Extent<S>& extent, const Vector3<double>& scale) {
     Extent<S> e = extent;
@@ -46,20 +46,20 @@ Extent<S> scaled(const Extent<S>& extent, const Vector3<double>& scale) {
     return e;
 }
 
-/// Volume (m^3), centroid and the mean of (r - centroid)(r - centroid)^T of what a faultless mesh that faces outward
-/// bounds, as a sum over the tetrahedra from one point to each triangle (exact: B. Mirtich 1996, J. Graphics Tools 1;
-/// M. Kallay 2006, J. Graphics Tools 11).
+/// Volume (m^3), centroid (m) and mean of (r - centroid)(r - centroid)^T (m^2) of the body bounded by a mesh without
+/// faults that faces outward. It is an exact sum over the tetrahedra from one point to each triangle (B. Mirtich
+/// 1996, J. Graphics Tools 1; M. Kallay 2006, J. Graphics Tools 11).
 template <class S>
 Extent<S> mesh_extent(const Mesh& mesh) {
-    // from near the middle, so that little cancels
+    // the apex is near the middle, to limit cancellation
     Vector3<S> origin;
     for (const Vector3<double>& v : mesh.vertices) origin = origin + cast<S>(v);
     const S count(static_cast<double>(mesh.vertices.size()));
     origin = Vector3<S>(origin[0] / count, origin[1] / count, origin[2] / count);
 
-    S six = S(0);            // times the volume
-    Vector3<S> twenty_four;  // times the integral of r
-    Matrix3<S> one_twenty;   // times the integral of r r^T: per tetrahedron 6 V (sum v v^T + s s^T), s = sum v
+    S six = S(0);            // 6 times the volume
+    Vector3<S> twenty_four;  // 24 times the integral of r
+    Matrix3<S> one_twenty;   // 120 times the integral of r r^T: per tetrahedron 6 V (sum v v^T + s s^T), s = sum v
     for (const std::array<int, 3>& triangle : mesh.triangles) {
         std::array<Vector3<S>, 3> v;
         for (int k = 0; k < 3; ++k) v[k] = cast<S>(mesh.vertices[triangle[k]]) - origin;

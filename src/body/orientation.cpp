@@ -1,3 +1,7 @@
+// Conversions between quaternions, matrices, axis and angle, rotation vectors and Euler angles; see orientation.h for
+// ranges and accuracy. Sources: Shepperd 1978 (quaternion_from_matrix), Higham 1986 (nearest_rotation), Bernardes &
+// Viollet 2022 (euler_from_quaternion).
+
 #include "body/orientation.h"
 
 #include <algorithm>
@@ -16,7 +20,7 @@ namespace polhode {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double lock = 1e-15;  // rad: nearer to gimbal lock the rounding of q decides
+constexpr double lock = 1e-15;  // rad: closer to gimbal lock, the rounding of q dominates
 
 template <class S>
 Vector3<S> column(const Matrix3<S>& m, int j) {
@@ -65,7 +69,7 @@ Axes axes_of(EulerSequence sequence) {
     return {name[0] - 'x', name[1] - 'x', name[2] - 'x'};
 }
 
-// into (-pi, pi]
+// wraps into (-pi, pi]
 double wrapped(double angle) {
     if (angle > pi) return angle - 2 * pi;
     if (angle <= -pi) return angle + 2 * pi;
@@ -77,7 +81,7 @@ double wrapped(double angle) {
 template <class S>
 Quaternion<S> quaternion_from_rotation_vector(const Vector3<S>& v) {
     const S angle = hypotenuse(v);
-    // sin(x/2)/x: 1/2 where x is so small that x^2/24 is nothing
+    // sin(x/2)/x: 1/2 where x^2/24 is negligible
     const S s = angle < S(1e-8) ? S(0.5) : std::sin(angle / 2) / angle;
     return {std::cos(angle / 2), s * v[0], s * v[1], s * v[2]};
 }
@@ -134,7 +138,7 @@ Quaternion<double> quaternion_from_matrix(const Matrix3<double>& A) {
 }
 
 Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A) {
-    // 4 w^2 = 1 + tr, 4 x^2 = 1 + 2 A_xx - tr, ..: the largest is at least 1
+    // 4 w^2 = 1 + tr, 4 x^2 = 1 + 2 A_xx - tr, ..: the largest of the four is at least 1
     const double trace = A[0][0] + A[1][1] + A[2][2];
     int i = 0;
     for (int k = 1; k < 3; ++k)
@@ -169,7 +173,7 @@ Matrix3<double> nearest_rotation(const Matrix3<double>& A) {
         return std::hypot(hypotenuse(m[0]), hypotenuse(m[1]), hypotenuse(m[2]));
     };
     Matrix3<double> X = A;
-    // X <- (g X + X^-T / g) / 2: some ten iterations from any condition number that binary64 can hold
+    // X <- (g X + X^-T / g) / 2: about ten iterations for any condition number that binary64 can represent
     constexpr int most = 60;
     for (int n = 0; n < most; ++n) {
         const Matrix3<double> Y = transposed(inverse(X));
@@ -212,8 +216,8 @@ Quaternion<double> quaternion_from_euler(EulerSequence sequence, const EulerAngl
 
 // Proper angles first. With e_i e_j = s e_k (s = 1 for cyclic i, j, k), q_i(a) q_j(b) q_i(c) has the components
 //   w = cos(b/2) cos((a+c)/2),  i: cos(b/2) sin((a+c)/2),  j: sin(b/2) cos((a-c)/2),  k: s sin(b/2) sin((a-c)/2).
-// Tait-Bryan angles are proper ones of another quaternion: a quarter turn P = q_j(pi/2) takes e_i to -s e_k, so
-// q_k(c) = P q_i(-s c) P* and q P = q_i(a) q_j(b + pi/2) q_i(-s c).
+// Tait-Bryan angles are the proper angles of another quaternion: the quarter rotation P = q_j(pi/2) maps e_i to -s
+// e_k, so q_k(c) = P q_i(-s c) P* and q P = q_i(a) q_j(b + pi/2) q_i(-s c).
 EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<double>& quaternion) {
     const Axes axes = axes_of(sequence);
     const bool proper = axes.i == axes.k;
@@ -221,7 +225,7 @@ EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<doubl
     const double s = (j - i + 3) % 3 == 1 ? 1 : -1;
     Quaternion<double> q = quaternion;
     if (!proper) {
-        Quaternion<double> quarter{1, 0, 0, 0};  // times sqrt 2
+        Quaternion<double> quarter{1, 0, 0, 0};  // the quarter rotation times sqrt 2
         component(quarter, j) = 1;
         q = q * quarter;
     }
@@ -229,7 +233,7 @@ EulerAngles euler_from_quaternion(EulerSequence sequence, const Quaternion<doubl
     const double cosine = std::hypot(q.w, qi), sine = std::hypot(qj, qk);
     const double sum = std::atan2(qi, q.w), difference = std::atan2(qk, qj);
     EulerAngles angles{sum + difference, 2 * std::atan2(sine, cosine), sum - difference};
-    // half of a distance from lock that only rounding makes
+    // half of the distance from gimbal lock, where only rounding remains
     if (sine <= lock / 2 * cosine) angles = {2 * sum, angles[1], 0};
     if (cosine <= lock / 2 * sine) angles = {2 * difference, angles[1], 0};
     if (!proper) {

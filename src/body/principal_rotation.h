@@ -1,4 +1,4 @@
-// Jacobi's rotations to the principal axes, over any scalar with square roots.
+// Jacobi rotations to the principal axes, over any scalar with square roots.
 #pragma once
 
 #include "body/elementary.h"
@@ -6,9 +6,8 @@
 
 namespace polhode {
 
-/// One of Jacobi's rotations: rotate in the (p, r) plane until the off-diagonal entry vanishes. For a 3x3 tensor a
-/// handful of sweeps reach the arithmetic's precision, whatever the spread or nearness of the moments (Golub & Van
-/// Loan, 8.5).
+/// One Jacobi rotation: rotates in the (p, r) plane so that the off-diagonal entry vanishes. For a 3x3 tensor a few
+/// sweeps reach the precision of the scalar, whatever the spread of the moments (Golub & Van Loan, 8.5).
 template <class S>
 void rotate_away(Matrix3<S>& a, Quaternion<S>& q, int p, int r, double largest_slope) {
     if (a[p][r] == 0) return;
@@ -20,12 +19,12 @@ void rotate_away(Matrix3<S>& a, Quaternion<S>& q, int p, int r, double largest_s
     }
     const S t = S(theta < 0 ? -1 : 1) / (magnitude + square_root(magnitude * magnitude + 1));
     const S c = 1 / square_root(t * t + 1), s = t * c;
-    // columns p and r of the axes turn by the angle whose cosine is c: x_p' = c x_p - s x_r, x_r' = s x_p + c x_r
+    // columns p and r of the axes rotate by the angle whose cosine is c: x_p' = c x_p - s x_r, x_r' = s x_p + c x_r
     Matrix3<S> turn = diagonal(Vector3<S>(1, 1, 1));
     turn[p][p] = c, turn[r][r] = c, turn[p][r] = s, turn[r][p] = -s;
     a = transposed(turn) * a * turn;
     a[p][r] = a[r][p] = 0;
-    // the same turn as a quaternion: about the third axis k, by -angle if (p, r, k) is right-handed
+    // the same rotation as a quaternion: about the third axis k, by -angle if (p, r, k) is right-handed
     const S half_cosine = square_root((1 + c) / 2), half_sine = s / (2 * half_cosine);
     const int k = 3 - p - r;
     const bool right_handed = (p + 1) % 3 == r;
@@ -34,9 +33,9 @@ void rotate_away(Matrix3<S>& a, Quaternion<S>& q, int p, int r, double largest_s
     q = q * Quaternion<S>{half_cosine, axis[0], axis[1], axis[2]};
 }
 
-/// The principal axes of a tensor by 24 sweeps of them: `inertia` becomes diagonal, and the unit quaternion maps
-/// principal axes to its own. Where two entries disagree across the diagonal their mean counts. An angle below
-/// 1/(2 largest_slope) rad is none in the scalar.
+/// Diagonalises `inertia` by 24 Jacobi sweeps. Returns the unit quaternion that maps principal axes to the tensor's
+/// axes. A tensor that is not symmetric is replaced by its symmetric part. Rotations by less than 1/(2 largest_slope)
+/// rad are skipped; choose largest_slope so that they are below the scalar's precision.
 template <class S>
 Quaternion<S> turned_to_principal_axes(Matrix3<S>& inertia, double largest_slope) {
     for (int i = 0; i < 3; ++i)

@@ -1,4 +1,4 @@
-// Mass properties as the equations of motion need them, over any scalar.
+// Mass properties in the form that the equations of motion use, over any scalar.
 #pragma once
 
 #include "body/algebra.h"
@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// What the inertia tensor about the centre of mass gains at a point `arm` (m) away from it, by the parallel axis
-/// theorem: m (|a|^2 1 - a a^T), in kg m^2.
+/// The term of the parallel axis theorem for a point `arm` (m) away from the centre of mass: m (|a|^2 1 - a a^T), in
+/// kg m^2.
 template <class S>
 Matrix3<S> parallel_axis(const S& mass, const Vector3<S>& arm) {
     const S square = dot(arm, arm);
@@ -32,14 +32,14 @@ struct WidePrincipalFrame {
     Quaternion<Wide> q_BP;  ///< principal axes to body axes, of unit length
 };
 
-/// The principal frame of an inertia tensor (kg m^2), found by Jacobi rotations in 128-bit arithmetic. Where two
-/// entries disagree across the diagonal their mean counts.
+/// The principal frame of an inertia tensor (kg m^2), by Jacobi rotations in 128-bit arithmetic. If the tensor is not
+/// symmetric, its symmetric part is used.
 WidePrincipalFrame wide_principal_frame(const Matrix3<Wide>& inertia);
 
-/// The frame in binary64, with every number rounded once.
+/// The frame in binary64. Every number is rounded once.
 PrincipalFrame rounded(const WidePrincipalFrame& frame);
 
-/// The principal frame of an inertia tensor (kg m^2) in binary64, with every number rounded once.
+/// The principal frame of an inertia tensor (kg m^2) in binary64. Every number is rounded once.
 inline PrincipalFrame principal_frame(const Matrix3<Wide>& inertia) { return rounded(wide_principal_frame(inertia)); }
 
 }  // namespace polhode

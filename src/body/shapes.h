@@ -1,4 +1,9 @@
-// Bodies of uniform density in closed form. Each is centred on its origin, its axis along z; lengths in m.
+// Mass properties of bodies of uniform density in closed form.
+//
+// Each shape (Box, Cylinder, ..) is centred on its origin with its axis along z; lengths are in m. ExtentOf<S>
+// evaluates size, mean and second central moment of each shape in the scalar S; uniform_body() turns them into mass
+// properties. All formulas are the standard moment integrals, arranged as sums of positive terms to avoid
+// cancellation.
 #pragma once
 
 #include <array>
@@ -17,7 +22,7 @@ struct SolidSphere {
     double radius = 0;
 };
 struct HollowSphere {
-    double outer_radius = 0, inner_radius = 0;  ///< equal: a thin shell
+    double outer_radius = 0, inner_radius = 0;  ///< equal radii: a thin shell
 };
 struct Cylinder {
     double radius = 0, half_height = 0;
@@ -26,9 +31,9 @@ struct HollowCylinder {
     double outer_radius = 0, inner_radius = 0, half_height = 0;
 };
 struct Capsule {
-    double radius = 0, half_height = 0;  ///< of the cylinder between the two half spheres
+    double radius = 0, half_height = 0;  ///< half height of the cylinder between the hemispheres
 };
-/// Base at -height/4: the origin is the centre of mass.
+/// The base is at -height/4: the origin is the centre of mass.
 struct Cone {
     double radius = 0, height = 0;
 };
@@ -47,11 +52,11 @@ struct ThinDisc {
 struct ThinPlate {
     std::array<double, 2> half_extents{};
 };
-/// Anywhere: its centre of mass is the mean of its vertices.
+/// Vertices in any position. The centre of mass is their mean.
 struct Tetrahedron {
-    std::array<Vector3<double>, 4> vertices;  ///< not in one plane
+    std::array<Vector3<double>, 4> vertices;  ///< not coplanar
 };
-/// Of a cone; the origin is its centre of mass.
+/// A truncated cone. The origin is its centre of mass.
 struct Frustum {
     double bottom_radius = 0, top_radius = 0, height = 0;
 };
@@ -59,8 +64,8 @@ struct Frustum {
 using Shape = std::variant<Box, SolidSphere, HollowSphere, Cylinder, HollowCylinder, Capsule, Cone, Ellipsoid, Torus,
                            ThinRod, ThinDisc, ThinPlate, Tetrahedron, Frustum>;
 
-/// What of a uniform shape does not depend on its mass: its size (volume in m^3; area in m^2 of a disc, a plate; length
-/// in m of a rod), the mean of r and the mean of (r - mean)(r - mean)^T over it.
+/// The geometry of a uniform shape, independent of its mass: its size (volume in m^3; area in m^2 of a disc or plate;
+/// length in m of a rod), the mean of r (m) and the mean of (r - mean)(r - mean)^T (m^2).
 template <class S>
 struct Extent {
     S size = S(0);
@@ -68,13 +73,15 @@ struct Extent {
     Matrix3<S> spread;
 };
 
+/// Six times the signed volume of a tetrahedron (m^3), by the order of its vertices.
 inline Wide six_volumes(const Tetrahedron& s) {
     const auto edge = [&](int i) { return cast<Wide>(s.vertices[i]) - cast<Wide>(s.vertices[0]); };
     return dot(edge(1), cross(edge(2), edge(3)));
 }
+/// Whether the signed volume is negative.
 inline bool is_left_handed(const Tetrahedron& s) { return six_volumes(s) < 0; }
 
-// Sums of positive terms throughout: nothing cancels, also in a thin shell.
+// Only sums of positive terms, so that nothing cancels, even in a thin shell.
 template <class S>
 struct ExtentOf {
     static S pi() { return Elementary<S>::pi(); }
@@ -91,7 +98,7 @@ struct ExtentOf {
         return centred(S(4) * pi() * r * r * r / S(3), square, square, square);
     }
     Extent<S> operator()(const HollowSphere& s) const {
-        // (R^5 - r^5) / (5 (R^3 - r^3)), divided by R - r
+        // (R^5 - r^5) / (5 (R^3 - r^3)), with R - r divided out
         const S R(s.outer_radius), r(s.inner_radius);
         const S second = R * R + R * r + r * r;
         const S fourth = R * R * R * R + R * R * R * r + R * R * r * r + R * r * r * r + r * r * r * r;
@@ -107,7 +114,8 @@ struct ExtentOf {
         return centred(S(2) * pi() * (R - r) * (R + r) * h, square, square, h * h / S(3));
     }
     Extent<S> operator()(const Capsule& s) const {
-        // the half spheres beyond z = h: mean of z - h is 3 r / 8, of its square r^2 / 5; shares in units of pi r^2
+        // beyond z = h, each hemisphere has mean 3 r / 8 of z - h and mean r^2 / 5 of its square; sizes are in units
+        // of pi r^2
         const S r(s.radius), h(s.half_height), tube = S(2) * h, caps = S(4) * r / S(3), whole = tube + caps;
         const S across = (tube * r * r / S(4) + caps * r * r / S(5)) / whole;
         const S along = (tube * h * h / S(3) + caps * (h * h + S(3) * h * r / S(4) + r * r / S(5))) / whole;
@@ -143,7 +151,7 @@ struct ExtentOf {
         Vector3<S> mean;
         for (int i = 0; i < 4; ++i) v[i] = cast<S>(s.vertices[i]), mean = mean + v[i];
         mean = Vector3<S>(mean[0] / S(4), mean[1] / S(4), mean[2] / S(4));
-        // six times the volume, with the sign of the vertices' order
+        // six times the volume, signed by the order of the vertices
         const S six = dot(Vector3<S>(v[1] - v[0]), cross(Vector3<S>(v[2] - v[0]), Vector3<S>(v[3] - v[0])));
         Extent<S> e{(is_left_handed(s) ? S(-six) : six) / S(6), mean, {}};
         for (int i = 0; i < 4; ++i) {
@@ -166,7 +174,7 @@ struct ExtentOf {
     }
 };
 
-/// As the scene file calls it.
+/// The shape's name in scene files.
 inline const char* name_of(const Shape& shape) {
     constexpr const char* names[] = {"box",     "sphere", "hollow_sphere", "cylinder", "hollow_cylinder",
                                      "capsule", "cone",   "ellipsoid",     "torus",    "rod",
@@ -175,12 +183,13 @@ inline const char* name_of(const Shape& shape) {
     return names[shape.index()];
 }
 
+/// The geometry of a shape, in the scalar S.
 template <class S>
 Extent<S> extent(const Shape& shape) {
     return std::visit(ExtentOf<S>{}, shape);
 }
 
-/// A uniform body of that mass (kg): I = m (trace(C) 1 - C), C the spread.
+/// The mass properties of a uniform body of this mass (kg): I = m (trace(C) 1 - C), where C is the spread.
 template <class S>
 MassProperties<S> uniform_body(const Extent<S>& e, const S& mass) {
     MassProperties<S> body{mass, e.mean, {}};
@@ -191,11 +200,12 @@ MassProperties<S> uniform_body(const Extent<S>& e, const S& mass) {
     return body;
 }
 
+/// The mass properties of a uniform shape of this mass (kg).
 template <class S>
 MassProperties<S> of_mass(const Shape& shape, const S& mass) {
     return uniform_body(extent<S>(shape), mass);
 }
-/// Density in kg/m^3, of a disc or plate in kg/m^2, of a rod in kg/m.
+/// Density in kg/m^3; in kg/m^2 for a disc or plate, in kg/m for a rod.
 template <class S>
 MassProperties<S> of_density(const Shape& shape, const S& density) {
     const Extent<S> e = extent<S>(shape);

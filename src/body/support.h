@@ -1,8 +1,9 @@
-// Convex hulls by their support: what of a body is furthest in a direction.
+// Convex hulls by their support function: the furthest point of a body in a direction.
 //
-// A hull is that of finitely many pieces, each an ellipsoid of any rank (a point, a disc, a solid one) swept by a ball:
+// A hull is the convex hull of finitely many pieces. Each piece is an ellipsoid of any rank (a point, a disc, a solid
+// ellipsoid) plus a ball:
 //   { c + A u + r b : |u| <= 1, |b| <= 1 }.
-// Its furthest point along -n is c - A A^T n / |A^T n| - r n for a unit n, at -(n.c - |A^T n| - r).
+// For a unit vector n, its furthest point along -n is c - A A^T n / |A^T n| - r n, at n.x = n.c - |A^T n| - r.
 #pragma once
 
 #include <variant>
@@ -15,6 +16,7 @@
 
 namespace polhode {
 
+/// A piece { c + A u + r b : |u| <= 1, |b| <= 1 } of a convex hull.
 template <class S>
 struct SupportPiece {
     Vector3<S> center;      ///< m
@@ -22,7 +24,7 @@ struct SupportPiece {
     Matrix3<S> semi_axes;   ///< A, in columns, m
     S radius = S(0);        ///< r, m
 
-    /// n.x of the furthest point along -n, a unit vector in the piece's axes.
+    /// n.x of the furthest point along -n, where n is a unit vector in the piece's axes (m).
     S lowest(const Vector3<S>& n) const {
         S height = dot(n, center) - radius;
         if (extended) {
@@ -31,7 +33,7 @@ struct SupportPiece {
         }
         return height;
     }
-    /// That point. Of a disc that lies flat its centre.
+    /// The furthest point along -n (m). For a disc that lies flat, its centre.
     Vector3<S> lowest_point(const Vector3<S>& n) const {
         Vector3<S> point = center - radius * n;
         if (!extended) return point;
@@ -42,7 +44,7 @@ struct SupportPiece {
         if (!(length > S(16) * Elementary<S>::epsilon() * square_root(size))) return point;
         return point - (S(1) / length) * (semi_axes * a);
     }
-    /// No point is further from the origin than this.
+    /// Upper bound of the distance of all points from the origin (m).
     S reach() const {
         S size = S(0);
         for (int i = 0; i < 3; ++i) size = size + dot(semi_axes[i], semi_axes[i]);
@@ -50,7 +52,7 @@ struct SupportPiece {
     }
 };
 
-/// The piece turned by q (of length 1) about the origin, then moved.
+/// The piece rotated by the unit quaternion q about the origin and then translated by `position` (m).
 template <class S>
 SupportPiece<S> placed(const SupportPiece<S>& piece, const Vector3<S>& position, const Quaternion<S>& q) {
     SupportPiece<S> moved = piece;
@@ -59,7 +61,7 @@ SupportPiece<S> placed(const SupportPiece<S>& piece, const Vector3<S>& position,
     return moved;
 }
 
-/// Pieces whose convex hull is the shape's, about the shape's own origin.
+/// Pieces whose convex hull is that of the shape, relative to the shape's origin.
 template <class S>
 struct SupportOf {
     using Pieces = std::vector<SupportPiece<S>>;
@@ -70,7 +72,7 @@ struct SupportOf {
         return piece;
     }
     static SupportPiece<S> point(const S& x, const S& y, const S& z) { return ball(x, y, z, S(0)); }
-    /// Across the z axis.
+    /// A disc perpendicular to the z axis.
     static SupportPiece<S> disc(const S& radius, const S& z) {
         SupportPiece<S> piece = point(S(0), S(0), z);
         piece.extended = !(radius == S(0));
@@ -132,12 +134,13 @@ struct SupportOf {
     }
 };
 
+/// Pieces whose convex hull is that of the shape, from its origin (m).
 template <class S>
 std::vector<SupportPiece<S>> support(const Shape& shape) {
     return std::visit(SupportOf<S>{}, shape);
 }
 
-/// A mesh's hull is that of its vertices.
+/// The hull of a mesh is the hull of its vertices.
 template <class S>
 std::vector<SupportPiece<S>> support(const Mesh& mesh) {
     std::vector<SupportPiece<S>> pieces;

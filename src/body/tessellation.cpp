@@ -11,7 +11,7 @@ namespace polhode {
 Mesh tessellated(const Box& box) {
     Mesh mesh;
     const Vector3<double>& a = box.half_extents;
-    // corner i has its sign along axis k in bit k
+    // bit k of i is the sign of corner i along axis k
     for (int i = 0; i < 8; ++i)
         mesh.vertices.push_back({i & 1 ? a[0] : -a[0], i & 2 ? a[1] : -a[1], i & 4 ? a[2] : -a[2]});
     for (const std::array<int, 4>& face : {std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}, std::array{0, 1, 5, 4},

@@ -1,4 +1,4 @@
-// Shapes as closed surfaces of triangles that face outward.
+// Shapes as closed triangle meshes that face outward.
 #pragma once
 
 #include "body/mesh.h"
@@ -6,14 +6,14 @@
 
 namespace polhode {
 
-/// Twelve triangles: the box itself.
+/// Twelve triangles; exact.
 Mesh tessellated(const Box& box);
 
-/// An icosahedron, each triangle split into four `subdivisions` times, corners on the sphere: 20 4^s triangles inside
-/// it.
+/// An icosahedron whose triangles are split into four `subdivisions` times, with all vertices on the sphere: 20 4^s
+/// triangles, inscribed.
 Mesh tessellated(const SolidSphere& sphere, int subdivisions);
 
-/// 2 n n triangles with corners on the torus, n around either circle.
+/// 2 n n triangles with vertices on the torus, n around each circle.
 Mesh tessellated(const Torus& torus, int n);
 
 }  // namespace polhode

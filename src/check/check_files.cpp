@@ -10,7 +10,6 @@
 #include "body/orientation.h"
 #include "check/error_picture.h"
 #include "check/foreign_table.h"
-#include "check/gaps.h"
 #include "check/sample_clock.h"
 #include "check/system_search.h"
 #include "integrators/analysis/conditioning.h"
@@ -223,14 +222,11 @@ void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool
 }  // namespace
 
 TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
-                             std::string text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
-    ForeignTable table = own_columns(std::move(text), checked.path, columns, scene == nullptr || is_mechanism(*scene));
-    if (gaps != nullptr) {
-        GappedTable gapped = without_nan(table.text, checked.path);
-        table.text = std::move(gapped.text), *gaps = std::move(gapped.gaps);
-    }
+                             std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
+    ForeignTable table = find_foreign_columns(text, checked.path, columns, scene == nullptr || is_mechanism(*scene));
     const std::vector<std::string> bodies = scene != nullptr ? body_names(*scene) : std::vector<std::string>();
-    TrajectoryFile file = parse_trajectory(table.text, checked.path, convention.quaternion, bodies);
+    TrajectoryFile file =
+        parse_foreign_trajectory(text, checked.path, table.columns, convention.quaternion, bodies, gaps);
     checked.remarks = std::move(table.remarks);
     if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
     if (scene == nullptr) {

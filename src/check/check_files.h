@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "check/convention.h"
@@ -29,10 +30,10 @@ struct NamedText {
 inline constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 /// The file of this text in our conventions; what had to be done to it is added to `checked`, whose path messages name.
-/// Without a scene (nullptr) it may be of any length and of any bodies. `gaps`: times at which a cell is NaN are left
-/// out, and those that come after some are told (GappedTable); without it they are refused. Throws InputError.
+/// Without a scene (nullptr) it may be of any length and of any bodies. `gaps`: as in parse_foreign_trajectory().
+/// Throws InputError.
 TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
-                             std::string text, CheckedFile& checked, std::vector<std::size_t>* gaps = nullptr);
+                             std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps = nullptr);
 
 /// Judges the files at these paths against the scene's truth. All are read before any is judged: a slip in the last
 /// must not cost the time of the first. `columns`: which of theirs hold ours, if they are not told by their names.

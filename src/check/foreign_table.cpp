@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "text/csv_lines.h"
-#include "text/decimal.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -77,6 +75,37 @@ std::vector<std::string> split(std::string_view text, char at) {
     }
 }
 
+// The place in the header of each of our columns; none where the table is read under its own names.
+std::map<std::string, std::size_t> recognised_places(const std::vector<std::string>& header, bool several) {
+    const auto is_ours = [several](const std::string& name) {
+        return std::ranges::find(own_names, name) != own_names.end() || (several && name == "body");
+    };
+    const auto is_empty = [](const std::string& name) { return plain_name(name).empty(); };
+    if (std::ranges::all_of(header, is_ours) || std::ranges::any_of(header, is_empty)) return {};
+    std::map<std::string, std::size_t> places;
+    for (std::size_t i = 0; i < header.size(); ++i) {
+        std::optional<std::string> own = is_ours(header[i]) ? header[i] : recognised(header[i]);
+        if (!own && several && names_a_body(header[i])) own = "body";
+        if (own && !places.emplace(*own, i).second) return {};
+    }
+    for (const char* needed : {"t", "qw", "qx", "qy", "qz"})
+        if (!places.contains(needed)) return {};
+    return places;
+}
+
+std::map<std::string, std::size_t> named_places(const std::vector<std::string>& header, const ColumnNames& names,
+                                                const std::string& file, long line) {
+    std::map<std::string, std::size_t> places;
+    for (const auto& [own, name] : names.theirs) {
+        const auto place = std::ranges::find(header, name);
+        if (place == header.end())
+            throw InputError(file, fmt::format("line {}", line), fmt::format("has no column {}", one_line(name, 60)),
+                             fmt::format("its columns are {}", one_line(listed(header), 300)));
+        places.emplace(own, static_cast<std::size_t>(place - header.begin()));
+    }
+    return places;
+}
+
 }  // namespace
 
 ColumnNames parse_columns(std::string_view text) {
@@ -117,90 +146,24 @@ ColumnNames parse_columns(std::string_view text) {
     return names;
 }
 
-ForeignTable own_columns(std::string text, const std::string& file, const ColumnNames& names, bool several) {
-    ForeignTable table;
+ForeignTable find_foreign_columns(std::string_view text, const std::string& file, const ColumnNames& names,
+                                  bool several) {
     CsvLines lines(text, file);
-    if (!lines.next()) return {std::move(text), {}};
+    if (!lines.next()) return {};
     const std::vector<std::string> header(lines.cells().begin(), lines.cells().end());
-    // the place in the file of each of our columns
-    std::map<std::string, std::size_t> places;
-    std::vector<std::string> ignored;
-    if (names.theirs.empty()) {
-        const auto is_ours = [several](const std::string& name) {
-            return std::ranges::find(own_names, name) != own_names.end() || (several && name == "body");
-        };
-        const auto is_empty = [](const std::string& name) { return plain_name(name).empty(); };
-        if (std::ranges::all_of(header, is_ours) || std::ranges::any_of(header, is_empty)) return {std::move(text), {}};
-        for (std::size_t i = 0; i < header.size(); ++i) {
-            std::optional<std::string> own = is_ours(header[i]) ? header[i] : recognised(header[i]);
-            if (!own && several && names_a_body(header[i])) own = "body";
-            if (!own)
-                ignored.push_back(header[i]);
-            else if (!places.emplace(*own, i).second)
-                return {std::move(text), {}};
-        }
-        for (const char* needed : {"t", "qw", "qx", "qy", "qz"})
-            if (!places.contains(needed)) return {std::move(text), {}};
-    } else {
-        for (const auto& [own, name] : names.theirs) {
-            const auto place = std::ranges::find(header, name);
-            if (place == header.end())
-                throw InputError(file, "line 1", fmt::format("has no column {}", one_line(name, 60)),
-                                 fmt::format("its columns are {}", one_line(listed(header), 300)));
-            places.emplace(own, static_cast<std::size_t>(place - header.begin()));
-        }
-        for (std::size_t i = 0; i < header.size(); ++i)
-            if (std::ranges::none_of(places, [&](const auto& p) { return p.second == i; }))
-                ignored.push_back(header[i]);
-    }
-    const bool matrix = places.contains("r11"), euler = places.contains("e1");
-    // a rotation of another form is written as a quaternion after the rest
-    const auto is_kept = [](const std::string& own) { return own[0] != 'r' && own[0] != 'e'; };
-    std::string taken;
-    for (const auto& [own, place] : places) {
-        if (own != header[place]) taken += fmt::format("{}{} for {}", taken.empty() ? "" : ", ", header[place], own);
-        if (is_kept(own)) table.text += (table.text.empty() ? "" : ",") + own;
-    }
-    table.text += matrix || euler ? ",qw,qx,qy,qz\n" : "\n";
-    if (!taken.empty()) table.remarks.push_back("columns taken: " + one_line(taken, 400));
+    ForeignColumns columns{
+        names.theirs.empty() ? recognised_places(header, several) : named_places(header, names, file, lines.number()),
+        names.sequence, names.degrees};
+    if (columns.places.empty()) return {};
+    std::vector<std::string> taken, ignored;
+    for (const auto& [own, place] : columns.places)
+        if (own != header[place]) taken.push_back(fmt::format("{} for {}", header[place], own));
+    for (std::size_t i = 0; i < header.size(); ++i)
+        if (std::ranges::none_of(columns.places, [&](const auto& p) { return p.second == i; }))
+            ignored.push_back(header[i]);
+    ForeignTable table{std::move(columns), {}};
+    if (!taken.empty()) table.remarks.push_back("columns taken: " + one_line(listed(taken), 400));
     if (!ignored.empty()) table.remarks.push_back("columns ignored: " + one_line(listed(ignored), 400));
-    while (lines.next()) {
-        const std::vector<std::string_view>& cells = lines.cells();
-        if (cells.size() != header.size())
-            throw InputError(file, fmt::format("line {}", lines.number()),
-                             fmt::format("has {} cells under {} columns", cells.size(), header.size()),
-                             "give a cell for each column");
-        std::string line;
-        Matrix3<double> A;
-        EulerAngles angles{};
-        for (const auto& [own, place] : places) {
-            if (is_kept(own)) {
-                line += (line.empty() ? "" : ",") + std::string(cells[place]);
-                continue;
-            }
-            const std::optional<double> entry = parse_decimal(cells[place]);
-            if (!entry)
-                throw InputError(file, fmt::format("line {}, column {}", lines.number(), one_line(header[place], 60)),
-                                 fmt::format("is {}", one_line(std::string(cells[place]), 60)), "give a number");
-            const auto i = static_cast<std::size_t>(own[1] - '1');
-            if (matrix)
-                A[i][static_cast<std::size_t>(own[2] - '1')] = *entry;
-            else
-                angles[i] = names.degrees ? *entry * (std::numbers::pi / 180) : *entry;
-        }
-        if (matrix || euler) {
-            try {
-                if (matrix) require_rotation(A, 1e-3);
-            } catch (const std::invalid_argument& error) {
-                throw InputError(file, fmt::format("line {}", lines.number()), error.what(),
-                                 "give a rotation matrix row by row");
-            }
-            const Quaternion<double> q =
-                matrix ? quaternion_from_rotation(A) : quaternion_from_euler(names.sequence, angles);
-            for (const double x : {q.w, q.x, q.y, q.z}) line += "," + shortest_decimal(x);
-        }
-        table.text += line + "\n";
-    }
     return table;
 }
 

@@ -1,4 +1,4 @@
-// Tables of other programs: columns under other names, picked out and named as ours.
+// Finds the columns of trajectory tables that other programs wrote.
 #pragma once
 
 #include <map>
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "body/orientation.h"
+#include "motion/foreign_columns.h"
 
 namespace polhode {
 
@@ -25,17 +25,16 @@ struct ColumnNames {
 /// before have brought it. Throws std::invalid_argument with a line that names the fault and the remedy.
 ColumnNames parse_columns(std::string_view text);
 
-/// A table under our names.
+/// How a table of another program is read.
 struct ForeignTable {
-    std::string text;                  ///< as parse_trajectory() reads it, a line for each of the file's
+    ForeignColumns columns;            ///< without places where the header is to be read
     std::vector<std::string> remarks;  ///< which columns were taken for which, and which were ignored
 };
 
-/// The table with the columns named; without any, those that are known under names that other programs use. A table
-/// whose names are all ours already, or of which too little is known, stays as it is, for parse_trajectory() to judge.
-/// `several`: the table is of several bodies, and may have a column `body`. A matrix is turned into the quaternion
-/// nearest to it. Throws InputError where a column named is not there, a line is too short or an entry of a matrix is
-/// no number.
-ForeignTable own_columns(std::string text, const std::string& file, const ColumnNames& names, bool several = false);
+/// Finds the columns of a table by the names given, or, without any, by the names that other programs use. A table
+/// whose names are all polhode's, or with too few known columns, is left to parse_trajectory(). `several`: the table is
+/// of several bodies, and may have a column `body`. Throws InputError where a column that was named does not exist.
+ForeignTable find_foreign_columns(std::string_view text, const std::string& file, const ColumnNames& names,
+                                  bool several = false);
 
 }  // namespace polhode

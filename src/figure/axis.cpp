@@ -27,7 +27,7 @@ std::string power_of_ten(int exponent) {
     return fmt::format("10^{{{}}}", with_minus_sign(fmt::format("{}", exponent)));
 }
 
-/// digit * 10^exponent on a logarithmic axis.
+/// Label for digit * 10^exponent on a logarithmic axis.
 std::string logarithmic_label(int digit, int exponent) {
     if (exponent >= -3 && exponent <= 3) {
         return fmt::format("{:.{}f}", value_of(fmt::format("{}e{}", digit, exponent)), std::max(0, -exponent));
@@ -35,7 +35,7 @@ std::string logarithmic_label(int digit, int exponent) {
     return digit == 1 ? power_of_ten(exponent) : fmt::format("{}×{}", digit, power_of_ten(exponent));
 }
 
-/// The smallest step of whole decades that leaves at most `labels` of them.
+/// The smallest step, in whole decades, that leaves at most `labels` labels.
 int decade_step(int first, int last, int labels) {
     int step = 1;
     for (const int candidate : {2, 3, 4, 5, 6, 10, 15, 20, 25, 50, 100, 200}) {
@@ -59,7 +59,7 @@ void add_logarithmic_tics(Axis& axis, int labels) {
     const int step = decades ? decade_step(first, last, labels) : 1;
     for (int exponent = before; exponent <= behind; ++exponent) {
         for (int digit = 1; digit <= 9; ++digit) {
-            if (digit > 1 && step > 1) continue;  // minor tics are then the decades between
+            if (digit > 1 && step > 1) continue;  // minor tics are then the decades in between
             const std::string position = fmt::format("{}e{}", digit, exponent);
             if (!inside(position)) continue;
             std::string label;
@@ -82,7 +82,7 @@ void add_linear_tics(Axis& axis, int labels) {
         digit = 1;
         ++exponent;
     }
-    // a step's tics are whole multiples of digit * 10^exponent: exact as decimals
+    // tics are integer multiples of digit * 10^exponent: exact as decimals
     const double step = value_of(fmt::format("{}e{}", digit, exponent));
     const long first = static_cast<long>(std::ceil(axis.low / step - 1e-9));
     const long last = static_cast<long>(std::floor(axis.high / step + 1e-9));
@@ -108,12 +108,12 @@ Axis make_axis(bool logarithmic, double low, double high, int labels, double pad
     Axis axis{logarithmic, low, high, 0, {}};
     if (logarithmic) {
         double from = std::log10(low), to = std::log10(high);
-        // at least 0.7 decades, so that two of the labelled tics are within
+        // at least 0.7 decades, so that at least two labelled tics fit
         const double missing = std::max(0.0, 0.7 - (to - from));
         const double margin = padding * std::max(to - from, 0.7);
         from -= missing / 2 + margin;
         to += missing / 2 + margin;
-        // a wide range's margin could leave binary64
+        // the margin of a wide range could overflow binary64
         axis.low = std::pow(10.0, std::max(from, -307.0));
         axis.high = std::pow(10.0, std::min(to, 307.0));
         add_logarithmic_tics(axis, labels);

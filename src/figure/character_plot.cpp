@@ -1,3 +1,9 @@
+// Draws a Figure with text characters.
+//
+// Canvas is a grid of characters; each holds a Braille pattern of 2 x 4 dots (U+2800 plus a bit mask), the pen that
+// drew it last and an optional letter. Plotter maps each panel's axes to dots, draws guides and curves as dot lines,
+// adds letters if there is no colour, and appends axes and the legend as text.
+
 #include "figure/character_plot.h"
 
 #include <fmt/format.h>
@@ -17,7 +23,7 @@ namespace {
 
 constexpr int no_pen = -1, guide_pen = -2;
 constexpr std::string_view signs = "ox+*#@%&=$";
-/// Cyan, yellow, magenta, green, red, blue: seen on dark and on light grounds.
+/// Cyan, yellow, magenta, green, red, blue: readable on dark and light backgrounds.
 constexpr std::array<int, 6> color_codes = {36, 33, 35, 32, 31, 34};
 
 std::size_t shown_width(std::string_view text) {
@@ -25,7 +31,7 @@ std::size_t shown_width(std::string_view text) {
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-/// The first characters of a text, the last one an ellipsis where there are more.
+/// The first `most` characters of a text; the last one is an ellipsis if the text is longer.
 std::string cut(const std::string& text, std::size_t most) {
     if (shown_width(text) <= most) return text;
     std::string kept;
@@ -43,12 +49,12 @@ std::string repeated(std::string_view piece, int times) {
     return text;
 }
 
-/// A character's dots, U+2800 and the bits of its pattern.
+/// UTF-8 of the Braille character U+2800 + bits.
 std::string braille(int bits) {
     return {static_cast<char>(0xe2), static_cast<char>(0xa0 | (bits >> 6)), static_cast<char>(0x80 | (bits & 0x3f))};
 }
 
-/// Two dots wide and four high a character.
+/// A canvas of Braille characters, two dots wide and four dots high each.
 class Canvas {
   public:
     Canvas(int columns, int rows)
@@ -59,7 +65,7 @@ class Canvas {
 
     void dot(int x, int y, int pen) {
         if (x < 0 || x >= dots_wide() || y < 0 || y >= dots_high()) return;
-        // the dots of a pattern in the order of its bits
+        // bit numbers of the dots of a Braille pattern
         constexpr int bit[4][2] = {{0, 3}, {1, 4}, {2, 5}, {6, 7}};
         Cell& cell = at(x / 2, y / 4);
         cell.bits |= 1 << bit[y % 4][x % 2];
@@ -69,7 +75,7 @@ class Canvas {
         Cell& cell = at(column, row);
         cell.letter = letter, cell.pen = pen;
     }
-    /// Every `stride`-th dot on the way.
+    /// Draws every `stride`-th dot of a line.
     void line(double x0, double y0, double x1, double y1, int pen, int stride = 1) {
         const int steps = std::max(1, static_cast<int>(std::ceil(std::max(std::abs(x1 - x0), std::abs(y1 - y0)))));
         for (int k = 0; k <= steps; k += stride) {
@@ -78,7 +84,7 @@ class Canvas {
                 static_cast<int>(std::lround(y0 + share * (y1 - y0))), pen);
         }
     }
-    /// A row of characters without the blanks at its end.
+    /// A row of characters without trailing blanks.
     std::string row(int r, bool color) const {
         int end = columns_;
         while (end > 0 && at(end - 1, r).bits == 0 && at(end - 1, r).letter == 0) --end;
@@ -100,7 +106,7 @@ class Canvas {
     static std::string escape(int pen) {
         if (pen == guide_pen) return "\x1b[2m";
         const auto place = static_cast<std::size_t>(pen) % color_codes.size();
-        // the same colours again, bold
+        // after the last colour, repeat the colours in bold
         return static_cast<std::size_t>(pen) / color_codes.size() % 2 == 0
                    ? fmt::format("\x1b[{}m", color_codes[place])
                    : fmt::format("\x1b[1;{}m", color_codes[place]);
@@ -224,7 +230,7 @@ class Plotter {
         return text + x_axis(x, panel.x_label, static_cast<int>(margin), columns);
     }
 
-    /// Every few columns, those of different curves beside each other.
+    /// Marks the curve with its letter every few columns; different curves are offset from each other.
     template <class X, class Y>
     void put_signs(Canvas& canvas, const Curve& curve, const std::vector<ShownPoint>& points, const X& dot_x,
                    const Y& dot_y) const {
@@ -251,7 +257,7 @@ class Plotter {
         for (const TextTic& tic : text_tics(axis)) {
             const int column = static_cast<int>(std::lround(fraction(axis, tic.value) * (2 * columns - 1))) / 2;
             marked[static_cast<std::size_t>(column)] = true;
-            // below its tic, within the line, clear of the one before
+            // below its tic, within the line, clear of the previous label
             const int length = static_cast<int>(tic.label.size());
             const int begin = std::min(margin + 1 + column - length / 2, plot_.width - length);
             if (begin <= static_cast<int>(numbers.size()) && !numbers.empty()) continue;

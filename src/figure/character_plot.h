@@ -1,4 +1,4 @@
-// Pictures of characters, for terminals.
+// Figures drawn with text characters, for terminals.
 #pragma once
 
 #include <string>
@@ -7,14 +7,15 @@
 
 namespace polhode {
 
+/// Size and colour of a character plot.
 struct CharacterPlot {
-    int width = 100;     ///< columns, 40 at least
-    int rows = 16;       ///< of a panel's frame, 4 at least
-    bool color = false;  ///< with the escape sequences of a terminal that has eight colours
+    int width = 100;     ///< columns, at least 40
+    int rows = 16;       ///< height of a panel's frame, at least 4
+    bool color = false;  ///< use the escape sequences of terminals with eight colours
 };
 
-/// The figure's panels one below the other, and one legend: lines as Braille dots (UTF-8), the axes with their tics in
-/// text. Without colour, curves of several labels have a letter each every few columns. Maps are left out.
+/// Draws the figure's panels one below the other with one legend. Lines are Braille dots (UTF-8); axes have tics in
+/// text. Without colour, curves with several labels are marked by a letter every few columns. Maps are omitted.
 std::string character_plot(const Figure& figure, const CharacterPlot& plot);
 
 }  // namespace polhode

@@ -10,7 +10,7 @@ namespace polhode {
 
 namespace {
 
-/// An edge of the grid: from node (i, j) to the right, or upward.
+/// An edge of the grid from node (i, j) to the right or upward.
 struct Edge {
     int i, j;
     bool upward;
@@ -32,7 +32,7 @@ class Grid {
 
     std::vector<ContourLine> lines() {
         std::vector<ContourLine> lines;
-        // the ends of open lines first: what is left is closed
+        // start open lines at their ends first; the remaining lines are closed
         for (const bool closed : {false, true})
             for (auto& [edge, next] : joins_)
                 if (!next.empty() && (closed || next.size() == 1)) lines.push_back(line_from(edge, closed));
@@ -58,14 +58,14 @@ class Grid {
             if (corner[k] != corner[(k + 1) % 4]) cut.push_back(k);
         if (cut.size() == 2) join(edge[cut[0]], edge[cut[1]]);
         if (cut.size() < 4) return;
-        // a saddle: the middle tells which corners hang together
+        // saddle: the value at the cell centre decides which corners are connected
         const bool middle = f_(at_x(i + 0.5), at_y(j + 0.5)) <= 0;
         const int first = corner[0] == middle ? 0 : 3;
         join(edge[first], edge[(first + 1) % 4]);
         join(edge[(first + 2) % 4], edge[(first + 3) % 4]);
     }
 
-    /// Takes the joins that it goes along away.
+    /// Follows a line from `edge` and removes its joins.
     ContourLine line_from(Edge edge, bool closed) {
         ContourLine line;
         const Edge first = edge;

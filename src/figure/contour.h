@@ -1,4 +1,4 @@
-// Lines along which a function of two variables has one value.
+// Contour lines of a function of two variables.
 #pragma once
 
 #include <functional>
@@ -9,14 +9,14 @@
 
 namespace polhode {
 
-/// The points of one line in order; the last is the first again where it is closed.
+/// The points of one line in order. The last point of a closed line repeats the first.
 struct ContourLine {
     std::vector<double> x, y;
 };
 
-/// f = 0 in a rectangle, on a grid of `columns` by `rows` cells, each cell's edges cut where f changes its sign, found
-/// to 1e-9 of the edge by halving (marching squares; W. E. Lorensen & H. E. Cline 1987, in the plane). Infinite values
-/// of f count by their sign, NaN as positive.
+/// The contour f = 0 in a rectangle, by marching squares on a grid of `columns` by `rows` cells (W. E. Lorensen & H.
+/// E. Cline 1987, in the plane). Each sign change on a cell edge is located by bisection to 1e-9 of the edge.
+/// Infinite values of f count by their sign, NaN as positive.
 std::vector<ContourLine> contour(const std::function<double(double, double)>& f, Limits x, Limits y, int columns,
                                  int rows);
 

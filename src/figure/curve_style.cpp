@@ -11,10 +11,10 @@ namespace {
 struct Color {
     const char *on_white, *on_dark;
 };
-/// In the order of Family. Found by annealing from colours of one hue each: the least difference (CIEDE2000) of any two
-/// from closed_form to engine_update is 10.7 to those who see no red (protanopia) or no green (deuteranopia), and 14 to
-/// others, and 7 of any two families; tests/figure/curve_style_test.cpp measures it. The first, for what is of no
-/// family, is grey.
+/// In the order of Family; the first, for curves of no family, is grey. The colours were found by annealing, starting
+/// from one hue each. The smallest CIEDE2000 difference of two colours from closed_form to engine_update is 10.7 for
+/// protanopia and deuteranopia and 14 for normal vision; for any two families it is 7. Verified by
+/// tests/figure/curve_style_test.cpp.
 constexpr std::array<Color, color_count> palette = {{{"#7a7a7a", "#9a9a9a"},
                                                      {"#1a1a1a", "#e8e8e8"},
                                                      {"#046cc7", "#68b1ed"},
@@ -54,7 +54,7 @@ constexpr std::array<const char*, 5> dashes = {"solid", "(12,6)", "(3,4)", "(12,
 /// Blue, orange, green, magenta, red, violet, brown, teal, olive, leaf green, black, grey.
 constexpr std::array<int, 12> plain_colors = {2, 3, 4, 5, 9, 7, 8, 10, 6, 12, 1, 0};
 
-/// Lightness L* falls from 96 to 11 by 8 and more a step; neighbours differ in blue against yellow as well.
+/// Lightness L* falls from 96 to 11 in steps of at least 8. Neighbours also differ in blue against yellow.
 constexpr std::array<const char*, shade_count> shades = {"#f4f4dc", "#b9e2e6", "#e8b04a", "#6ea3d8",
                                                          "#b8702a", "#46669e", "#7d2a1e", "#1d1a33"};
 

@@ -1,4 +1,4 @@
-// The colours, marks and dashes of curves.
+// Colours, marks and dashes of curves.
 #pragma once
 
 #include <string>
@@ -7,51 +7,52 @@
 
 namespace polhode {
 
-/// So many colours: a grey, and one for each family of methods in the order of Family (integrators/method.h).
+/// Number of colours: grey, and one for each family of methods in the order of Family (integrators/method.h).
 constexpr int color_count = 13;
 
-/// So many marks: six filled, the same six open, three of strokes alone. Beyond them they begin anew with a dash.
+/// Number of marks: six filled, the same six open, three made of strokes. Further curves repeat them with a dash.
 constexpr int mark_count = 15;
 
-/// The first of those of strokes.
+/// Index of the first mark made of strokes.
 constexpr int first_stroke_mark = 12;
 
-/// "#rrggbb" of a colour on a white ground, at 3:1 or more against it. Beyond the last they begin anew.
+/// "#rrggbb" of a colour on a white background, with a contrast of at least 3:1. Indices beyond the last wrap around.
 std::string color_of(int color);
 
-/// The same colour for a dark ground (#1b1b1f).
+/// The same colour for a dark background (#1b1b1f).
 std::string dark_color_of(int color);
 
-/// The ground that dark_color_of() is chosen for.
+/// The background for which dark_color_of() is chosen.
 inline constexpr const char* dark_ground = "#1b1b1f";
 
-/// A mark's name, as pictures in a browser know it: circle, square, triangle-up, diamond, triangle-down, pentagon;
-/// circle-open, ..; cross-thin (a plus), x-thin, asterisk.
+/// A mark's name in browser plots: circle, square, triangle-up, diamond, triangle-down, pentagon; circle-open, ..;
+/// cross-thin (a plus), x-thin, asterisk.
 std::string mark_name(int mark);
 
-/// A mark as gnuplot's point type.
+/// The gnuplot point type of a mark.
 int point_type_of(int mark);
 
-/// gnuplot's dash type of a curve: its dash, and one more each time the marks begin anew.
+/// The gnuplot dash type of a curve: its own dash, plus one each time the marks wrap around.
 std::string dash_of(const Curve& curve);
 
-/// How many dashes on a curve's line is drawn, 0 for a solid one.
+/// The dash index of a curve's line; 0 is solid.
 int dash_index_of(const Curve& curve);
 
-/// What a curve that is of no method looks like: the place-th of its picture.
+/// The style of a curve that belongs to no method, by its index in the figure.
 struct PlainStyle {
     int color = 0;  ///< in an order in which neighbours differ most
-    int mark = 0;   ///< the first six in turn
+    int mark = 0;   ///< cycles through the first six
 };
+/// The style of the curve with this index.
 PlainStyle plain_style(int place);
 
-/// Gives a curve a colour and a mark: a PlainStyle, or that of a method.
+/// Sets a curve's colour and mark from a PlainStyle or a method's style.
 template <class Style>
 void set_style(Curve& curve, const Style& style) {
     curve.color = style.color, curve.mark = style.mark;
 }
 
-/// "#rrggbb" of a shade of MapClass; beyond the last the last, below the first the first.
+/// "#rrggbb" of a MapClass shade; indices out of range are clamped.
 std::string color_of_shade(int shade);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// Pictures that a paper could print: panels of curves, drawn by gnuplot as SVG and PDF.
+// Publication-quality figures: panels of curves, drawn by gnuplot as SVG and PDF.
 #pragma once
 
 #include <chrono>
@@ -8,84 +8,87 @@
 
 namespace polhode {
 
+/// A curve of a panel.
 struct Curve {
-    std::string label;   ///< in the legend; curves of one label share one entry over all panels; none if empty
-    int color = 0;       ///< which colour (figure/curve_style.h): one a family of methods, the same in every picture
-    int mark = 0;        ///< which mark: one a member of the family
-    int dash = 0;        ///< 0 solid, 1.. dashed, dotted, ..: e.g. one a setting
-    bool points = true;  ///< with marks (at a dozen points where there are more than 40) or a line only
-    bool cut = false;    ///< the curve was cut short: a ring about its last point and an arrow onward, explained in the
-                         ///< legend
-    std::vector<double> x, y;  ///< points that are not finite, or not positive on a logarithmic axis, are left out (and
-                               ///< so are magnitudes beyond 1e300, which no axis can show)
+    std::string label;   ///< in the legend; one entry per label over all panels; empty: none
+    int color = 0;       ///< colour index (figure/curve_style.h): one per family of methods, the same in every figure
+    int mark = 0;        ///< mark index: one per member of the family
+    int dash = 0;        ///< 0 solid, 1.. dashed, dotted, ..: e.g. one per setting
+    bool points = true;  ///< draw marks (at a dozen points if there are more than 40); false: line only
+    bool cut = false;    ///< the curve was cut short: a ring and an arrow at its end, explained in the legend
+    std::vector<double> x, y;  ///< points that are not drawable (axis.h) are skipped: not finite, beyond 1e300, or
+                               ///< not positive on a logarithmic axis
     bool line = true;          ///< false: marks only, at every point
-    std::string group{};       ///< "runge_kutta": what a picture of too many curves is split by (figure/split_figure.h)
+    std::string group{};       ///< "runge_kutta": the group by which split_figure.h splits figures
 };
 
-/// A line to read the curves by, thin, grey and dashed, with its name beside it where the curves leave room. It does
-/// not widen the axes, and is left out where it lies outside them.
+/// A reference line, thin, grey and dashed, with its name beside it if the curves leave room. It does not extend the
+/// axes and is omitted if it lies outside them.
 struct Guide {
     std::string label;
-    std::vector<double> x, y;  ///< a single y and no x: a level across the frame
+    std::vector<double> x, y;  ///< a single y and no x: a horizontal line across the frame
 };
 
-/// So many shades: 0 the lightest, for what is best, each darker than the one before in print without colour as well.
+/// Number of shades. 0 is the lightest and means best; each is darker than the one before, also in greyscale.
 constexpr int shade_count = 8;
 
+/// A class of outcomes in a map.
 struct MapClass {
     std::string label;  ///< in the legend, one entry over all panels
     int shade = 0;
 };
 
-/// What came of each pair of two parameters: cells filled by class, beneath the panel's curves and guides.
+/// Outcome for each pair of two parameters: cells filled by class, below the panel's curves and guides.
 struct OutcomeMap {
-    std::vector<double> x, y;       ///< the cells' centres, ascending; their edges lie half-way, on the axis' scale
-    std::vector<int> cells;         ///< row by row, cells[j * x.size() + i]: a place in `classes`; -1: left blank
-    std::vector<MapClass> classes;  ///< all are in the legend, whether they occur or not
+    std::vector<double> x, y;       ///< cell centres, ascending; edges are half-way between them on the axis' scale
+    std::vector<int> cells;         ///< row by row, cells[j * x.size() + i]: index into `classes`; -1: left blank
+    std::vector<MapClass> classes;  ///< all are in the legend, even if they do not occur
 };
 
+/// The ends of an axis.
 struct Limits {
     double low = 0, high = 1;
 };
 
+/// One plot of a figure.
 struct Panel {
-    std::string title, x_label, y_label;  ///< labels with units: "time (s)"
+    std::string title, x_label, y_label;  ///< labels include units: "time (s)"
     bool log_x = true, log_y = true;
     std::vector<Curve> curves;
     std::vector<Guide> guides{};
-    std::optional<OutcomeMap> map{};  ///< the axes end where it ends
-    /// Where the axes end, whatever is drawn; what lies beyond is cut off.
+    std::optional<OutcomeMap> map{};  ///< the axes end where the map ends
+    /// Fixed ends of the axes; anything beyond is clipped.
     std::optional<Limits> x_limits{}, y_limits{};
 };
 
-/// Which of two curves is the better one.
+/// How two curves are compared.
 enum class Best {
-    lowest_end,  ///< whose last point is lower
-    least_x,     ///< who reaches a y at a smaller x: errors against time
-    greatest_x,  ///< who reaches a y at a larger x: errors against steps
+    lowest_end,  ///< the lower last point is better
+    least_x,     ///< reaching a y at a smaller x is better: errors against time
+    greatest_x,  ///< reaching a y at a larger x is better: errors against steps
 };
 
-/// All text shows literally.
+/// A figure. All text is shown literally.
 struct Figure {
     std::string title;
-    int columns = 1;  ///< panels in a row
+    int columns = 1;  ///< panels per row
     std::vector<Panel> panels;
-    std::string note;  ///< lines below: what the reader must know (why a curve was cut, an unoptimised library)
-    /// All panels have the same axes, over what any of them shows: they stand close, and only those at the left and at
-    /// the bottom have labels.
+    std::string note;  ///< text below the panels: why a curve was cut, an unoptimised library, ..
+    /// All panels share one range of axes that covers all of them. They are placed close together, and only the left
+    /// and bottom ones have labels.
     bool shared_axes = false;
-    std::string note_of_cut{};     ///< behind the note where a curve is cut: why
-    Best best = Best::lowest_end;  ///< by which a choice of its curves is made where they are too many
+    std::string note_of_cut{};     ///< appended to the note if a curve is cut: the reason
+    Best best = Best::lowest_end;  ///< the criterion by which curves are selected if there are too many
 };
 
-/// The gnuplot script that draws the figure to `path` (to standard output if empty) by `terminal` ("svg" or "pdf"; else
-/// std::invalid_argument); data inline, no file needed. A panel is about one column of a paper wide, or half a page
-/// where there are several in a row; one legend below all panels.
+/// The gnuplot script that draws the figure to `path` (standard output if empty) with `terminal` ("svg" or "pdf";
+/// throws std::invalid_argument otherwise). Data are inline. A panel is about one column of a paper wide, or half a
+/// page if there are several per row. One legend is placed below all panels.
 std::string gnuplot_script(const Figure& figure, const std::string& terminal, const std::string& path);
 
-/// Draws PATH.svg and PATH.pdf, or those of them that are asked for (through temporaries, renamed); the same figure
-/// gives the same bytes. Returns an empty string, or what went wrong, such as gnuplot missing or silent beyond the time
-/// limit: tables do not depend on it. Throws std::runtime_error where a file cannot be written.
+/// Draws PATH.svg and PATH.pdf, or those requested, through temporary files that are renamed. The same figure gives
+/// the same bytes. Returns an empty string, or the error (such as gnuplot missing or exceeding the time limit), so
+/// that tables do not depend on gnuplot. Throws std::runtime_error if a file cannot be written.
 std::string draw(const Figure& figure, const std::string& path_without_extension,
                  const std::vector<std::string>& formats = {"svg", "pdf"},
                  std::chrono::milliseconds time_limit = std::chrono::seconds(60));

@@ -11,15 +11,15 @@ namespace polhode {
 
 namespace {
 
-// room around a panel's frame: tic labels and axis labels left and below, title above
+// space around a panel's frame: tic labels and axis labels left and below, title above
 constexpr double room_left = 46, room_right = 12, room_above = 20, room_below = 32;
 
-// between panels with shared axes
+// space between panels with shared axes
 constexpr double gap = 10;
 
 double panel_width(std::size_t columns) { return columns == 1 ? 260 : columns == 2 ? 254 : columns == 3 ? 200 : 180; }
 
-// four panels make the width of a page
+// four panels fill the width of a page
 double shared_plot_width(std::size_t columns) { return columns <= 2 ? 180 : columns == 3 ? 140 : 105; }
 
 std::vector<LegendEntry> legend_entries(const Figure& figure) {
@@ -49,7 +49,7 @@ std::string whole_note(const Figure& figure) {
     return figure.note;
 }
 
-/// Places the entries in columns as wide as the longest, and returns the height they take.
+/// Arranges the entries in columns as wide as the longest one. Returns the total height.
 double place_legend(std::vector<LegendEntry>& entries, double top, double width) {
     if (entries.empty()) return 0;
     double widest = 0;

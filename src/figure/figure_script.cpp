@@ -1,4 +1,8 @@
-// The gnuplot script of a figure.
+// Writes the gnuplot script of a figure.
+//
+// Script emits one multiplot: each panel with its frame, axes, map cells, guides and curves, then the page with
+// title, legend and note. Positions come from figure_layout.h and are given in screen coordinates; data are inline
+// data blocks. gnuplot's automatic margins and key are not used.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +47,7 @@ void widen(std::optional<Extent>& extent, const std::optional<Extent>& by) {
     extent->high = {std::max(extent->high.x, by->high.x), std::max(extent->high.y, by->high.y)};
 }
 
-/// The n + 1 edges of cells about ascending centres; none if an axis cannot show them.
+/// The n + 1 edges of cells around ascending centres; empty if an axis cannot show them.
 std::vector<double> edges_of(const std::vector<double>& centres, bool logarithmic) {
     if (centres.empty()) return {};
     const auto to = [&](double v) { return logarithmic ? std::log10(v) : v; };
@@ -59,7 +63,8 @@ std::vector<double> edges_of(const std::vector<double>& centres, bool logarithmi
     return edges;
 }
 
-/// A map's cells of one class as few polygons: a row's run of cells stands on one of the row below that it overlaps.
+/// The map's cells of one class as few polygons: a run of cells in a row extends the polygon of an overlapping run in
+/// the row below.
 std::vector<std::vector<Point>> polygons_of(const OutcomeMap& map, int cell, const std::vector<double>& x,
                                             const std::vector<double>& y) {
     struct Run {
@@ -67,7 +72,7 @@ std::vector<std::vector<Point>> polygons_of(const OutcomeMap& map, int cell, con
     };
     const std::size_t nx = map.x.size();
     std::vector<std::vector<Run>> stacks;
-    std::vector<std::size_t> open;  // those that end at the row's lower edge
+    std::vector<std::size_t> open;  // stacks that end at the lower edge of this row
     for (std::size_t j = 0; j < map.y.size(); ++j) {
         std::vector<std::size_t> reached;
         for (std::size_t i = 0, end = 0; i < nx; i = end) {
@@ -95,7 +100,7 @@ std::vector<std::vector<Point>> polygons_of(const OutcomeMap& map, int cell, con
             polygon.push_back({x[run->end], y[run->row + 1]});
             polygon.push_back({x[run->end], y[run->row]});
         }
-        // points inside a straight edge tell nothing
+        // remove points inside a straight edge
         for (std::size_t k = 1; k + 1 < polygon.size();) {
             const Point &before = polygon[k - 1], &here = polygon[k], &after = polygon[k + 1];
             const bool straight = before.x == here.x && here.x == after.x;
@@ -108,7 +113,7 @@ std::vector<std::vector<Point>> polygons_of(const OutcomeMap& map, int cell, con
     return polygons;
 }
 
-/// What the panel shows, guides apart: its map, or its curves' points. None if nothing.
+/// The extent of what the panel shows, except guides: its map, or its curves' points. Nothing if there are none.
 std::optional<Extent> extent_of(const Panel& panel) {
     std::optional<Extent> extent;
     if (panel.map) {
@@ -121,14 +126,14 @@ std::optional<Extent> extent_of(const Panel& panel) {
     return extent;
 }
 
-/// Writes the script of one figure; sizes in points, times `unit` in the terminal's own.
+/// Writes the script of one figure. Sizes are in points and are converted to the terminal's unit.
 class Script {
   public:
     Script(const Figure& figure, const std::string& terminal, const std::string& path)
         : figure_(figure), layout_(layout_of(figure)), terminal_(terminal) {
         text = terminal_.opening(layout_.width, layout_.height, text_size, path);
         line("set multiplot");
-        // what a name among curves cannot help covering does not run through it
+        // a label that must cover curves gets an opaque background
         line("set style textbox opaque noborder fillcolor \"#ffffff\" margins 0.3,0.3");
         line("unset key");
         std::optional<Extent> all;
@@ -147,18 +152,18 @@ class Script {
 
     std::string font(double points) const { return terminal_.font(points); }
     double line_width(double points) const { return terminal_.line_width(points); }
-    /// The terminals draw circles and squares smaller than the other markers, by shares of their own.
+    /// The terminals draw circles and squares smaller than other marks, each by its own factor.
     double point_size(int type) const {
         const bool small = type <= 7;
         const double size = terminal_.svg() ? (small ? 0.52 : 0.48) : (small ? 0.40 : 0.54);
-        // shapes of lines need more room to be told apart
+        // marks made of lines must be larger to be distinguishable
         return type < 4 || is_open(type) ? 1.25 * size : size;
     }
     static constexpr double mark_line_width = 0.8;
-    /// The sign of a cut curve, about its last mark.
+    /// The cut-curve symbol, a ring around the last mark.
     static constexpr int ring = 6;
     static constexpr double ring_size = 1.6;
-    /// gnuplot's point types from 4 on: open, filled, open, ..
+    /// gnuplot's point types from 4 on alternate between open and filled.
     static bool is_open(int type) { return type >= 4 && type % 2 == 0; }
 
     std::string on_page(double x, double y) const {
@@ -196,7 +201,7 @@ class Script {
             line(fmt::format("set label {} at {} center {} noenhanced front font {}", gnuplot_quoted_line(words),
                              on_page(x, y), style, font(size)));
         };
-        // narrow panels are to keep their titles to themselves
+        // keep the title of a narrow panel within its width
         const double room = (plot.right - plot.left + 8) / text_width(panel.title, 1);
         label(panel.title, middle, plot.top - 8, "",
               figure_.shared_axes ? std::clamp(room, 4.5, title_size) : title_size);
@@ -206,7 +211,7 @@ class Script {
         std::vector<std::vector<Point>> curves;
         for (const Curve& curve : panel.curves) curves.push_back(drawable_points(panel, curve));
         if (extent) {
-            // room for markers and the arrows of cut curves; a time axis without them ends where its data end
+            // leave room for marks and the arrows of cut curves; a time axis without marks ends with its data
             const bool cut =
                 std::any_of(panel.curves.begin(), panel.curves.end(), [](const Curve& c) { return c.cut; });
             const bool map = panel.map.has_value();
@@ -220,7 +225,7 @@ class Script {
                         panel.log_x || cut ? 0.07 : 0, panel.x_limits);
             const Axis y = axis_of(panel.log_y, extent->low.y, extent->high.y, (plot.bottom - plot.top) / 16, 0.08,
                                    panel.y_limits);
-            // tics inward would cross the cells
+            // inward tics would cross the cells
             axis('x', x, label_x, map);
             axis('y', y, label_y, map);
             if (label_x) factor(x, plot.right, plot.bottom + 21);
@@ -241,8 +246,8 @@ class Script {
         line("unset arrow");
     }
 
-    /// Data of the map's cells, and the elements that fill them, each with a comma after it. A hairline of their own
-    /// colour closes the seams that viewers leave between neighbours.
+    /// Writes the data of the map's cells. Returns the plot elements that fill them, each followed by a comma. A
+    /// hairline in the fill colour closes the gaps that viewers leave between neighbours.
     std::string cells_of(const Panel& panel) {
         if (!panel.map) return "";
         const OutcomeMap& map = *panel.map;
@@ -267,7 +272,7 @@ class Script {
         return elements;
     }
 
-    /// The power of ten that an axis' labels leave out, ending at x.
+    /// The power of ten that is factored out of an axis' labels; the text ends at x.
     void factor(const Axis& axis, double x, double y) {
         if (axis.factor_exponent == 0) return;
         const std::string sign = axis.factor_exponent < 0 ? "−" : "";
@@ -275,10 +280,10 @@ class Script {
                          on_page(x, y), font(text_size)));
     }
 
-    /// An empty frame: gnuplot draws labels and arrows only with a plot.
+    /// An empty frame, since gnuplot draws labels and arrows only with a plot.
     void nothing() { bare("2 notitle"); }
 
-    /// The unit square without axes, tics or grid, and in it the elements.
+    /// Plots the elements in the unit square without axes, tics or grid.
     void bare(const std::string& elements) {
         for (const char name : {'x', 'y'}) {
             line(fmt::format("unset logscale {}", name));
@@ -295,13 +300,13 @@ class Script {
         line("END");
     }
 
-    /// Where a point stands on the page.
+    /// Maps a point from axis units to the page.
     static Point place(const Point& point, const Rectangle& plot, const Axis& x, const Axis& y) {
         return {plot.left + fraction(x, point.x) * (plot.right - plot.left),
                 plot.bottom - fraction(y, point.y) * (plot.bottom - plot.top)};
     }
 
-    /// Data and labels of the guides that are to be seen, and the elements that plot them.
+    /// Writes data and labels of the visible guides. Returns the elements that plot them.
     std::string guides_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const Rectangle& plot,
                           const Axis& x, const Axis& y) {
         constexpr double size = 6;
@@ -341,10 +346,10 @@ class Script {
     }
 
     static constexpr std::size_t most_marked = 40, marks_of_long_curves = 12;
-    // a curve of one point is to be seen as well
+    // larger mark for a curve of a single point
     static constexpr double lone = 2;
 
-    /// `beneath`: the elements beneath, each with the comma after it.
+    /// `beneath`: elements drawn below the curves, each followed by a comma.
     void curves_of(const Panel& panel, const std::vector<std::vector<Point>>& curves, const std::string& beneath,
                    const Rectangle& plot, const Axis& x, const Axis& y) {
         std::string elements;
@@ -357,7 +362,7 @@ class Script {
             const int type = point_type_of(curve.mark);
             const std::string color = color_of(curve.color);
             if (curve.line) {
-                // cells may be as dark as the curve
+                // a white outline, since map cells may be as dark as the curve
                 if (panel.map)
                     element(fmt::format("$curve{} using 1:2 with lines linewidth {:g} linecolor \"#ffffff\"", i,
                                         line_width(2.2)));
@@ -365,8 +370,8 @@ class Script {
                                     line_width(0.9), dash_of(curve), color));
             }
             if (curve.points || !curve.line) {
-                // the line does not show through an open mark
-                // of long curves a few, those of neighbours beside each other
+                // fill open marks with white, so that the line does not show through; on long curves draw a few
+                // marks, offset between neighbours
                 const std::size_t apart =
                     curve.line && points.size() > most_marked ? points.size() / marks_of_long_curves : 1;
                 const std::size_t first = static_cast<std::size_t>(std::max(0, curve.mark)) * apart / 5 % apart;
@@ -388,7 +393,8 @@ class Script {
         line("plot " + beneath + elements);
     }
 
-    /// From the last point on in the curve's last direction as drawn, within the frame. A single point has none.
+    /// Draws an arrow from the last point in the curve's final direction on the page, clipped to the frame. A single
+    /// point gets no arrow.
     void onward_arrow(const std::vector<Point>& points, const Rectangle& plot, const Axis& x, const Axis& y,
                       const std::string& color) {
         const Point last = place(points.back(), plot, x, y);
@@ -412,7 +418,7 @@ class Script {
                         from, to, 4.5 / layout_.width, line_width(0.8), color));
     }
 
-    /// What belongs to the page: title, legend, note.
+    /// Parts of the page: title, legend, note.
     void page() {
         frame({0, 0, layout_.width, layout_.height});
         line("unset border");
@@ -421,7 +427,7 @@ class Script {
                              place, font(size)));
         };
         if (!figure_.title.empty()) label(figure_.title, layout_.width / 2, 10, "center", figure_title_size);
-        // the lines of the legend are plotted: the SVG terminal runs arrows of one colour into one dash pattern
+        // the legend's lines are plotted: the SVG terminal would merge arrows of one colour into one dash pattern
         std::string lines;
         for (std::size_t i = 0; i < layout_.legend.size(); ++i) {
             const LegendEntry& entry = layout_.legend[i];
@@ -439,7 +445,7 @@ class Script {
         bare(lines.empty() ? "2 notitle" : lines);
     }
 
-    /// The data block of an entry's line across its sign, in the page's unit square, and the element that plots it.
+    /// Writes the data block of a legend entry's line in the page's unit square. Returns the element that plots it.
     std::string legend_line(std::size_t index, const LegendEntry& entry) {
         const double y = 1 - entry.y / layout_.height;
         line(fmt::format("$legend{} << END", index));
@@ -450,7 +456,7 @@ class Script {
                            line_width(0.9), dash_of(*entry.curve), color_of(entry.curve->color));
     }
 
-    /// The same of a class: a filled cell with a thin frame, for the lightest is nearly white.
+    /// Writes a class's legend entry: a filled cell with a thin frame, since the lightest shade is nearly white.
     std::string legend_cell(std::size_t index, const LegendEntry& entry) {
         line(fmt::format("$legend{} << END", index));
         line(fmt::format("{:.5f} {:.5f} {:.5f} {:.5f}", (entry.x + 6) / layout_.width,

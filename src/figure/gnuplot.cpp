@@ -8,8 +8,7 @@
 namespace polhode {
 namespace {
 
-/// Cairo writes the time of day into a PDF's /CreationDate (D:yyyymmddhhmmssZ): the date
-/// becomes the epoch.
+/// Cairo writes the current time into a PDF's /CreationDate (D:yyyymmddhhmmssZ); replaces it by the epoch.
 void clear_creation_date(std::string& pdf) {
     const std::string_view key = "/CreationDate (D:";
     const std::size_t place = pdf.rfind(key);
@@ -21,7 +20,7 @@ void clear_creation_date(std::string& pdf) {
     }
 }
 
-/// gnuplot writes a label's ]]> as it is, which ends no section here, and is no XML.
+/// gnuplot writes a label's ]]> unescaped, which is invalid in XML text.
 void escape_ends_of_sections(std::string& svg) {
     const std::string_view end = "]]>", escaped = "]]&gt;";
     for (std::size_t at = svg.find(end); at != std::string::npos; at = svg.find(end, at + escaped.size()))

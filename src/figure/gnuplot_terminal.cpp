@@ -33,7 +33,7 @@ GnuplotTerminal::GnuplotTerminal(const std::string& name) : svg_(name == "svg") 
     }
 }
 
-// pixels of 1/96 inch in SVG, as in CSS; 4/3 points in PDF, where Pango assumes 96 an inch
+// SVG: pixels of 1/96 inch, as in CSS. PDF: units of 4/3 points, since Pango assumes 96 per inch.
 double GnuplotTerminal::font_size(double points) const {
     return svg_ ? std::round(points * 40 / 3) / 10 : points * 3 / 4;
 }
@@ -55,7 +55,7 @@ std::string GnuplotTerminal::opening(double width, double height, double points,
             "fontscale 1 linewidth 0.5 rounded\n",
             width / 72, height / 72, font_size(points));
     }
-    // a leading | would be a command to gnuplot, a leading ~ the home directory
+    // gnuplot interprets a leading | as a command and a leading ~ as the home directory
     if (!path.empty()) text += "set output " + gnuplot_quoted(path.front() == '/' ? path : "./" + path) + '\n';
     return text;
 }

@@ -6,7 +6,7 @@
 namespace polhode {
 namespace {
 
-// Where a guide is at x, which is drawn from left to right.
+// The guide's height at x; the guide is drawn from left to right.
 double height_at(const std::vector<Point>& guide, double x) {
     for (std::size_t i = 1; i < guide.size(); ++i)
         if (guide[i].x >= x) {
@@ -17,7 +17,8 @@ double height_at(const std::vector<Point>& guide, double x) {
     return guide.back().y;
 }
 
-// How much of the curves the rectangle covers, with the marks on them: points along them, a few to each piece.
+// How much of the curves and their marks the rectangle covers: the number of points sampled along them, several per
+// segment.
 long covered(const Rectangle& label, const std::vector<std::vector<Point>>& curves) {
     constexpr int pieces = 16;
     constexpr double mark = 2.5;
@@ -30,7 +31,7 @@ long covered(const Rectangle& label, const std::vector<std::vector<Point>>& curv
         for (std::size_t i = 0; i < curve.size(); ++i) {
             const Point &from = curve[i], &to = curve[i + 1 < curve.size() ? i + 1 : i];
             count(from.x, from.y, mark);
-            // the label may stand between two points that are far apart
+            // the label may lie between two distant points
             const int steps = std::max(pieces, static_cast<int>(std::abs(to.x - from.x) + std::abs(to.y - from.y)));
             for (int k = 1; k < steps; ++k)
                 count(from.x + (to.x - from.x) * k / steps, from.y + (to.y - from.y) * k / steps, 0);
@@ -47,7 +48,7 @@ std::optional<GuideLabel> guide_label(const std::string& text, double size, cons
     const double width = text_width(text, size), height = size + 2;
     const double first = guide.front().x + margin, last = guide.back().x - margin - width;
     std::optional<GuideLabel> best;
-    // the ends come first, then what lies between them
+    // try the ends first, then the positions in between
     for (int i = 0; i <= places; ++i)
         for (const bool above : {true, false}) {
             const int k = i == 0 ? places : i == 1 ? 0 : i - 1;

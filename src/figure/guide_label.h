@@ -1,4 +1,4 @@
-// Where a guide's name stands in its panel.
+// Placement of a guide's label in its panel.
 #pragma once
 
 #include <optional>
@@ -9,20 +9,21 @@
 
 namespace polhode {
 
-/// On the page, in points; or in a panel, in its axes' units.
+/// A point on the page (points), or in a panel (units of its axes).
 struct Point {
     double x = 0, y = 0;
 };
 
+/// The position of a label.
 struct GuideLabel {
-    double x = 0, y = 0;      ///< of the text's end or beginning, and its middle line
-    bool ends_there = false;  ///< the text ends at x; else it begins there
-    long covered = 0;         ///< how much of the curves lies beneath it: points along them
+    double x = 0, y = 0;      ///< start or end of the text, and its middle line
+    bool ends_there = false;  ///< the text ends at x; otherwise it begins there
+    long covered = 0;         ///< overlap: the number of sampled curve points below the label
 };
 
-/// At the right or the left end of the guide, or else between them, above or below it: the first place where it covers
-/// none of the curves, or the one where it covers least. None where it
-/// would leave the frame. `guide` and `curves`: points on the page; `size`: of the text.
+/// Places a label at the right or left end of the guide, or else between them, above or below it. Chooses the first
+/// position that covers no curve, or the one that covers least. Returns nothing if every position would leave the
+/// frame. `guide` and `curves` are points on the page; `size` is the text size (points).
 std::optional<GuideLabel> guide_label(const std::string& text, double size, const std::vector<Point>& guide,
                                       const std::vector<std::vector<Point>>& curves, const Rectangle& plot);
 

@@ -15,10 +15,10 @@ namespace {
 
 struct Ranked {
     std::string label, group;
-    double rank = 0;  ///< mean over the panels, the first is the best
+    double rank = 0;  ///< mean over the panels; lower is better
 };
 
-/// What a curve is ordered by in its panel: less is better, the second counts where the first are equal.
+/// The sort key of a curve in its panel: lower is better; `second` breaks ties of `first`.
 struct Worth {
     double first = std::numeric_limits<double>::infinity(), second = std::numeric_limits<double>::infinity();
     bool operator<(const Worth& other) const {
@@ -43,7 +43,7 @@ double lowest(const std::vector<DrawablePoint>& points) {
     return least;
 }
 
-/// The y that half of the curves reach at least.
+/// The y that at least half of the curves reach (their median minimum).
 double common_level(const std::vector<std::vector<DrawablePoint>>& curves) {
     std::vector<double> least;
     for (const auto& points : curves)
@@ -53,7 +53,7 @@ double common_level(const std::vector<std::vector<DrawablePoint>>& curves) {
     return least[(least.size() - 1) / 2];
 }
 
-/// Where the curve reaches the level, between its points by a straight line as drawn.
+/// The x at which the curve reaches the level; linear interpolation between points as drawn.
 std::optional<double> reached_at(const Panel& panel, const std::vector<DrawablePoint>& points, double level,
                                  bool at_least) {
     const auto to = [](double v, bool logarithmic) { return logarithmic ? std::log(v) : v; };
@@ -80,7 +80,7 @@ Worth worth(const Panel& panel, const std::vector<DrawablePoint>& points, double
     if (points.empty()) return {};
     if (best == Best::lowest_end) return {points.back().y, 0};
     const std::optional<double> x = reached_at(panel, points, level, best == Best::least_x);
-    // those that do not get there stand behind, by what they reach
+    // curves that do not reach the level come last, ordered by their minimum
     if (!x) return {std::numeric_limits<double>::max(), lowest(points)};
     return {best == Best::least_x ? *x : -*x, 0};
 }

@@ -1,4 +1,4 @@
-// Curves of more points than a picture has columns.
+// Reduces curves with more points than a picture has columns.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// Leaves of a curve whose x ascends what is to be seen in a picture so many columns wide: of each column the first,
-/// the lowest, the highest and the last point. Curves of few points stay as they are.
+/// Reduces a curve with ascending x to the points that are visible at a width of `columns`: the first, lowest,
+/// highest and last point of each column. Curves of at most 4 points per column are unchanged.
 void thin(Curve& curve, std::size_t columns);
 
 }  // namespace polhode

@@ -9,12 +9,12 @@
 namespace polhode {
 namespace {
 
-// of a reaction; zero for what the motion does not determine
+// Converts a reaction; components that the motion does not determine become zero.
 Vector3<Wide> wide(const Vector3<Pair>& v) {
     const auto value = [](const Pair& p) { return std::isnan(p.high) ? Wide(0) : Wide(p.high) + Wide(p.low); };
     return {value(v[0]), value(v[1]), value(v[2])};
 }
-// what a method's reaction is off where it is determined
+// Error of a method's reaction in the determined components.
 Wide distance(const Vector3<double>& own, const Vector3<Pair>& right) {
     Vector3<Wide> off = cast<Wide>(own) - wide(right);
     for (std::size_t i = 0; i < 3; ++i)
@@ -22,7 +22,7 @@ Wide distance(const Vector3<double>& own, const Vector3<Pair>& right) {
     return length(off);
 }
 
-// The errors of reactions, relative to the run's largest force and torque.
+// Errors of reactions, relative to the run's largest force and torque.
 class ReactionErrors {
   public:
     ReactionErrors(const Trajectory& trajectory, const Reference& reference, const std::vector<Wide>& arms)
@@ -34,7 +34,7 @@ class ReactionErrors {
                 {largest_torque_, length(wide(reference.reactions[i].torque_W)), Wide(force * arms[i % arms.size()])});
         }
     }
-    // of the worst joint at the k-th time
+    // Error of the worst joint at the k-th time.
     Wide at(std::size_t k) const {
         Wide force = 0, torque = 0;
         for (std::size_t i = k * joints_; i < (k + 1) * joints_; ++i) {
@@ -87,7 +87,7 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
         for (std::size_t m = 0; m < all.size(); ++m)
             scale[m] = std::max(scale[m], scale_in(all[m], bodies, wholes.back()));
     }
-    // several bodies at rest turn by the truth's round-off at most
+    // several bodies at rest rotate at most by the reference's round-off
     if (Wide& omega = scale["omega"]; measure.is_of_several() && omega * Wide(scene.duration) < Wide(vanishing))
         omega = 0;
     const auto known = [&](const Measure& m, std::size_t k) {
@@ -142,7 +142,7 @@ Errors errors(const ErrorSeries& series, const Trajectory& trajectory, const Ref
         const bool by_truth = (measures()[m].needs & known_truth) != 0;
         if (values.empty() || (by_truth && (!reference.available || values.size() != reference.moments()))) continue;
         result[m].final = values.back();
-        // what is not a number at some sample has no largest
+        // a series that contains NaN has no maximum
         const double most = *std::max_element(values.begin(), values.end());
         if (std::isfinite(most) && std::ranges::none_of(values, [](double x) { return std::isnan(x); }))
             result[m].max = most;

@@ -30,7 +30,7 @@ Envelope error_envelope(const std::vector<double>& t, const std::vector<double>&
 }
 
 std::optional<Growth> error_growth(const std::vector<double>& t, const std::vector<double>& error, double saturation) {
-    // what lies beyond saturation says nothing
+    // errors beyond saturation are meaningless
     const std::size_t count = std::min(t.size(), error.size());
     std::size_t last = 0;
     while (last < count && std::abs(error[last]) <= saturation) ++last;

@@ -16,7 +16,7 @@ S magnitude(const S& x) {
     return x < 0 ? -x : x;
 }
 
-// the angle from the two parts of a quaternion of any length: it scales out
+// Rotation angle of a quaternion of any nonzero length: atan2 cancels the length.
 template <class S>
 S angle_of(const Quaternion<S>& r) {
     return S(2 * std::atan2(double(length(vector_part(r))), double(magnitude(r.w))));
@@ -25,12 +25,12 @@ S angle_of(const Quaternion<S>& r) {
 template <class S>
 S norm_error(const ComparedBody<S>& c) {
     if (c.orthogonality_defect) return S(*c.orthogonality_defect);
-    // |q| - 1 = (|q|^2 - 1) / (|q| + 1), with nothing cancelled in binary64
+    // |q| - 1 = (|q|^2 - 1) / (|q| + 1), without cancellation in binary64
     const S square = squared_norm(c.own.q);
     return magnitude(S(square - S(1))) / (square_root(square) + S(1));
 }
 
-// What vanishes to the round-off of its parts is zero: errors are absolute then.
+// Zero if the value is within the round-off of its terms; the error is then absolute.
 template <class S>
 S or_zero(const S& value, const S& size) {
     return value > S(vanishing) * size ? value : S(0);

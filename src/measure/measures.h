@@ -1,7 +1,7 @@
-// What is measured of a trajectory: each measure is one row of data, and one function of a sample beside the truth.
+// The measures of a trajectory: each is one row of data and one function of a sample and the reference.
 //
-// Tables of results, series over time, the list of metrics and the reports on files take their columns from here, so
-// that a new measure is one entry in measures.cpp.
+// Result tables, time series, the list of metrics and the reports on files take their columns from here, so that a
+// new measure is one entry in measures.cpp.
 #pragma once
 
 #include <cmath>
@@ -18,43 +18,42 @@
 
 namespace polhode {
 
-/// What is below this share of the parts that it is the sum of, or of a radian, is rounding in binary64, and counts as
-/// 0.
+/// Values below this fraction of the terms of their sum (or of a radian) are binary64 rounding and count as 0.
 inline constexpr double vanishing = 1e-15;
 
-/// Whether an error is larger than the largest so far; NaN is the largest of all, and the first of several stays.
+/// Whether an error exceeds the largest so far. NaN exceeds everything; the first of several NaN is kept.
 template <class S>
 bool is_larger(const S& error, const S& largest) {
     return !std::isnan(double(largest)) && !(error <= largest);
 }
 
-/// One body beside the truth at one time. S is double or Wide.
+/// One body and its reference at one time. S is double or Wide.
 template <class S>
 struct ComparedBody {
-    BodyMotion<S> own;                           ///< q as the method left it, of any length but zero
+    BodyMotion<S> own;                           ///< q as output by the method, of any nonzero length
     BodyMotion<S> truth;                         ///< q of unit length
-    std::optional<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1
+    std::optional<double> orthogonality_defect;  ///< for a matrix method: Frobenius norm of A^T A - 1
 };
 
-/// The bodies of a scene, one or several, beside the truth at one time.
+/// All bodies of a scene (one or several) and their reference at one time.
 template <class S>
 struct ComparedMotion {
-    std::vector<ComparedBody<S>> bodies;  ///< in the scene's order
-    SystemInvariants<S> own;              ///< what all have together, from their own numbers
-    SystemInvariants<S> truth;            ///< the same from the truth's
-    JointViolations<S> joints;            ///< of the bodies' own numbers
-    S reaction_error = S(0);              ///< of all joints, relative to the run's largest reaction
+    std::vector<ComparedBody<S>> bodies;  ///< in the order of the scene
+    SystemInvariants<S> own;              ///< of the whole system, from the method's numbers
+    SystemInvariants<S> truth;            ///< of the whole system, from the reference
+    JointViolations<S> joints;            ///< of the method's numbers
+    S reaction_error = S(0);              ///< worst of all joints, relative to the run's largest reaction
 };
 
 /// One formula, compiled for binary64 and for 128 bits.
 template <template <class> class Argument>
 struct MeasureFormula {
-    double (*binary64)(const Argument<double>&) = nullptr;  ///< null: there is no formula
-    Wide (*binary128)(const Argument<Wide>&) = nullptr;     ///< null: there is no formula
+    double (*binary64)(const Argument<double>&) = nullptr;  ///< null: no formula
+    Wide (*binary128)(const Argument<Wide>&) = nullptr;     ///< null: no formula
 
     /// No formula.
     MeasureFormula() = default;
-    /// A function object, or a generic lambda, that captures nothing.
+    /// From a function object or a generic lambda without captures.
     template <class F>
     MeasureFormula(F formula) : binary64(formula), binary128(formula) {}
 
@@ -66,38 +65,39 @@ struct MeasureFormula {
     explicit operator bool() const { return binary64 != nullptr; }
 };
 
-/// What has to be known of a motion for a measure of it. Several are joined by |.
+/// The data that a measure needs. Flags are combined by |.
 enum Known : unsigned {
-    known_truth = 1,             ///< the truth
-    known_angular_velocity = 2,  ///< its angular velocity
-    known_position = 4,          ///< its position
-    known_velocity = 8,          ///< its velocity
-    known_center = 16,           ///< position and velocity of the centre of mass, if only by the attitude about a pivot
-    known_reactions = 32,        ///< the reactions of its joints
-    known_free_system = 64,      ///< that no joint ties the bodies to the world
+    known_truth = 1,             ///< the reference
+    known_angular_velocity = 2,  ///< the angular velocity
+    known_position = 4,          ///< the position
+    known_velocity = 8,          ///< the velocity
+    known_center = 16,           ///< position and velocity of the centre of mass; a pivot and the attitude suffice
+    known_reactions = 32,        ///< the joint reactions
+    known_free_system = 64,      ///< no joint connects the bodies to the world
 };
 
-/// One measure of how wrong a trajectory is.
+/// One error measure of a trajectory.
 struct Measure {
     std::string_view name;       ///< "attitude": columns are attitude_error, attitude_error_max, ..
-    std::string_view title;      ///< for people
-    std::string_view unit;       ///< "rad", "m", "relative"; empty where the title says it
+    std::string_view title;      ///< for readers
+    std::string_view unit;       ///< "rad", "m", "relative"; empty if the title states it
     std::string_view meaning;    ///< one line
-    unsigned needs = 0;          ///< Known, joined
-    bool tabled = false;         ///< has columns in the tables of results and series; without, only `check` tells it
-    bool tabled_at_end = false;  ///< and one of its value at the end of the run
-    bool over_time = false;      ///< `check` tells its growth
-    /// Of a body, before it is divided by the scale; the largest of several counts. Null of what bodies have together.
+    unsigned needs = 0;          ///< combination of Known flags
+    bool tabled = false;         ///< has columns in result tables and series; otherwise only `check` reports it
+    bool tabled_at_end = false;  ///< also has a column for its value at the end of the run
+    bool over_time = false;      ///< `check` reports its growth
+    /// Error of one body, before division by the scale; for several bodies, the largest counts. Null for measures of
+    /// the whole system.
     MeasureFormula<ComparedBody> error = {};
-    /// What that is relative to: the largest of this over the run and the bodies. Absolute where there is none.
+    /// The scale of `error`: its largest value over the run and the bodies. Null: the error is absolute.
     MeasureFormula<BodyMotion> scale = {};
-    /// Of all bodies together, where there is no `error`.
+    /// Error of the whole system, for measures without `error`.
     MeasureFormula<ComparedMotion> whole_error = {};
-    /// What that is relative to: the largest of this over the run.
+    /// The scale of `whole_error`: its largest value over the run.
     MeasureFormula<SystemInvariants> whole_scale = {};
-    bool of_one_body = true;             ///< whether one body alone has it
-    bool tabled_of_systems = false;      ///< has columns in tables of several bodies alone
-    std::string_view suffix = "_error";  ///< of the name in those columns
+    bool of_one_body = true;             ///< defined for scenes of a single body
+    bool tabled_of_systems = false;      ///< has columns only in tables of several bodies
+    std::string_view suffix = "_error";  ///< suffix of the name in those columns
 
     /// Whether it is relative to a scale.
     bool is_relative() const { return scale || whole_scale; }
@@ -105,10 +105,10 @@ struct Measure {
 
 /// All measures, in the order of reports.
 std::span<const Measure> measures();
-/// The index of a measure by its name. Throws std::invalid_argument where there is none.
+/// The index of a measure by its name. Throws std::invalid_argument if it does not exist.
 std::size_t measure_index(std::string_view name);
 
-/// A value for each measure, by its name or its index in measures().
+/// One value per measure, accessed by name or by index in measures().
 template <class T>
 class PerMeasure {
   public:
@@ -116,18 +116,18 @@ class PerMeasure {
     T& operator[](std::size_t measure) { return values_[measure]; }
     /// The value of a measure by its index.
     const T& operator[](std::size_t measure) const { return values_[measure]; }
-    /// The value of a measure by its name. Throws std::invalid_argument where there is none.
+    /// The value of a measure by its name. Throws std::invalid_argument if it does not exist.
     T& operator[](std::string_view measure) { return values_[measure_index(measure)]; }
-    /// The value of a measure by its name. Throws std::invalid_argument where there is none.
+    /// The value of a measure by its name. Throws std::invalid_argument if it does not exist.
     const T& operator[](std::string_view measure) const { return values_[measure_index(measure)]; }
-    /// How many measures there are.
+    /// The number of measures.
     std::size_t size() const { return values_.size(); }
 
   private:
     std::vector<T> values_ = std::vector<T>(measures().size());
 };
 
-/// The truth at one time in the scalar S.
+/// Converts a reference sample to the scalar S.
 template <class S>
 BodyMotion<S> true_motion(const ReferenceSample& truth) {
     const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };
@@ -138,7 +138,7 @@ BodyMotion<S> true_motion(const ReferenceSample& truth) {
             vector(truth.velocity_W)};
 }
 
-/// Rotation angle (rad) between q, of any length, and the truth, without regard to sign.
+/// Rotation angle (rad) between q, of any nonzero length, and the reference; q and -q give the same angle.
 double attitude_error(const Quaternion<double>& q, const Quaternion<Pair>& reference);
 
 }  // namespace polhode

@@ -18,7 +18,7 @@ double slope(const std::vector<Point>& points, std::size_t begin, std::size_t en
     return least_squares_line(std::span(points).subspan(begin, end - begin)).slope;
 }
 
-// converging before saturated, then long before short, then steep before flat
+// prefer converging over saturated, then long over short, then steep over flat
 std::tuple<bool, int, double> rank(const ObservedOrder& window) {
     return {window.order > 0.5, window.points, window.order};
 }
@@ -35,7 +35,7 @@ std::optional<ObservedOrder> observed_order(const std::vector<double>& step, con
     points.erase(
         std::unique(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.first == b.first; }),
         points.end());
-    // beyond the first saturated point errors are below saturation by chance only
+    // beyond the first saturated point, errors are below saturation only by chance
     const auto saturated =
         std::ranges::find_if(points, [&](const Point& p) { return p.second > std::log(saturation); });
     points.erase(saturated, points.end());

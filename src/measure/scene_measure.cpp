@@ -54,8 +54,8 @@ template <class S>
 SystemInvariants<S> SceneMeasure<S>::true_invariants(std::span<const ReferenceSample> samples,
                                                      std::span<const BodyMotion<S>> motions,
                                                      JointCoordinates& coordinates) const {
-    // from the motions, as a trajectory's are: where an angle turns too far between samples for its turns to be
-    // counted, both are counted alike
+    // from the motions, like a trajectory's invariants: if an angle rotates too far between samples to count its
+    // revolutions, both count alike
     if (is_of_several()) return invariants(samples[0].t, motions, coordinates);
     const auto& body = std::get<ExactBody<S>>(kind_);
     const auto value = [](const Pair& pair) { return S(pair.high) + S(pair.low); };

@@ -1,4 +1,4 @@
-// What the bodies of a scene, one or several, have together at one time.
+// Invariants and joint violations of the whole system of bodies of a scene at one time.
 #pragma once
 
 #include <cstddef>
@@ -14,35 +14,37 @@
 
 namespace polhode {
 
-/// Measures motions of a scene's bodies in the scalar S, double or Wide.
+/// Evaluates motions of a scene's bodies in the scalar S, double or Wide.
 template <class S>
 class SceneMeasure {
   public:
-    /// Keeps a reference to the scene, which is valid.
+    /// Keeps a reference to the scene, which must be valid.
     explicit SceneMeasure(const Scene& scene);
 
-    /// How many bodies there are.
+    /// The number of bodies.
     std::size_t bodies() const { return centers_.size(); }
-    /// Whether the scene is one of several bodies, be there one only.
+    /// Whether the scene uses `bodies`, even if there is only one.
     bool is_of_several() const { return std::holds_alternative<MechanismMeasure<S>>(kind_); }
-    /// Whether motions of the scene have this measure: one body has none of joints, bodies that a joint ties to the
-    /// world have none of free systems.
+    /// Whether the measure is defined for the scene: a single body has no joint measures, and bodies connected to the
+    /// world by a joint have no free-system measures.
     bool has(const Measure& measure) const;
     /// From a body's origin to its centre of mass, m, body axes.
     const Vector3<S>& center(std::size_t body) const { return centers_[body]; }
-    /// Where the centre of mass of a single body starts, m, world axes; of several the world's origin.
+    /// Initial position of the centre of mass of a single body, m, world axes; the world's origin for several bodies.
     Vector3<S> start_W() const;
-    /// From the point of each joint's child to its centre of mass, m; see MechanismMeasure::arms().
+    /// Distance from each joint's child point to the child's centre of mass, m; see MechanismMeasure::arms().
     std::vector<S> arms() const;
 
-    /// Of the motions of all bodies at time t (s), q of unit length. The angular momentum of a single body is about its
-    /// pivot, or else about its centre of mass. `coordinates` are of this motion at an earlier time, and follow.
+    /// Invariants of the motions of all bodies at time t (s), q of unit length. The angular momentum of a single body
+    /// is about its pivot, or else about its centre of mass. `coordinates` holds the joint coordinates at an earlier
+    /// time and is updated.
     SystemInvariants<S> invariants(double t, std::span<const BodyMotion<S>> motions,
                                    JointCoordinates& coordinates) const;
-    /// The same of the truth, `motions` by true_motion(). A single body's sample has its energy and its momentum.
+    /// Invariants of the reference; `motions` come from true_motion(). For a single body, energy and momentum are
+    /// taken from its sample.
     SystemInvariants<S> true_invariants(std::span<const ReferenceSample> samples,
                                         std::span<const BodyMotion<S>> motions, JointCoordinates& coordinates) const;
-    /// How far joints are from closed.
+    /// How far the joints are from closed.
     JointViolations<S> violations(std::span<const BodyMotion<S>> motions) const;
 
   private:
@@ -51,7 +53,7 @@ class SceneMeasure {
     std::vector<Vector3<S>> centers_;
 };
 
-/// The error in a measure, before it is divided by the scale, and the body whose it is (0 of all together).
+/// The error in a measure, before division by the scale, and the index of the worst body (0 for the whole system).
 template <class S>
 std::pair<S, std::size_t> error_in(const Measure& measure, const ComparedMotion<S>& compared) {
     if (measure.whole_error) return {measure.whole_error(compared), 0};
@@ -61,7 +63,7 @@ std::pair<S, std::size_t> error_in(const Measure& measure, const ComparedMotion<
     return worst;
 }
 
-/// What an error in a measure is relative to at one time: 0 where it is absolute.
+/// The scale of a measure at one time; 0 if the error is absolute.
 template <class S>
 S scale_in(const Measure& measure, std::span<const BodyMotion<S>> truth, const SystemInvariants<S>& whole) {
     if (measure.whole_scale) return std::max(S(0), measure.whole_scale(whole));

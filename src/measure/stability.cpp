@@ -5,7 +5,7 @@
 namespace polhode {
 namespace {
 
-// lengths whose squares may be out of range: rates up to 1e308
+// hypotenuse: rates up to 1e308, whose squares overflow
 double true_rate(const ReferenceSample& sample) {
     const auto& w = sample.angular_velocity_B;
     return hypotenuse(Vector3<double>{w[0].high, w[1].high, w[2].high});
@@ -32,7 +32,7 @@ bool is_damped_to_rest(const Trajectory& trajectory, const Reference& reference)
     double largest = 0;
     for (const ReferenceSample& sample : reference.samples) largest = std::max(largest, true_rate(sample));
     if (!(largest > 0)) return false;
-    // in units of the largest rate, so that nothing overflows or underflows
+    // in units of the largest rate, to avoid overflow and underflow
     double own = 0, truth = 0;
     const std::size_t begin = count - std::max<std::size_t>(1, count / 4);
     for (std::size_t k = begin; k < count; ++k) {
@@ -58,7 +58,7 @@ Outcome outcome_of(const Trajectory& trajectory, const Errors& errors, const Ref
     }
     if (!errors["attitude"].max) return Outcome::no_truth;
     if (!is_stable(errors)) return Outcome::diverged;
-    // a stop is told first: at rest the attitude may be near enough by chance
+    // first: at rest the attitude may be close by chance
     if (is_damped_to_rest(trajectory, reference)) return Outcome::damped_to_rest;
     if (*errors["attitude"].max <= accurate_attitude) return Outcome::accurate;
     return *errors["attitude"].max <= close_attitude ? Outcome::close : Outcome::wrong_but_bounded;

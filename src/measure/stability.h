@@ -1,4 +1,4 @@
-// What became of a run: one definition of "stable", and the classes of what lies beyond.
+// Outcome of a run: the definition of "stable" and the classes of all other results.
 #pragma once
 
 #include <array>
@@ -8,38 +8,41 @@
 
 namespace polhode {
 
+/// The class of a run.
 enum class Outcome {
-    accurate,           ///< the attitude within 1e-3 rad of the truth at every sample
+    accurate,           ///< attitude within 1e-3 rad of the reference at every sample
     close,              ///< within 0.1 rad
-    wrong_but_bounded,  ///< further off, and nothing of the numbers shows it
-    damped_to_rest,     ///< the body stopped where the true one moves on
-    diverged,           ///< the solver says so, or to the end with finite numbers but not stable: see is_stable()
+    wrong_but_bounded,  ///< further off, but stable: see is_stable()
+    damped_to_rest,     ///< the body stopped while the true one moves on
+    diverged,           ///< reported by the solver, or finite to the end but not stable: see is_stable()
     tolerance_not_met,
-    failed,       ///< the solver's own word, or one of the run's limits
+    failed,       ///< reported by the solver, or a limit of the run
     unsupported,  ///< not run
-    no_truth,     ///< nothing to judge it by
+    no_truth,     ///< no reference to compare with
 };
+/// All outcomes.
 inline constexpr std::array outcomes{Outcome::accurate,       Outcome::close,       Outcome::wrong_but_bounded,
                                      Outcome::damped_to_rest, Outcome::diverged,    Outcome::tolerance_not_met,
                                      Outcome::failed,         Outcome::unsupported, Outcome::no_truth};
 
-/// "accurate", "close", "wrong but bounded", ..
+/// The outcome as text: "accurate", "close", "wrong but bounded", ..
 const char* name_of(Outcome outcome);
 
 inline constexpr double accurate_attitude = 1e-3, close_attitude = 0.1;  ///< rad
 
-/// Stable: the run reached its end, and at no sample did the angular velocity's error exceed 4 times the motion's
-/// largest rate or the energy's error 8 times its largest energy. A motion that is only out of phase with the truth, or
-/// turns the other way, differs from it by twice its own size in rate; 4 and 8 are reached by what has grown to three
-/// times the rate of the true motion, nine times its kinetic energy. Growth that has not come so far at the end of the
-/// run is not seen: the bound is one over the run. `of_run` is of a run that ended `ok`; without a truth never stable.
+/// Stable: the run reached its end, the error of the angular velocity never exceeded 4 times the motion's largest
+/// rate, and the energy error never exceeded 8 times its largest energy. A motion that is only out of phase or
+/// rotates the other way differs by twice its own rate. The limits 4 and 8 correspond to three times the true rate
+/// and nine times the true kinetic energy. Growth that has not reached them by the end of the run is not detected.
+/// `of_run` belongs to a run that ended `ok`; without a reference it is never stable.
 bool is_stable(const Errors& of_run);
 
-/// Damped to rest: over the last quarter of its samples the body turns at less than a tenth of the true rate (root mean
-/// squares), where the true one keeps at least a thousandth of its largest.
+/// Damped to rest: over the last quarter of the samples, the root mean square rate is below a tenth of the true one,
+/// while the true one is at least a thousandth of the motion's largest rate.
 bool is_damped_to_rest(const Trajectory& trajectory, const Reference& reference);
 
-/// The class of a run. A tolerance-driven one that ends more than 1 rad off is Status::tolerance_not_met before this.
+/// The class of a run. A tolerance-driven run that ends more than 1 rad off must already have
+/// Status::tolerance_not_met.
 Outcome outcome_of(const Trajectory& trajectory, const Errors& errors, const Reference& reference);
 
 }  // namespace polhode

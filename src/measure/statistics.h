@@ -1,4 +1,4 @@
-// The few statistics that several measures share.
+// Basic statistics shared by several measures.
 #pragma once
 
 #include <span>
@@ -14,10 +14,10 @@ struct Line {
     double at(double x) const { return y_mean + slope * (x - x_mean); }
 };
 
-/// Through points (x, y), at least one; the slope is not a number where all have one x.
+/// Least-squares line through at least one point (x, y). The slope is NaN if all points have the same x.
 Line least_squares_line(std::span<const std::pair<double, double>> points);
 
-/// The middle value, or the mean of the two middle ones; at least one value.
+/// The median of at least one value: the middle value, or the mean of the two middle ones.
 double median(std::vector<double> values);
 
 }  // namespace polhode

@@ -1,13 +1,14 @@
-// The articulated-body recursion (Featherstone 1983; 2008, ch. 7) in classical accelerations: of a link with angular
+// The articulated-body recursion (Featherstone 1983; 2008, ch. 7) in classical accelerations. For a link with angular
 // velocity w, angular acceleration alpha and acceleration a of its origin, all in its own axes,
 //
 //     n = J alpha + B a + n0,   f = B^T alpha + M a + f0
 //
-// is the torque about the origin and the force that move it and all that hangs on it. From the leaves to the root J, B,
-// M, n0, f0 are found and what each joint leaves free is eliminated; from the root to the leaves follow the
-// accelerations. Classical accelerations need no linear velocities: nothing is lost of a fast flight.
+// are the torque about its origin and the force that move the link and everything attached below it. The pass from
+// the leaves to the root computes J, B, M, n0, f0 and eliminates the degrees of freedom of each joint. The pass from
+// the root to the leaves computes the accelerations. Classical accelerations do not involve linear velocities, so
+// that fast flight loses no digits.
 //
-// A template over the scalar S of the state, with the constants in P: double, dual numbers, traced coefficients,
+// Templates over the scalar S of the state and P of the constants: double, dual numbers, traced coefficients,
 // multiprecision. No branch depends on a value. Cost and memory are linear in the number of links.
 #pragma once
 
@@ -18,7 +19,7 @@
 
 namespace polhode {
 
-/// n = J alpha + B a + n0 and f = B^T alpha + M a + f0.
+/// The coefficients of n = J alpha + B a + n0 and f = B^T alpha + M a + f0; `n` and `f` hold n0 and f0.
 template <class S>
 struct ArticulatedInertia {
     Symmetric3<S> J;
@@ -27,27 +28,29 @@ struct ArticulatedInertia {
     Vector3<S> n, f;
 };
 
-/// A torque about a link's origin and a force, or an angular acceleration and one of the origin; in its axes.
+/// Torque about a link's origin and force, or angular acceleration and acceleration of the origin; in the link's
+/// axes.
 template <class S>
 struct Pair6 {
     Vector3<S> turning, linear;
 };
 
-/// What the recursion knows of a link.
+/// The recursion's data of one link.
 template <class S>
 struct LinkWork {
-    Matrix3<S> R;   ///< link axes to the parent's
-    Vector3<S> r;   ///< its origin from the parent's, the parent's axes
+    Matrix3<S> R;   ///< link axes to the parent's axes
+    Vector3<S> r;   ///< its origin from the parent's origin, in the parent's axes, m
     Vector3<S> w;   ///< rad/s
-    Pair6<S> bias;  ///< what the accelerations have beside the parent's and the joint's
+    Pair6<S> bias;  ///< velocity-dependent accelerations, in addition to the parent's and the joint's
     ArticulatedInertia<S> inertia;
-    Pair6<S> U;                  ///< revolute, prismatic: what the joint's acceleration 1 takes
-    Symmetric3<S> inverse;       ///< revolute, prismatic: 1 / D in xx; spherical: J^-1; free: of the Schur complement
+    Pair6<S> U;                  ///< revolute, prismatic: torque and force for unit joint acceleration
+    Symmetric3<S> inverse;       ///< revolute, prismatic: 1 / D in xx; spherical: J^-1; free: Schur complement^-1
     Symmetric3<S> inverse_mass;  ///< free: M^-1
-    Vector3<S> force;            ///< generalized force on the joint, less what the link's own n0, f0 ask for
+    Vector3<S> force;            ///< generalized force on the joint, minus the part balanced by the link's n0, f0
     Pair6<S> acceleration;
 };
 
+/// The inverse of a regular symmetric matrix, by cofactors.
 template <class S>
 Symmetric3<S> inverse(const Symmetric3<S>& m) {
     const S xx = m.yy * m.zz - m.yz * m.yz, xy = m.xz * m.yz - m.xy * m.zz, xz = m.xy * m.yz - m.xz * m.yy;
@@ -56,6 +59,7 @@ Symmetric3<S> inverse(const Symmetric3<S>& m) {
             xz * per, (m.xy * m.xz - m.xx * m.yz) * per};
 }
 
+/// A symmetric matrix as a full matrix.
 template <class S>
 Matrix3<S> full_matrix(const Symmetric3<S>& m) {
     return {{Vector3<S>(m.xx, m.xy, m.xz), Vector3<S>(m.xy, m.yy, m.yz), Vector3<S>(m.xz, m.yz, m.zz)}};
@@ -71,7 +75,7 @@ Symmetric3<S> operator-(const Symmetric3<S>& a, const Symmetric3<S>& b) {
     return {a.xx - b.xx, a.yy - b.yy, a.zz - b.zz, a.xy - b.xy, a.xz - b.xz, a.yz - b.yz};
 }
 
-/// u v^T, where that is symmetric.
+/// u v^T, for u and v with a symmetric product.
 template <class S>
 Symmetric3<S> outer(const Vector3<S>& u, const Vector3<S>& v) {
     return {u[0] * v[0], u[1] * v[1], u[2] * v[2], u[0] * v[1], u[0] * v[2], u[1] * v[2]};
@@ -92,7 +96,7 @@ Vector3<Product<A, B>> transposed_times(const Matrix3<A>& m, const Vector3<B>& v
             m[0][2] * v[0] + m[1][2] * v[1] + m[2][2] * v[2]};
 }
 
-/// The rotation of link axes to the parent's: `turn` times that about z with this cosine and sine.
+/// The rotation from link axes to the parent's axes: `turn` times the rotation about z with this cosine and sine.
 template <class S, class P>
 Matrix3<S> turned_about_z(const Matrix3<P>& turn, const S& c, const S& s) {
     Matrix3<S> R;
@@ -101,7 +105,7 @@ Matrix3<S> turned_about_z(const Matrix3<P>& turn, const S& c, const S& s) {
     return R;
 }
 
-/// What hangs on a link's joint, seen by its parent: turned by R and moved by r.
+/// Adds the articulated inertia of a child to its parent's: rotated by R and moved by r.
 template <class S>
 void hang(const LinkWork<S>& child, const Symmetric3<S>& J, const Matrix3<S>& B, const Symmetric3<S>& M,
           const Vector3<S>& n, const Vector3<S>& f, ArticulatedInertia<S>& parent) {
@@ -109,7 +113,7 @@ void hang(const LinkWork<S>& child, const Symmetric3<S>& J, const Matrix3<S>& B,
     const Vector3<S>& r = child.r;
     const Symmetric3<S> J_p = turned(R, J), M_p = turned(R, M);
     const Matrix3<S> B_p = R * B * transposed(R), mass = full_matrix(M_p);
-    // the child's origin is at r: a + alpha x r moves it, and its force turns by r x f
+    // the child's origin is at r: it accelerates by a + alpha x r, and its force f exerts the torque r x f
     Matrix3<S> moved;  // B_p + [r] M
     for (int j = 0; j < 3; ++j) {
         const Vector3<S> column = cross(r, mass[j]);

@@ -1,7 +1,7 @@
-// The right-hand sides dy/dt = f(t, y) of one body, on a plain array and over any scalar: P is that of the body's
-// constants and the loads, S that of the state. Layout of the arrays: w (posed axes), q (w, x, y, z), then, where there
-// is translation, p and v of the centre of mass (world axes); a rotation about a fixed axis has a layout of its own.
-// Which of them a scene is solved by, and everything else about its state, stands in motion/systems.h.
+// The right-hand sides dy/dt = f(t, y) of one body, on a plain array and over any scalar. P is the scalar of the
+// body's constants and the loads, S that of the state. Array layout: w (posed axes), q (w, x, y, z), then, with
+// translation, p and v of the centre of mass (world axes). Rotation about a fixed axis has its own layout.
+// motion/systems.h selects the system of a scene and defines everything else about its state.
 #pragma once
 
 #include <array>
@@ -31,17 +31,17 @@ void put(S* y, int i, const Quaternion<S>& q) {
     y[i] = q.w, y[i + 1] = q.x, y[i + 2] = q.y, y[i + 3] = q.z;
 }
 
-/// The state (w, q) or (w, q, p, v) of one body: what stands where.
+/// The layout of the state (w, q) or (w, q, p, v) of one body.
 struct BodyState {
     static constexpr int rotation = 7;  ///< components of (w, q)
     static constexpr int motion = 13;   ///< components of (w, q, p, v)
 
-    /// A quantity's components: the first of them and how many they are.
+    /// The components of one quantity.
     struct Block {
-        int first;  ///< the index of the first component
-        int size;   ///< how many components
+        int first;  ///< index of the first component
+        int size;   ///< number of components
     };
-    /// w, q, p, v.
+    /// w, q, p, v
     static constexpr std::array<Block, 4> blocks{{{0, 3}, {3, 4}, {7, 3}, {10, 3}}};
 
     /// w in posed axes, rad/s.
@@ -76,15 +76,15 @@ struct BodyState {
     }
 };
 
-/// Rotation about one principal axis e, q = q0 (c, s e): the state is w along e, c and s.
+/// Rotation about one principal axis e, q = q0 (c, s e). The state is w along e, c and s.
 template <class P>
 struct AxisEquations {
     static constexpr int dimension = 3;  ///< components of the state
     P inverse_moment = P(1);             ///< about the axis, 1/(kg m^2)
-    P damping = P(0);                    ///< of the torque cc c^2 + cs c s + ss s^2 - damping w along the axis, N m s
-    P cc = P(0);                         ///< of that torque, N m
-    P cs = P(0);                         ///< of that torque, N m
-    P ss = P(0);                         ///< of that torque, N m
+    P damping = P(0);                    ///< D of the torque cc c^2 + cs c s + ss s^2 - D w along the axis, N m s
+    P cc = P(0);                         ///< coefficient of c^2, N m
+    P cs = P(0);                         ///< coefficient of c s, N m
+    P ss = P(0);                         ///< coefficient of s^2, N m
 
     /// dy/dt.
     template <class S>
@@ -96,11 +96,11 @@ struct AxisEquations {
     }
 };
 
-/// Rotation without a torque in principal axes, where w decouples from q.
+/// Torque-free rotation in principal axes. w decouples from q.
 template <class P>
 struct FreeEquations {
     static constexpr int dimension = 7;  ///< components of the state
-    PrincipalInertia<P> inertia;         ///< of the body
+    PrincipalInertia<P> inertia;         ///< principal inertia of the body
 
     /// dy/dt.
     template <class S>
@@ -112,12 +112,12 @@ struct FreeEquations {
     }
 };
 
-/// Rotation, and translation where `translation` is set, with the inertia as it is given.
+/// Rotation, with translation if `translation` is set, and with the inertia in the form `Inertia`.
 template <class P, class Inertia, bool translation>
 struct LoadedEquations {
     static constexpr int dimension = translation ? 13 : 7;  ///< components of the state
-    Inertia inertia;                                        ///< of the body
-    const Forcing<P>* forcing = nullptr;                    ///< what acts
+    Inertia inertia;                                        ///< inertia of the body
+    const Forcing<P>* forcing = nullptr;                    ///< the loads
 
     /// dy/dt at time t (s).
     template <class S>

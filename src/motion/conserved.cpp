@@ -1,3 +1,11 @@
+// Conserved quantities of a scene of one body.
+//
+// A quantity is reported only if the form of the loads and planes implies it. Kicks collects the directions in which
+// loads, impulses and planes change a momentum; the momentum is conserved along directions perpendicular to all of
+// them. Energy requires time-independent potential loads, spin an axis of symmetry that all loads respect, and the
+// integrals of Kovalevskaya and of Goryachev and Chaplygin their special moments of inertia with the centre of mass
+// on the equator.
+
 #include "motion/conserved.h"
 
 #include <algorithm>
@@ -21,11 +29,11 @@ bool parallel(const VectorD& a, const VectorD& b) {
 }
 std::vector<double> listed(const VectorD& v) { return {v[0], v[1], v[2]}; }
 
-// World directions u for which u . X stays: every kick to X must be across u.
-// `along`: kicks are across these vectors whatever the attitude, so u must be parallel to each of them.
-// `across`: kicks are along these, so u must be perpendicular to each.
+// Finds the world directions u along which X is conserved: every change (kick) of X must be perpendicular to u.
+// `along`: the kicks are perpendicular to these vectors at any attitude, so u must be parallel to each of them.
+// `across`: the kicks are along these vectors, so u must be perpendicular to each of them.
 struct Kicks {
-    bool anything = false;  ///< kicks of no fixed direction: no u stays
+    bool anything = false;  ///< kicks without a fixed direction: nothing is conserved
     std::vector<VectorD> along, across;
 
     bool none() const { return !anything && along.empty() && across.empty(); }
@@ -39,7 +47,7 @@ struct Kicks {
                 if (std::abs(dot(u, v)) > tolerance * hypotenuse(v)) return {};
             return {u};
         }
-        // across one direction there are two, across two there is one, across three none
+        // perpendicular to one direction there are two, to two directions one, to three none
         const VectorD first = (1 / hypotenuse(across.front())) * across.front();
         std::optional<VectorD> normal;
         for (const VectorD& v : across) {
@@ -61,7 +69,7 @@ struct Kicks {
     }
 };
 
-// Forces of one direction u in the world: together they are one force u at the arm m, torque m x R^T u.
+// Parallel world forces of one direction u: together one force u at the arm m, with the torque m x R^T u.
 struct UniformField {
     VectorD moment;       // posed axes, N m
     VectorD direction_W;  // unit
@@ -72,7 +80,7 @@ bool has_field(const Forcing<double>& forcing) {
                        [](const VectorD& moment) { return !(moment == VectorD()); });
 }
 
-// Nothing where the forces have more than one direction.
+// Returns nothing if the forces have more than one direction.
 std::optional<UniformField> uniform(const FieldMoments<double>& field) {
     int largest = 0;
     for (int b = 1; b < 3; ++b)
@@ -110,7 +118,7 @@ Kicks angular_kicks(const Problem& problem) {
                 kicks.anything = true;
         }
         for (const auto& impulse : problem.segments[i].impulses) {
-            if (i == 0 || impulse.vector == VectorD()) continue;  // those at t = 0 come before the first sample
+            if (i == 0 || impulse.vector == VectorD()) continue;  // impulses at t = 0 act before the first sample
             const bool world_point = impulse.point_frame == Frame::world;
             if (!world_point && cross(impulse.point, impulse.vector) == VectorD() && impulse.frame == Frame::body)
                 continue;
@@ -211,8 +219,8 @@ std::vector<double> spin(const Problem& problem, const Conserved& which, const S
     return {dot(which.direction, VectorD(I[0] * w[0], I[1] * w[1], I[2] * w[2]))};
 }
 
-// The posed axis about which the body is symmetric: the odd principal axis; of an isotropic body any, so the one
-// along the arm of the load.
+// The posed axis about which the body is symmetric: the principal axis with the distinct moment. For an isotropic
+// body every axis is one; returns that along the arm of the load.
 std::optional<VectorD> symmetry_axis(const Problem& problem) {
     const VectorD& I = problem.body.principal.moments;
     const double largest = std::max({I[0], I[1], I[2]});
@@ -231,8 +239,8 @@ std::optional<VectorD> symmetry_axis(const Problem& problem) {
     return std::nullopt;
 }
 
-// A A^T is that of a disc across e or an ellipsoid of revolution about it: it maps e to a multiple of e and turns with
-// everything across into itself.
+// Whether A A^T belongs to a disc perpendicular to e or to an ellipsoid of revolution about e: it maps e to a
+// multiple of e and acts on all perpendicular vectors as a multiple of the identity.
 bool disc_about(const SupportPiece<double>& piece, const VectorD& e) {
     if (!piece.extended) return true;
     const Matrix3<double> square = piece.semi_axes * transposed(piece.semi_axes);
@@ -246,7 +254,8 @@ bool disc_about(const SupportPiece<double>& piece, const VectorD& e) {
     return true;
 }
 
-// Every normal at the hull meets the axis e through the centre of mass: pieces of revolution about it.
+// Whether every normal of the hull intersects the axis e through the centre of mass: all pieces are of revolution
+// about e.
 bool revolves(const ContactGeometry<double>& geometry, const VectorD& e) {
     const auto off_axis = [&](const SupportPiece<double>& piece) {
         return hypotenuse(cross(e, piece.center)) > tolerance * geometry.reach || !disc_about(piece, e);
@@ -276,14 +285,14 @@ bool keeps_spin(const Problem& problem, const VectorD& e) {
     return true;
 }
 
-// Where energy is kept: the uniform field that acts throughout, if nothing else does.
+// If energy is conserved: the uniform field that acts at all times, if nothing else acts.
 std::optional<UniformField> only_field(const Problem& problem) {
     const Forcing<double>& forcing = problem.segments.front().forcing;
     if (!has_field(forcing) || !forcing.springs.empty()) return std::nullopt;
     return uniform(forcing.field);
 }
 
-// Principal axes with I_x = I_y = ratio I_z and the centre of mass on the equator, z across the arm.
+// Principal axes with I_x = I_y = ratio I_z and the centre of mass on the equator; z is perpendicular to the arm.
 struct EquatorialAxes {
     int x, y, z;
 };
@@ -298,8 +307,8 @@ std::optional<EquatorialAxes> equatorial_axes(const Problem& problem, const Vect
     return std::nullopt;
 }
 
-// Rates p along the arm, q beside it on the equator, r across; g the direction against the force, in the same axes;
-// c = m g l / I_z.
+// Rates p along the arm, q perpendicular to it on the equator, r along the axis of symmetry z; g: unit vector
+// opposite to the force, in the same axes; c = m g l / I_z.
 struct EquatorialTop {
     double p, q, r, g1, g2, g3, c;
 };
@@ -319,7 +328,7 @@ EquatorialTop equatorial_top(const Problem& problem, const Sample& s, double rat
             mgl / problem.body.principal.moments[axes.z]};
 }
 
-// |(p + i q)^2 - c (g1 + i g2)|^2 (Kowalevski 1889): that complex number turns at the rate r and keeps its length.
+// |(p + i q)^2 - c (g1 + i g2)|^2 (Kowalevski 1889): this complex number rotates at the rate r and keeps its modulus.
 std::vector<double> kovalevskaya_integral(const Problem& problem, const Conserved&, const Sample& s) {
     const auto [p, q, r, g1, g2, g3, c] = equatorial_top(problem, s, 2);
     const double real = p * p - q * q - c * g1, imaginary = 2 * p * q - c * g2;
@@ -332,14 +341,14 @@ std::vector<double> goryachev_chaplygin_integral(const Problem& problem, const C
     return {r * (p * p + q * q) - c * p * g3};
 }
 
-// L along the field is zero: it stays so.
+// Whether L along the field is zero. If so, it stays zero.
 bool turns_across(const Problem& problem, const UniformField& field, const Sample& start) {
     const std::vector<double> L = angular_momentum(problem, {}, start);
     const VectorD L_W(L[0], L[1], L[2]);
     return std::abs(dot(L_W, field.direction_W)) <= tolerance * hypotenuse(L_W);
 }
 
-// The motion at t = 0, impulses there included.
+// The motion at t = 0, after impulses there.
 Sample first_sample(const Problem& problem) {
     return with_one_body(problem, [&]<class SystemType>() {
         SystemType system(problem);

@@ -1,3 +1,9 @@
+// Conserved quantities of several bodies, and the plane of planar mechanisms.
+//
+// Changes collects how loads change a vector quantity: not at all, along one direction, or arbitrarily. The visitors
+// LinearChanges and AngularChanges apply each load. For systems tied to the world, line_of_turning() finds the line
+// through the world's origin about which the system can rotate as a whole.
+
 #include "motion/conserved_by_mechanism.h"
 
 #include <algorithm>
@@ -19,7 +25,7 @@ bool are_parallel(const V3& a, const V3& b) { return length(cross(a, b)) <= as_o
 bool are_across(const V3& a, const V3& b) { return std::abs(dot(a, b)) <= as_one_direction * length(a) * length(b); }
 bool is_zero(const V3& v) { return dot(v, v) == 0; }
 
-// What changes a vector that would stay: nothing, something along one direction, or anything.
+// How a vector quantity changes: not at all, along one direction, or arbitrarily.
 struct Changes {
     bool any = false;
     std::optional<V3> along;
@@ -42,7 +48,7 @@ bool to_world(const PointSpring& spring) {
     return spring.stiffness != 0 && (spring.first == "world") != (spring.second == "world");
 }
 
-// of the whole system's momentum
+// Changes of the total linear momentum.
 struct LinearChanges {
     Changes& changes;
 
@@ -68,13 +74,13 @@ struct LinearChanges {
     void operator()(const UserTorque&) const { changes.by_anything(); }
 };
 
-// of the angular momentum about the centre of mass of all, or about the world's origin
+// Changes of the angular momentum about the common centre of mass, or about the world's origin.
 struct AngularChanges {
     Changes& changes;
     bool about_origin;
 
     void operator()(const Gravity& load) const {
-        // about the origin its moment is across it, whatever that is
+        // its moment about the origin is perpendicular to it but otherwise arbitrary
         if (about_origin && !is_zero(load.acceleration_W)) changes.by_anything();
     }
     void operator()(const Torque& load) const {
@@ -105,7 +111,7 @@ bool adds_up_to_energy(const Problem& problem) {
     });
 }
 
-// An axis of a hinge or a slide in the world, which turning about it leaves where it is.
+// The axis of a revolute or prismatic joint in world axes; motion of the joint does not change it.
 V3 axis_in_world(const Scene& scene, const Joint& joint, const std::vector<Sample>& start) {
     const Sample& child = start[static_cast<std::size_t>(body_index(scene, joint.child))];
     return unit_of(rotate(normalized(child.q), joint.axes[0]));
@@ -115,8 +121,8 @@ bool is_free_base(const Scene& scene, std::size_t body) {
     return std::ranges::none_of(scene.joints, [&](const Joint& j) { return j.child == scene.bodies[body].name; });
 }
 
-// The line through the origin that the joints to the world let the system turn about as a whole: its direction, or
-// zero where it may turn about the origin at will. Nothing where there is none.
+// The line through the origin about which the joints to the world let the whole system rotate: its direction, or zero
+// if it may rotate freely about the origin. Nothing if there is no such line.
 std::optional<V3> line_of_turning(const Scene& scene, const std::vector<Sample>& start) {
     std::optional<V3> line;
     std::vector<V3> points;
@@ -188,7 +194,7 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
     }
     std::optional<V3> line = line_of_turning(scene, before);
     if (!line) return found;
-    // gravity along the line has no moment about it, and says which line where there is a point only
+    // gravity parallel to the line has no moment about it; if only a point is fixed, gravity determines the line
     Changes other;
     for (const Load& load : scene.loads) {
         if (const auto* gravity = std::get_if<Gravity>(&load)) {
@@ -238,7 +244,8 @@ std::optional<V3> plane_of_motion(const Problem& problem) {
         if (normal && !are_parallel(*normal, axis)) return std::nullopt;
         normal = normal ? normal : axis;
     }
-    // without a hinge nothing turns: two slides have a normal, one or parallel ones many
+    // without a revolute joint nothing rotates: two slides that are not parallel define the normal, otherwise it is
+    // not unique
     for (std::size_t i = 1; !normal && i < slides.size(); ++i)
         if (const V3 product = cross(slides[0], slides[i]); length(product) > as_one_direction)
             normal = unit_of(product);

@@ -1,4 +1,8 @@
-// A body with a shape before immovable planes: gaps, when the first of them closes, and the impact there.
+// Contact of a body with immovable planes: gaps, the time at which the first of them closes, and the contacts there.
+//
+// ContactGeometry holds the planes and the pieces of the body's convex hull (body/support.h) and computes the gap of
+// each pair. ContactSearch finds the first closing time by recursive bisection with a speed bound, then by Newton's
+// iteration safeguarded by bisection. The impact itself is in motion/impact.h.
 #pragma once
 
 #include <algorithm>
@@ -11,19 +15,20 @@
 
 namespace polhode {
 
-/// Where a body is and how it moves, world axes; q, of unit length, maps the axes of the pieces to the world's.
+/// Position and velocity of a body in world axes. q, of unit length, maps the axes of the pieces to world axes.
 template <class S>
 struct Placement {
     Quaternion<S> q;
-    Vector3<S> position_W, velocity_W, angular_velocity_W;  ///< of the centre of mass: p and v
+    Vector3<S> position_W, velocity_W, angular_velocity_W;  ///< centre of mass: p (m), v (m/s); and w (rad/s)
 };
 
-/// Distance (m) between a piece of the body's hull and a plane, negative in the plane, and its rate (m/s).
+/// Distance (m) between a piece of the body's hull and a plane, negative for penetration, and its rate (m/s).
 template <class S>
 struct Gap {
     S distance = S(0), rate = S(0);
 };
 
+/// A plane normal_W . x = offset with its contact coefficients.
 template <class S>
 struct ContactPlane {
     Vector3<S> normal_W;  ///< unit
@@ -31,13 +36,13 @@ struct ContactPlane {
     S restitution = S(1), friction = S(0);
 };
 
-/// Empty (`any()` is false) of a scene without planes.
+/// Planes and hull of a body. Empty (`any()` is false) for a scene without planes.
 template <class S>
 class ContactGeometry {
   public:
     std::vector<ContactPlane<S>> planes;
-    std::vector<SupportPiece<S>> pieces;  ///< about the centre of mass
-    S reach = S(0);                       ///< no point of the body is further from the centre of mass, m
+    std::vector<SupportPiece<S>> pieces;  ///< positions are relative to the centre of mass
+    S reach = S(0);                       ///< bound of the distance of all points from the centre of mass, m
 
     bool any() const { return !planes.empty() && !pieces.empty(); }
     std::size_t size() const { return planes.size() * pieces.size(); }
@@ -51,7 +56,7 @@ class ContactGeometry {
         return {dot(plane.normal_W, at.position_W) + piece.lowest(n) - plane.offset,
                 dot(plane.normal_W, at.velocity_W + cross(at.angular_velocity_W, arm_W))};
     }
-    /// The distances of all pairs.
+    /// The distances of all pairs, m.
     std::vector<S> distances(const Placement<S>& at) const {
         std::vector<S> all;
         all.reserve(size());
@@ -62,20 +67,20 @@ class ContactGeometry {
         }
         return all;
     }
-    /// The smallest distance to one plane.
+    /// The smallest distance to one plane, m.
     S distance(std::size_t plane, const Placement<S>& at) const {
         const Vector3<S> n = rotate_back(at.q, planes[plane].normal_W);
         S least = pieces.front().lowest(n);
         for (std::size_t i = 1; i < pieces.size(); ++i) least = std::min(least, pieces[i].lowest(n));
         return dot(planes[plane].normal_W, at.position_W) + least - planes[plane].offset;
     }
-    /// The smallest of all distances.
+    /// The smallest of all distances, m.
     S distance(const Placement<S>& at) const {
         S least = distance(0, at);
         for (std::size_t i = 1; i < planes.size(); ++i) least = std::min(least, distance(i, at));
         return least;
     }
-    /// The contacts whose gap is at most `tolerance`.
+    /// The contacts whose gap is at most `tolerance` (m).
     std::vector<Contact<S>> contacts(const Placement<S>& at, const S& tolerance) const {
         std::vector<Contact<S>> touching;
         for (const ContactPlane<S>& plane : planes) {
@@ -90,7 +95,7 @@ class ContactGeometry {
     }
 };
 
-/// In axes that q_BP (of unit length) maps to the body's.
+/// The contact geometry of a scene, in the axes that q_BP (of unit length) maps to body axes.
 template <class S>
 ContactGeometry<S> contact_geometry(const Scene& scene, const Vector3<S>& center, const Quaternion<S>& q_BP) {
     ContactGeometry<S> geometry;
@@ -109,11 +114,11 @@ ContactGeometry<S> contact_geometry(const Scene& scene, const Vector3<S>& center
     return geometry;
 }
 
-/// Looks for the first time at which a gap closes. At: `Placement<S> at(t)`.
+/// Searches for the first time at which a gap closes. At: a function `Placement<S> at(t)`.
 template <class S, class At>
 class ContactSearch {
   public:
-    /// The speed of no point of the body exceeds `speed_bound` (m/s).
+    /// `speed_bound` (m/s): upper bound of the speed of all points of the body.
     ContactSearch(const ContactGeometry<S>& geometry, const At& at, const S& speed_bound)
         : geometry_(geometry), at_(at), speed_bound_(speed_bound) {}
 
@@ -135,7 +140,7 @@ class ContactSearch {
         return n;
     }
 
-    // the root of the k-th distance between a (open) and b (closed): Newton's iteration kept inside by bisection
+    // the root of the k-th distance between a (open) and b (closed): Newton's iteration safeguarded by bisection
     S closing(std::size_t k, S a, S b) const {
         S t = (a + b) / S(2);
         for (int i = 0; i < most_iterations; ++i) {
@@ -149,7 +154,7 @@ class ContactSearch {
         }
         return t;
     }
-    // where the k-th distance, falling at a and rising at b, is zero or else smallest
+    // the time at which the k-th distance, falling at a and rising at b, is zero or else smallest
     S lowest(std::size_t k, S a, S b) const {
         for (int i = 0; i < most_iterations && b - a > S(2) * Elementary<S>::epsilon() * b; ++i) {
             S middle = (a + b) / S(2);
@@ -159,7 +164,7 @@ class ContactSearch {
         }
         return b;
     }
-    // a time between a and b, closed at both, at which the k-th gap is open, or a
+    // a time between a and b, where the k-th gap is closed, at which it is open; a if there is none
     S opened(std::size_t k, const S& a, const S& b) const {
         S low = a, high = b;
         for (int i = 0; i < 60; ++i) {
@@ -205,11 +210,11 @@ class ContactSearch {
     const S speed_bound_;
 };
 
-/// The first time in [begin, end] at which a gap closes, to rounding. No point of the body moves faster than
-/// `speed_bound` (m/s): an interval too short for the gaps at its ends is passed over. What is left is halved down to
-/// 2^-8 of the whole; within such a piece a gap is taken to have one minimum at most. A gap that is zero at `begin` and
-/// opens, as after an impact, does not count; one that is zero there and stays closed gives `begin`. Ends whatever the
-/// numbers; NaN closes nothing.
+/// The first time (s) in [begin, end] at which a gap closes, to rounding. `speed_bound` (m/s) is an upper bound of
+/// the speed of the body's points: intervals too short for the gaps at their ends to close are skipped. The others
+/// are halved down to 2^-8 of the whole; within such a piece a gap is assumed to have at most one minimum. A gap that
+/// is zero at `begin` and opens, as after an impact, does not count. A gap that is zero at `begin` and stays closed
+/// gives `begin`. Terminates for all inputs; NaN never closes a gap.
 template <class S, class At>
 std::optional<S> first_contact(const ContactGeometry<S>& geometry, const At& at, const S& begin, const S& end,
                                const S& speed_bound) {
@@ -217,8 +222,8 @@ std::optional<S> first_contact(const ContactGeometry<S>& geometry, const At& at,
     return ContactSearch<S, At>(geometry, at, speed_bound).first(begin, end);
 }
 
-/// A separation below this part of the motion's speed is no flight: what follows is resting contact, or impacts that
-/// accumulate at a time just ahead.
+/// A separation speed below this fraction of the motion's speed does not start a flight: resting contact follows, or
+/// impacts that accumulate.
 template <class S>
 double resting_speed(const S& speed) {
     return 4 * std::sqrt(static_cast<double>(Elementary<S>::epsilon())) * static_cast<double>(speed);

@@ -1,5 +1,5 @@
-// Forward differentiation: a value with its derivatives in N directions. The Jacobian of the one right-hand side is
-// got by running it on these, so no load needs a second derivation.
+// Forward automatic differentiation: a value with its derivatives in N directions. Evaluating the right-hand side on
+// dual numbers gives its Jacobian, so that loads need no hand-written derivatives.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// S: the scalar of value and derivatives; P: that of the parameters, which have none.
+/// S: the scalar of value and derivatives. P: the scalar of parameters, which have no derivative.
 template <int N, class S = double, class P = S>
 struct Dual {
     S value{};
@@ -81,7 +81,7 @@ struct Dual {
     }
     Dual& operator+=(const Dual& b) { return *this = *this + b; }
     Dual& operator-=(const Dual& b) { return *this = *this - b; }
-    /// What square_root() calls.
+    /// Called by square_root().
     friend Dual sqrt(const Dual& a) {
         Dual c;
         c.value = square_root(a.value);
@@ -92,11 +92,11 @@ struct Dual {
 };
 
 /// @cond specialisations
-/// What sine_cosine() calls.
+/// Called by sine_cosine().
 template <int N, class S, class P>
 struct Elementary<Dual<N, S, P>> {
     static void sine_cosine(const Dual<N, S, P>& x, Dual<N, S, P>& sine, Dual<N, S, P>& cosine) {
-        const Dual<N, S, P> angle = x;  // x may be one of the results
+        const Dual<N, S, P> angle = x;  // copied, since x may alias a result
         polhode::sine_cosine(angle.value, sine.value, cosine.value);
         for (int i = 0; i < N; ++i) {
             sine.slope[i] = cosine.value * angle.slope[i];
@@ -106,10 +106,10 @@ struct Elementary<Dual<N, S, P>> {
 };
 /// @endcond
 
-/// As many columns of a Jacobian of a size that only the program knows are found in one evaluation.
+/// Number of Jacobian columns per evaluation for systems whose size is known only at run time.
 inline constexpr int own_directions = 8;
 
-/// J[i * N + j] = d f_i / d y_j of a system of dimension N, row by row. User torques are not differentiated.
+/// Row-major Jacobian J[i * N + j] = d f_i / d y_j of a system of dimension N. User torques are not differentiated.
 template <class SystemType>
 requires(SystemType::dimension > 0) void jacobian(const SystemType& system, double t, const double* y, double* J) {
     constexpr int N = SystemType::dimension;
@@ -120,7 +120,7 @@ requires(SystemType::dimension > 0) void jacobian(const SystemType& system, doub
         for (int j = 0; j < N; ++j) J[i * N + j] = rate[i].slope[j];
 }
 
-/// The same of n = system.size() components, as many columns at a time as one evaluation finds.
+/// Row-major Jacobian of a system with n = system.size() components; each evaluation computes `columns` columns.
 template <int columns, class SystemType>
 void jacobian_by_columns(const SystemType& system, double t, const double* y, double* J) {
     const int n = system.size();

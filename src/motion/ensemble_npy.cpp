@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "motion/ensemble_columns.h"
 #include "text/decimal.h"
 #include "text/input_file.h"
 #include "text/message.h"
@@ -26,13 +25,12 @@ using Bytes = std::function<std::size_t(std::size_t offset, char* bytes, std::si
 class NpyEnsemble : public EnsembleStream {
   public:
     NpyEnsemble(Bytes bytes, std::size_t size, std::string file, const Scene& scene)
-        : bytes_(std::move(bytes)), file_(std::move(file)), pivoted_(scene.pivot.has_value()) {
+        : EnsembleStream(std::move(file), scene), bytes_(std::move(bytes)) {
         std::string beginning(std::min(size, longest_npy_header), '\0');
         beginning.resize(bytes_(0, beginning.data(), beginning.size()));
         header_ = parse_npy_header(beginning, size, file_);
-        std::vector<const EnsembleColumn*> columns;
-        std::vector<std::string> names;
-        for (const EnsembleColumn& known : ensemble_columns()) names.emplace_back(known.name);
+        const std::vector<std::string>& names = columns().names();
+        std::vector<std::size_t> places;
         for (const NpyField& field : header_.fields) {
             if (field.name.empty()) continue;
             const auto known = std::ranges::find(names, field.name);
@@ -41,15 +39,15 @@ class NpyEnsemble : public EnsembleStream {
                 fail("header", "has a field " + one_line(field.name, 60),
                      fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", fmt::join(names, ", ")));
             }
-            columns.push_back(&ensemble_columns()[static_cast<std::size_t>(known - names.begin())]);
-            places_.push_back({columns.back(), field.offset});
-            const bool is_id = columns.back()->put == nullptr;
+            const bool is_id = &*known == &names.back();
             if (is_id != field.type.starts_with("|S") || (!is_id && field.type != "<f8"))
                 fail("header", fmt::format("has {} of type {}", field.name, field.type),
                      is_id ? "give S1 to S200" : "give <f8");
-            if (is_id) has_ids_ = true, id_width_ = field.size;
+            if (is_id) id_width_ = field.size;
+            places.push_back(static_cast<std::size_t>(known - names.begin()));
+            fields_.push_back({&*known, field.offset, is_id});
         }
-        start_ = start_under(columns, scene, file_, "header");
+        select(places, "header");
         const std::size_t most = std::max<std::size_t>(1, block / header_.record_size);
         held_.resize(std::min<std::size_t>(most, header_.rows) * header_.record_size);
     }
@@ -65,37 +63,36 @@ class NpyEnsemble : public EnsembleStream {
         return passed;
     }
 
-    void read_row(EnsembleTable& piece) const override {
+    void read_cells() override {
         const char* const record = held_.data() + (passed_ - 1 - held_begin_) * header_.record_size;
-        EnsembleBody& b = piece.bodies.emplace_back(start_);
-        for (const auto& [column, offset] : places_) {
-            if (column->put == nullptr) {
-                std::string_view id(record + offset, id_width_);
-                id = id.substr(0, id.find_last_not_of('\0') + 1);
-                if (id.find(',') != id.npos || id.starts_with(' ') || id.ends_with(' '))
-                    refuse({"id", "holds a comma, or a space at an end", "give plain text without them"});
-                if (const auto fault = fault_of_id(id)) refuse(*fault);
-                piece.ids.emplace_back(id);
+        auto number = numbers_.begin();
+        for (const Field& field : fields_) {
+            if (field.is_id) {
+                read_id({record + field.offset, id_width_});
                 continue;
             }
-            double value = 0;
-            std::memcpy(&value, record + offset, sizeof value);
-            if (!std::isfinite(value))
-                refuse({column->name, shortest_decimal(value) + " is not finite", "give a finite number"});
-            column->put(b, value);
+            std::memcpy(&*number, record + field.offset, sizeof *number);
+            if (!std::isfinite(*number))
+                refuse({*field.name, shortest_decimal(*number) + " is not finite", "give a finite number"});
+            ++number;
         }
-        if (const auto fault = fault_of(b, pivoted_)) refuse(*fault);
     }
 
     std::size_t rows_left() const override { return static_cast<std::size_t>(header_.rows - passed_ + 1); }
-    const std::string& file() const override { return file_; }
+    std::string here() const override { return fmt::format("row {}", passed_); }
 
   private:
-    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
-        throw InputError(file_, place, fault, remedy);
-    }
-    [[noreturn]] void refuse(const BodyFault& fault) const {
-        fail(fmt::format("row {}, {}", passed_, place_of(fault)), fault.fault, fault.remedy);
+    struct Field {
+        const std::string* name;
+        std::size_t offset;
+        bool is_id;
+    };
+
+    void read_id(std::string_view id) {
+        id_ = id.substr(0, id.find_last_not_of('\0') + 1);
+        if (id_.find(',') != id_.npos || id_.starts_with(' ') || id_.ends_with(' '))
+            refuse({"id", "holds a comma, or a space at an end", "give plain text without them"});
+        if (const auto fault = columns().fault_of_id(id_)) refuse(*fault);
     }
 
     // Reads the records from the one at hand on.
@@ -108,20 +105,12 @@ class NpyEnsemble : public EnsembleStream {
         const std::size_t offset = header_.data_offset + static_cast<std::size_t>(held_begin_) * header_.record_size;
         // it was long enough when it was opened
         if (bytes_(offset, held_.data(), count) < count)
-            fail(fmt::format("row {}", passed_), "is missing: the file has become shorter", "let nobody write to it");
+            fail(here(), "is missing: the file has become shorter", "let nobody write to it");
     }
 
-    struct Place {
-        const EnsembleColumn* column;
-        std::size_t offset;
-    };
-
     Bytes bytes_;
-    const std::string file_;
-    bool pivoted_;
     NpyHeader header_;
-    EnsembleBody start_;
-    std::vector<Place> places_;
+    std::vector<Field> fields_;
     std::uint64_t passed_ = 0;                     // the row at hand, counted from 1
     std::uint64_t held_begin_ = 0, held_end_ = 0;  // the rows that are held, counted from 0
     std::vector<char> held_;
@@ -133,13 +122,7 @@ std::unique_ptr<EnsembleStream> open_npy_ensemble(const std::string& path, const
     const auto input = std::make_shared<InputFile>(path, path, "a readable .npy file", FileKinds::regular);
     const Bytes bytes = [input](std::size_t offset, char* to, std::size_t count) {
         input->seek(offset);
-        std::size_t read = 0;
-        while (read < count) {
-            const std::size_t more = input->read(to + read, count - read);
-            if (more == 0) break;
-            read += more;
-        }
-        return read;
+        return input->read_fully(to, count);
     };
     return std::make_unique<NpyEnsemble>(bytes, *input->size(), path, scene);
 }

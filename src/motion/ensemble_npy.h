@@ -9,9 +9,10 @@
 
 namespace polhode {
 
-/// Opens a file that numpy.save has written of a one-dimensional structured array, a record a body: fields by the names
-/// that CSV files have for columns (see parse_ensemble), numbers <f8, the id S1 to S200. As strict as for CSV; a fault
-/// names the row, counted from 1, in place of the line. `scene` outlives what is returned. Throws InputError.
+/// Opens a file that numpy.save has written of a one-dimensional structured array, one record per body or mechanism:
+/// fields by the names that CSV files have for columns (see parse_ensemble), numbers <f8, the id S1 to S200. As strict
+/// as for CSV; a fault names the row, counted from 1, in place of the line. `scene` outlives what is returned. Throws
+/// InputError.
 std::unique_ptr<EnsembleStream> open_npy_ensemble(const std::string& path, const Scene& scene);
 
 /// The same of a file's content. It outlives what is returned.

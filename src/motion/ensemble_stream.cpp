@@ -21,15 +21,14 @@ namespace {
 class CsvEnsemble : public EnsembleStream {
   public:
     CsvEnsemble(std::string_view text, std::string file, const Scene& scene)
-        : file_(std::move(file)), lines_(text, file_), pivoted_(scene.pivot.has_value()) {
-        header(scene);
+        : EnsembleStream(std::move(file), scene), lines_(text, file_) {
+        read_header();
     }
     CsvEnsemble(std::unique_ptr<InputFile> input, std::string file, const Scene& scene)
-        : file_(std::move(file)),
+        : EnsembleStream(std::move(file), scene),
           input_(std::move(input)),
-          lines_([this](char* bytes, std::size_t count) { return input_->read(bytes, count); }, file_),
-          pivoted_(scene.pivot.has_value()) {
-        header(scene);
+          lines_([this](char* bytes, std::size_t count) { return input_->read(bytes, count); }, file_) {
+        read_header();
     }
 
   protected:
@@ -41,83 +40,96 @@ class CsvEnsemble : public EnsembleStream {
         return passed;
     }
 
-    void read_row(EnsembleTable& piece) const override {
+    void read_cells() override {
         const auto& cells = lines_.cells();
-        if (cells.size() != columns_.size())
-            fail(here(), fmt::format("has {} cells under {} columns", cells.size(), columns_.size()),
+        if (cells.size() != places_.size())
+            fail(here(), fmt::format("has {} cells under {} columns", cells.size(), places_.size()),
                  "give a cell for each column");
-        EnsembleBody& b = piece.bodies.emplace_back(start_);
+        const std::size_t id_place = columns().names().size() - 1;
+        auto number = numbers_.begin();
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (columns_[i]->put == nullptr) {
-                if (const auto fault = fault_of_id(cells[i])) fail(at(i), fault->fault, fault->remedy);
-                piece.ids.emplace_back(cells[i]);
+            if (places_[i] == id_place) {
+                if (const auto fault = columns().fault_of_id(cells[i])) refuse(*fault);
+                id_ = cells[i];
                 continue;
             }
             const std::optional<double> value = parse_decimal(cells[i]);
             if (!value)
-                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
-                     "give a decimal number such as -1.5e-3");
-            if (!std::isfinite(*value)) fail(at(i), one_line(cells[i], 60) + " is not finite", "give a finite number");
-            columns_[i]->put(b, *value);
+                refuse({name(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
+                        "give a decimal number such as -1.5e-3"});
+            if (!std::isfinite(*value))
+                refuse({name(i), one_line(cells[i], 60) + " is not finite", "give a finite number"});
+            *number++ = *value;
         }
-        if (const auto fault = fault_of(b, pivoted_))
-            fail(fmt::format("{}, {}", here(), place_of(*fault)), fault->fault, fault->remedy);
     }
 
     std::size_t rows_left() const override { return lines_.rows_left(); }
-    const std::string& file() const override { return file_; }
+    std::string here() const override { return fmt::format("line {}", lines_.number()); }
 
   private:
-    [[noreturn]] void fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
-        throw InputError(file_, place, fault, remedy);
-    }
-    std::string here() const { return fmt::format("line {}", lines_.number()); }
-    std::string at(std::size_t column) const {
-        return fmt::format("line {}, column {}", lines_.number(), columns_[column]->name);
-    }
+    const std::string& name(std::size_t cell) const { return columns().names()[places_[cell]]; }
 
-    void header(const Scene& scene) {
+    void read_header() {
         if (!lines_.next())
-            fail("", "is empty", "give a header line such as qw,qx,qy,qz,wx,wy,wz and a line for each body");
-        std::vector<std::string> names;
-        for (const EnsembleColumn& known : ensemble_columns()) names.emplace_back(known.name);
-        for (const std::size_t place : lines_.header(names)) columns_.push_back(&ensemble_columns()[place]);
-        has_ids_ = std::ranges::any_of(columns_, [](const EnsembleColumn* column) { return column->put == nullptr; });
-        start_ = start_under(columns_, scene, file_, here());
+            fail("", "is empty",
+                 fmt::format("give a header line such as {} and a line for each {}", columns().example(),
+                             columns().row_noun()));
+        places_ = lines_.header(columns().names());
+        select(places_, here());
     }
 
-    const std::string file_;
     std::unique_ptr<InputFile> input_;
     CsvLines lines_;
-    bool pivoted_;
-    EnsembleBody start_;
-    std::vector<const EnsembleColumn*> columns_;  // in the file's order
+    std::vector<std::size_t> places_;  // of each cell's column among all
 };
 
 }  // namespace
 
+EnsembleStream::EnsembleStream(std::string file, const Scene& scene)
+    : file_(std::move(file)), columns_(ensemble_columns(scene)) {}
+
+void EnsembleStream::fail(const std::string& place, const std::string& fault, const std::string& remedy) const {
+    throw InputError(file_, place, fault, remedy);
+}
+
+void EnsembleStream::refuse(const BodyFault& fault) const {
+    const char* const noun = fault.columns.find(',') == std::string::npos ? "column" : "columns";
+    fail(fmt::format("{}, {} {}", here(), noun, fault.columns), fault.fault, fault.remedy);
+}
+
+void EnsembleStream::select(const std::vector<std::size_t>& places, const std::string& place) {
+    columns_->select(places, file_, place);
+    numbers_.resize(columns_->size());
+}
+
 bool EnsembleStream::next(EnsembleTable& piece, std::size_t most, BadRows bad) {
-    piece.bodies.clear(), piece.ids.clear(), piece.refused.clear();
+    piece.bodies.clear(), piece.mechanisms.numbers.clear(), piece.ids.clear(), piece.refused.clear();
     std::size_t rows = 0;
     for (; rows < most && advance(); ++rows) {
         if (rows == 0) {
             const std::size_t expected = std::min(most, rows_left());
-            piece.bodies.reserve(expected);
-            if (has_ids_) piece.ids.reserve(expected);
+            columns_->begin(piece, expected);
+            if (has_ids()) piece.ids.reserve(expected);
         }
         ++rows_passed_;
-        const std::size_t bodies = piece.bodies.size(), ids = piece.ids.size();
         try {
-            read_row(piece);
+            read_cells();
+            columns_->append(piece, numbers_, *this);
+            if (has_ids()) piece.ids.emplace_back(id_);
         } catch (const InputError& fault) {
             if (bad == BadRows::refuse_all) throw;
-            piece.bodies.resize(bodies), piece.ids.resize(ids);
             piece.refused.push_back({rows_passed_, fault.what()});
             if (first_refusal_.empty()) first_refusal_ = fault.what();
         }
     }
-    bodies_ += piece.bodies.size();
+    rows_taken_ += piece.rows();
     return rows > 0;
+}
+
+EnsembleTable EnsembleStream::empty_table() const {
+    EnsembleTable table;
+    columns_->begin(table, 0);
+    return table;
 }
 
 std::size_t EnsembleStream::skip(std::size_t rows) {
@@ -126,10 +138,11 @@ std::size_t EnsembleStream::skip(std::size_t rows) {
     return passed;
 }
 
-void EnsembleStream::require_bodies() const {
-    if (bodies_ > 0) return;
-    if (first_refusal_.empty()) throw InputError(file(), "", "has a header and no row", "give a line for each body");
-    throw InputError(file(), "", "has no row that is a body", "the first: " + first_refusal_);
+void EnsembleStream::require_rows() const {
+    if (rows_taken_ > 0) return;
+    const char* const noun = columns_->row_noun();
+    if (first_refusal_.empty()) fail("", "has a header and no row", fmt::format("give a line for each {}", noun));
+    fail("", fmt::format("has no row that is a {}", noun), "the first: " + first_refusal_);
 }
 
 std::unique_ptr<EnsembleStream> open_ensemble(const std::string& path, const Scene& scene) {

@@ -88,11 +88,23 @@ std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
     return {};
 }
 
+std::vector<std::size_t> EnsembleTable::row_numbers(std::size_t first) const {
+    std::vector<std::size_t> numbers;
+    numbers.reserve(rows());
+    auto next_refused = refused.begin();
+    for (std::size_t number = first; numbers.size() < rows(); ++number)
+        if (next_refused != refused.end() && next_refused->row == number)
+            ++next_refused;
+        else
+            numbers.push_back(number);
+    return numbers;
+}
+
 EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene, BadRows bad) {
     const std::unique_ptr<EnsembleStream> rows = ensemble_of_text(text, file, scene);
     EnsembleTable table;
     rows->next(table, std::numeric_limits<std::size_t>::max(), bad);
-    rows->require_bodies();
+    rows->require_rows();
     return table;
 }
 

@@ -1,4 +1,4 @@
-// Bodies by the row: the table that an ensemble starts from.
+// Bodies or mechanisms by the row: the table that an ensemble starts from.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "body/algebra.h"
+#include "motion/mechanism_table.h"
 #include "scene/scene.h"
 
 namespace polhode {
@@ -38,29 +39,37 @@ struct BodyFault {
 /// the scene holds a point of the body.
 std::optional<BodyFault> fault_of(const EnsembleBody& body, bool pivoted);
 
-/// A row that is no body, and why.
+/// A row that was refused, and why.
 struct RefusedRow {
     std::size_t row = 0;  ///< counted from 1, the refused ones too
     std::string fault;    ///< "FILE: line 3, column mass: FAULT; REMEDY"
 };
 
-/// What a table says. Columns that it lacks are the scene's.
+/// The rows of a table, or some of them. Columns that the table lacks have the scene's values.
 struct EnsembleTable {
-    std::vector<EnsembleBody> bodies;  ///< at least one
-    std::vector<std::string> ids;      ///< of the column `id`, as they stand; empty without it
-    std::vector<RefusedRow> refused;   ///< in the file's order; none unless they were to be passed over
+    std::vector<EnsembleBody> bodies;  ///< of a scene of one body, else empty
+    std::vector<std::string> ids;      ///< the column `id`; empty without it
+    std::vector<RefusedRow> refused;   ///< in the file's order; empty if the first such row ends the reading
+    MechanismTable mechanisms;         ///< of a scene of several bodies, else empty
+
+    /// How many rows were not refused.
+    std::size_t rows() const { return bodies.size() + mechanisms.rows(); }
+    /// The numbers in the whole table of the rows that were not refused; `first` is that of the first row here.
+    std::vector<std::size_t> row_numbers(std::size_t first) const;
 };
 
-/// What to do about a row that is no body.
+/// What to do about a row with a fault: throw, or list it among the refused and read on.
 enum class BadRows { refuse_all, pass_over };
 
-/// Reads tables: a header, then a line a body; columns by name, in any order, at least one of
+/// Reads a table: a header, then one row per line; columns by name, in any order. For a scene of several bodies see
+/// mechanism_columns(). For one body at least one of
 ///   qw,qx,qy,qz   wx,wy,wz   px,py,pz   vx,vy,vz   ixx,iyy,izz   ixy,ixz,iyz   mass   id
 /// q, w, p, v and the moments in whole blocks; products of inertia beside moments only. Without products a row's
 /// moments are those about its body axes. w is in the scene's angular_velocity_frame (the body's own axes unless the
 /// scene says "world"). Numbers, comments, line ends and faults as in trajectory files (motion/trajectory_csv.h); an id
-/// is any text without a comma, of at most 200 bytes. Throws InputError ("FILE: line 3, column mass: FAULT; REMEDY"),
-/// also for bodies that cannot be: see fault_of; where bad rows are passed over, only if there is no other.
+/// is any text without a comma, of at most 200 bytes. A row that breaks a rule of scenes (see fault_of and validate) is
+/// refused; whether loops close is not checked. Throws InputError ("FILE: line 3, column mass: FAULT; REMEDY"); where
+/// bad rows are passed over, only if there is no other.
 EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene,
                              BadRows bad = BadRows::refuse_all);
 

@@ -1,15 +1,15 @@
-// Euler's rigid-body equations with quaternion kinematics, once, for every scalar.
+// Euler's rigid-body equations with quaternion kinematics, as one template for every scalar.
 //
 //   I dw/dt + w x I w = tau(q, w, p)      (axes fixed in the body, about the centre of mass or a fixed pivot)
 //   dq/dt = 1/2 q (0, w)
 //   dp/dt = v,  dv/dt = a + R(q) f_B - k v
 //
-// P is the scalar of the parameters, S that of the state: both double for an integrator; S a dual number for the
-// Jacobian; both multiprecision, traced Taylor coefficients or balls for the truth. The right-hand side is polynomial
-// in (w, q, p, v): rotations enter by the homogeneous form |q|^2 R(q).
+// P is the scalar of the parameters, S that of the state. Both are double in an integrator; S is a dual number for
+// Jacobians; both are multiprecision numbers, traced Taylor coefficients or balls for the reference solution. The
+// right-hand side is polynomial in (w, q, p, v): rotations enter by the homogeneous form |q|^2 R(q).
 //
-// "Posed axes" are the axes fixed in the body in which w and the torque are written: the principal ones, or the
-// body's own (`FullInertia`). q maps posed axes to world axes.
+// "Posed axes" are the body-fixed axes in which w and the torque are expressed: the principal axes, or the body's own
+// axes (`FullInertia`). q maps posed axes to world axes.
 #pragma once
 
 #include <array>
@@ -25,12 +25,12 @@ namespace polhode {
 /// A force that is constant in world axes and acts at a point of the body.
 template <class P>
 struct ForceAtBodyPoint {
-    Vector3<P> arm;      ///< of the point from the centre of mass or the pivot, posed axes, m
+    Vector3<P> arm;      ///< the point, from the centre of mass or the pivot, posed axes, m
     Vector3<P> force_W;  ///< N
 };
 
-/// All forces F_n constant in world axes at body points r_n (from the centre of mass or the pivot, posed axes), by
-/// their first moments: one m_b = sum of F_n,b r_n for each world axis b. Their torque is the sum of m_b x R(q)^T e_b.
+/// The first moments of all forces F_n constant in world axes at body points r_n (from the centre of mass or the
+/// pivot, posed axes): m_b = sum of F_n,b r_n for each world axis b. The total torque is the sum of m_b x R(q)^T e_b.
 template <class P>
 struct FieldMoments {
     std::array<Vector3<P>, 3> moment;                  ///< N m
@@ -45,62 +45,62 @@ struct FieldMoments {
     }
 };
 
-/// A force that is constant in world or posed axes and acts at a point of the world: in flight its torque depends on
-/// where the body is.
+/// A force that is constant in world or posed axes and acts at a fixed point of the world. In flight its torque
+/// depends on the body's position.
 template <class P>
 struct ForceAtWorldPoint {
     Vector3<P> point_W;  ///< m
     Vector3<P> force;    ///< N
-    Frame frame;         ///< the axes of `force`: world, or body for the posed ones
+    Frame frame;         ///< axes of `force`: world, or body for posed axes
 };
 
-/// A torsional spring: with r = rest* q its torque is -2 k r_w r_v in posed axes.
+/// A torsional spring. With r = rest* q its torque is -2 k r_w r_v in posed axes.
 template <class P>
 struct SpringTorque {
     P stiffness;         ///< k, N m
-    Quaternion<P> rest;  ///< maps posed axes at rest to world axes
+    Quaternion<P> rest;  ///< posed axes to world axes at rest
 };
 
-/// A torque of the user's own (N m, posed axes) as a function of t (s), q, w (rad/s, posed axes), p and v (m, m/s,
-/// world).
+/// A user-defined torque (N m, posed axes) as a function of t (s), q, w (rad/s, posed axes), p and v (m, m/s, world
+/// axes).
 using PosedUserTorque = std::function<Vector3<double>(double, const Quaternion<double>&, const Vector3<double>&,
                                                       const Vector3<double>&, const Vector3<double>&)>;
 
-/// What acts between two events, in posed axes. A term that is absent is skipped, not multiplied by zero.
+/// The loads between two events, in posed axes. Absent terms are skipped, not multiplied by zero.
 template <class P>
 struct Forcing {
     bool has_torque = false;                         ///< `torque` is not zero
     bool has_world_torque = false;                   ///< `torque_W` is not zero
     bool has_damping = false;                        ///< `damping` is not zero
     bool has_translational_drag = false;             ///< `specific_drag` is not zero
-    bool has_body_force = false;                     ///< `specific_force` acts
+    bool has_body_force = false;                     ///< `specific_force` is not zero
     Vector3<P> torque;                               ///< constant in posed axes, N m
     Vector3<P> torque_W;                             ///< constant in world axes, N m
     Matrix3<P> damping;                              ///< torque -D w, N m s
-    std::vector<ForceAtBodyPoint<P>> body_points;    ///< forces constant in the world, at body points
-    FieldMoments<P> field;                           ///< of `body_points`: what the right-hand side reads
-    bool only_field = false;                         ///< no other torque acts: the right-hand side then looks for none
-    std::vector<ForceAtWorldPoint<P>> world_points;  ///< forces at points of the world
+    std::vector<ForceAtBodyPoint<P>> body_points;    ///< forces constant in world axes at body points
+    FieldMoments<P> field;                           ///< moments of `body_points`, which the right-hand side reads
+    bool only_field = false;                         ///< no other torque acts, so that the right-hand side skips them
+    std::vector<ForceAtWorldPoint<P>> world_points;  ///< forces at fixed points of the world
     std::vector<SpringTorque<P>> springs;            ///< torsional springs
-    std::vector<PosedUserTorque> user_torques;       ///< torques of the user's own
+    std::vector<PosedUserTorque> user_torques;       ///< user-defined torques
 
-    Vector3<P> acceleration_W;  ///< gravity and world-fixed forces over the mass, m/s^2
+    Vector3<P> acceleration_W;  ///< gravity plus forces constant in world axes over the mass, m/s^2
     Vector3<P> specific_force;  ///< forces constant in posed axes over the mass, m/s^2
     P specific_drag = P(0);     ///< c/m, 1/s
-    bool pivoted = false;       ///< p and v follow the rotation: p = R arm
+    bool pivoted = false;       ///< p and v follow from the rotation: p = R arm
     Vector3<P> arm;             ///< pivot to centre of mass, posed axes, m
 
     /// Whether any torque acts.
     bool any_torque() const { return !body_points.empty() || any_torque_beside_field(); }
-    /// Whether any torque acts but that of forces at body points.
+    /// Whether any torque acts besides that of forces at body points.
     bool any_torque_beside_field() const {
         return has_torque || has_world_torque || has_damping || !world_points.empty() || !springs.empty() ||
                !user_torques.empty();
     }
 };
 
-/// The torque (N m, posed axes) at time t (s) and the state w, q, p, v. p is read only by forces at world points and by
-/// the user's own torques.
+/// The torque (N m, posed axes) at time t (s) and the state w, q, p, v. Only forces at world points and user-defined
+/// torques read p.
 template <class S, class P>
 Vector3<Product<P, S>> torque(const Forcing<P>& f, double t, const Vector3<S>& w, const Quaternion<S>& q,
                               const Vector3<S>& p, const Vector3<S>& v) {
@@ -117,7 +117,7 @@ Vector3<Product<P, S>> torque(const Forcing<P>& f, double t, const Vector3<S>& w
         sum = sum - factor * vector_part(r);
     }
     for (const ForceAtWorldPoint<P>& load : f.world_points) {
-        // the pivot is the world's origin
+        // the pivot is at the world's origin
         const Vector3<R> arm_W = f.pivoted ? cast<R>(load.point_W) : load.point_W - p;
         if (load.frame == Frame::body)
             sum = sum + cross(rotate_back(q, arm_W), load.force);
@@ -140,12 +140,12 @@ Quaternion<Product<P, S>> attitude_rate(const P& half, const Quaternion<S>& q, c
             q.w * h[1] + q.z * h[0] - q.x * h[2], q.w * h[2] + q.x * h[1] - q.y * h[0]};
 }
 
-/// Inertia in its principal axes: products of inertia vanish and nothing is left but three coefficients.
+/// Inertia in principal axes: products of inertia vanish, and three gyroscopic coefficients remain.
 template <class P>
 struct PrincipalInertia {
     Vector3<P> gyroscopic;       ///< (I2 - I3)/I1 and cyclic
     Vector3<P> inverse_moments;  ///< 1/(kg m^2)
-    bool isotropic = false;      ///< all three moments equal: no gyroscopic term
+    bool isotropic = false;      ///< all three moments are equal: no gyroscopic term
 
     /// -I^-1 (w x I w), in rad/s^2 for w in rad/s.
     template <class S>
@@ -167,7 +167,7 @@ struct PrincipalInertia {
     }
 };
 
-/// The full tensor in the axes in which it was given.
+/// The full inertia tensor in the axes in which it was given.
 template <class P>
 struct FullInertia {
     Matrix3<P> tensor;   ///< I, kg m^2
@@ -190,16 +190,17 @@ struct FullInertia {
     }
 };
 
-/// An impulse that is about to act.
+/// An impulse to be applied.
 template <class P>
 struct PosedImpulse {
     Vector3<P> vector;  ///< N s
-    Frame frame;        ///< the axes of `vector`: world, or body for the posed ones
+    Frame frame;        ///< axes of `vector`: world, or body for posed axes
     Vector3<P> point;   ///< m: from the centre of mass or the pivot in posed axes, or a point of the world
-    Frame point_frame;  ///< which of the two `point` is
+    Frame point_frame;  ///< frame of `point`: body or world
 };
 
-/// Lets an impulse act: w jumps by I^-1 (r x J) and v by J / m, but not at a pivot, where the reaction takes it up.
+/// Applies an impulse: w jumps by I^-1 (r x J) and v by J / m. At a pivot v does not jump, since the reaction
+/// balances it.
 template <class P, class Inertia>
 void apply(const PosedImpulse<P>& impulse, const Inertia& inertia, const P& mass, bool pivoted, Vector3<P>& w,
            const Quaternion<P>& q, const Vector3<P>& p, Vector3<P>& v) {

@@ -1,5 +1,5 @@
-// A scene's body, start and loads as exact functions of its binary64 numbers, in any scalar P that has / and sqrt:
-// 128-bit floats for what the integrators round once, multiprecision for the truth.
+// A scene's body, initial state and loads as exact functions of its binary64 numbers, in any scalar P with / and
+// sqrt: 128-bit floats for values that the integrators round once, multiprecision for the reference solution.
 #pragma once
 
 #include <vector>
@@ -12,23 +12,24 @@
 
 namespace polhode {
 
-/// Everything in body axes; inertia about the pivot where there is one, else about the centre of mass.
+/// A body and its initial state. All quantities are in body axes unless noted; the inertia is about the pivot, or
+/// else about the centre of mass.
 template <class P>
 struct ExactBody {
     P mass = P(0);                  ///< kg
     Matrix3<P> inertia_B;           ///< about `origin`, kg m^2
     bool pivoted = false;           ///< a body point is held at the world's origin
-    Vector3<P> center;              ///< of mass, from the body's own origin, m
-    Vector3<P> origin;              ///< body point about which the equations are written: pivot or centre of mass, m
-    Vector3<P> arm;                 ///< from there to the centre of mass, m (zero in flight)
+    Vector3<P> center;              ///< centre of mass, from the body's own origin, m
+    Vector3<P> origin;              ///< reference point of the equations: pivot or centre of mass, m
+    Vector3<P> arm;                 ///< from `origin` to the centre of mass, m (zero without a pivot)
     Quaternion<P> q;                ///< body to world at t = 0, normalised
     Vector3<P> angular_velocity_B;  ///< at t = 0, rad/s
-    Vector3<P> position_W;          ///< of the centre of mass at t = 0, m
-    Vector3<P> velocity_W;          ///< of the centre of mass at t = 0, m/s
+    Vector3<P> position_W;          ///< centre of mass at t = 0, m
+    Vector3<P> velocity_W;          ///< centre of mass at t = 0, m/s
 };
 
-/// The position p (m) and the velocity v (m/s) of the centre of mass of a body that turns about a fixed pivot, world
-/// axes: p = R(q) arm, v = R(q) (w x arm), with w in body axes.
+/// Position p (m) and velocity v (m/s) of the centre of mass of a body that rotates about a fixed pivot, world axes:
+/// p = R(q) arm, v = R(q) (w x arm), with w in body axes.
 template <class P>
 void pivoted_center(const Quaternion<P>& q, const Vector3<P>& w, const Vector3<P>& arm, Vector3<P>& p, Vector3<P>& v) {
     const P scale = P(1) / squared_norm(q);
@@ -36,16 +37,16 @@ void pivoted_center(const Quaternion<P>& q, const Vector3<P>& w, const Vector3<P
     v = scale * rotate(q, cross(w, arm));
 }
 
-/// The scene's body and start, exact in the scalar P. Made for double and Wide; for any other scalar include
-/// motion/exact_body_of.h, which brings along all that a body can be made of.
+/// The scene's body and initial state, exact in the scalar P. Instantiated for double and Wide; for other scalars
+/// include motion/exact_body_of.h.
 template <class P>
 ExactBody<P> exact_body(const Scene& scene);
 
-/// Whether a load (not an impulse) acts on the segment that begins at `begin` (s).
+/// Whether a load with this window (not an impulse) acts on the segment that starts at `begin` (s).
 inline bool acts(const Window& window, double begin) { return window.from <= begin && begin < window.until; }
 
-/// The loads that act from `begin` on, in axes that q_BP maps to the body's (1: the body's own). User torques are
-/// left to the caller.
+/// The loads that act from `begin` (s) on, in the axes that q_BP maps to body axes (1: body axes). The caller adds
+/// user torques.
 template <class P>
 Forcing<P> forcing_at(const Scene& scene, const ExactBody<P>& body, double begin, const Quaternion<P>& q_BP) {
     Forcing<P> f;
@@ -102,13 +103,13 @@ Forcing<P> forcing_at(const Scene& scene, const ExactBody<P>& body, double begin
     const Matrix3<P> axes = rotation_matrix(q_BP);
     f.damping = transposed(axes) * damping_B * axes;
     f.has_damping = !(damping_B == Matrix3<P>());
-    // loads whose sum vanishes exactly are no loads
+    // omit loads whose sum vanishes exactly
     f.has_torque = f.has_torque && !(f.torque == Vector3<P>());
     f.has_world_torque = f.has_world_torque && !(f.torque_W == Vector3<P>());
     return f;
 }
 
-/// The impulses at time `at` (s), in the file's order, in axes that q_BP maps to the body's.
+/// The impulses at time `at` (s), in file order, in the axes that q_BP maps to body axes.
 template <class P>
 std::vector<PosedImpulse<P>> impulses_at(const Scene& scene, const ExactBody<P>& body, double at,
                                          const Quaternion<P>& q_BP) {
@@ -123,17 +124,18 @@ std::vector<PosedImpulse<P>> impulses_at(const Scene& scene, const ExactBody<P>&
     return found;
 }
 
-/// What a free motion keeps, and what loads change.
+/// Energy and angular momentum of a body.
 template <class P>
 struct Invariants {
-    P kinetic = P(0);  ///< energy, J
-    /// Kinetic energy and the potentials of gravity, of springs and of forces constant in the world at a body point, J.
+    P kinetic = P(0);  ///< kinetic energy, J
+    /// Kinetic energy plus the potentials of gravity, of springs and of forces constant in the world at a body point,
+    /// J.
     P energy = P(0);
     Vector3<P> angular_momentum_W;  ///< about the pivot, or else about the centre of mass, kg m^2/s
 };
 
 /// Energy and angular momentum of a body at time t (s), under the loads that act then. `q`, of unit length, maps body
-/// to world; w_B is the angular velocity (rad/s), p_W and v_W are of the centre of mass (m, m/s).
+/// axes to world axes; w_B is the angular velocity (rad/s); p_W (m) and v_W (m/s) belong to the centre of mass.
 template <class P>
 Invariants<P> invariants(const Scene& scene, const ExactBody<P>& body, double t, const Quaternion<P>& q,
                          const Vector3<P>& w_B, const Vector3<P>& p_W, const Vector3<P>& v_W) {
@@ -143,7 +145,7 @@ Invariants<P> invariants(const Scene& scene, const ExactBody<P>& body, double t,
     if (!body.pivoted) result.kinetic += body.mass * dot(v_W, v_W) / P(2);
     result.angular_momentum_W = rotate(q, L_B);
     result.energy = result.kinetic;
-    // where the centre of mass is: at a pivot the attitude says it
+    // position of the centre of mass; at a pivot it follows from the attitude
     const Vector3<P> center_W = body.pivoted ? rotate(q, body.arm) : p_W;
     for (const Load& load : scene.loads) {
         if (!acts(window_of(load), t)) continue;

@@ -1,4 +1,4 @@
-// How a scene's body and start follow from its binary64 numbers, for every scalar.
+// Computes a scene's body and initial state from its binary64 numbers, for every scalar.
 #pragma once
 
 #include "body/mass_properties.h"

@@ -11,7 +11,7 @@ namespace {
 
 using Many = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<120>, boost::multiprecision::et_off>;
 
-// A number of 113 bits, from the three of binary64 that it is the sum of.
+// Converts to 113 bits as the sum of binary64 numbers.
 Wide wide(const Many& x) {
     const double high = x.convert_to<double>();
     const Many rest = x - high;
@@ -40,7 +40,7 @@ FinerFrame finer_frame(const Scene& scene) {
     frame.nearest = rounded(frame.wide);
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        // the difference of moments that agree in 113 bits
+        // the difference of moments that may agree in 113 bits
         frame.nearest.gyroscopic[i] = Many((a[j][j] - a[k][k]) / a[i][i]).convert_to<double>();
     }
     const Matrix3<Many> inverse_inertia = inverse(body.inertia_B);

@@ -1,4 +1,4 @@
-// Whether numbers are all finite, without a branch for each.
+// Checks whether numbers are all finite, without a branch per number.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ inline bool all_finite(std::span<const float> values) {
     return zeros == 0;
 }
 
-/// Whether every component of every argument is finite. No square is formed, which could overflow.
+/// Whether every component of every argument is finite. Forms no squares, which could overflow.
 template <class S, class... More>
 bool all_finite(const Vector3<S>& v, const More&... more) {
     bool finite = all_finite(std::span<const S>(v.component));

@@ -1,6 +1,8 @@
-// Impulses between rigid bodies at a contact: Newton's law of restitution, Coulomb friction by a clamped impulse.
+// Impulses between rigid bodies at contacts: Newton's law of restitution, Coulomb friction with a clamped impulse.
 //
-// World axes throughout. An immovable body is one whose inverse mass and inertia are zero, so that its terms drop out.
+// contact_impulse() resolves one contact; resolve_impact() resolves simultaneous contacts of one body with immovable
+// bodies. All vectors are in world axes. An immovable body has zero inverse mass and inertia, so that its terms
+// vanish.
 #pragma once
 
 #include <cstddef>
@@ -11,27 +13,27 @@
 
 namespace polhode {
 
-/// What an impulse acts on. Unless it is given others it is immovable and at rest.
+/// A body that impulses act on. The default is immovable and at rest.
 template <class S>
 struct StruckBody {
     S inverse_mass = S(0);          ///< 1/kg
     Matrix3<S> inverse_inertia_W;   ///< 1/(kg m^2), about the centre of mass, world axes
-    Vector3<S> position_W;          ///< of the centre of mass, m
-    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
+    Vector3<S> position_W;          ///< centre of mass, m
+    Vector3<S> velocity_W;          ///< centre of mass, m/s
     Vector3<S> angular_velocity_W;  ///< rad/s
 
-    /// The velocity (m/s) of the body's point that is at `point_W` (m).
+    /// Velocity (m/s) of the body's point at `point_W` (m).
     Vector3<S> velocity_at(const Vector3<S>& point_W) const {
         return velocity_W + cross(angular_velocity_W, point_W - position_W);
     }
-    /// Takes an impulse (N s) at a point: m dv = J, I dw = r x J.
+    /// Applies an impulse (N s) at a point: m dv = J, I dw = r x J.
     void strike(const Vector3<S>& point_W, const Vector3<S>& impulse_W) {
         velocity_W = velocity_W + inverse_mass * impulse_W;
         angular_velocity_W = angular_velocity_W + inverse_inertia_W * cross(point_W - position_W, impulse_W);
     }
 };
 
-/// Where two bodies touch. The normal is a unit vector from the second body to the first.
+/// A contact of two bodies. The normal is a unit vector from the second body to the first.
 template <class S>
 struct Contact {
     Vector3<S> point_W;
@@ -40,7 +42,8 @@ struct Contact {
     S friction = S(0);     ///< mu >= 0
 };
 
-/// K: an impulse J on a (-J on b) at the point changes the relative velocity there by K J. Symmetric; 1/kg.
+/// The contact matrix K: an impulse J on a (and -J on b) at the point changes the relative velocity there by K J.
+/// Symmetric; 1/kg.
 template <class S>
 Matrix3<S> contact_matrix(const StruckBody<S>& a, const StruckBody<S>& b, const Vector3<S>& point_W) {
     Matrix3<S> K;
@@ -57,22 +60,22 @@ Matrix3<S> contact_matrix(const StruckBody<S>& a, const StruckBody<S>& b, const 
     return K;
 }
 
-/// What may change n . v_rel at the contact beside a speed `scale` and still be rounding.
+/// The rounding error of n . v_rel at the contact for a speed of size `scale`.
 template <class S>
 S contact_rounding(const S& scale) {
     return S(64) * Elementary<S>::epsilon() * scale;
 }
 
-/// The impulse on `a` (N s, world axes; `b` takes the opposite) of a contact that is approaching, zero of any other.
+/// The impulse on `a` (N s, world axes; `b` receives the opposite) at an approaching contact; zero at any other.
 ///
-/// Without friction j n with
+/// Without friction the impulse is j n with
 ///   j = -(1 + e) v_rel.n / (1/m_a + 1/m_b + n.[(I_a^-1 (r_a x n)) x r_a + (I_b^-1 (r_b x n)) x r_b])
 /// (C. Hecker 1997, Game Developer, "Physics, Part 4"). With friction, after E. Guendelman, R. Bridson and R. Fedkiw
-/// 2003, ACM Trans. Graph. 22, 871: the impulse that ends all slip, K J = -v_t - (1 + e) v_n, if it lies in Coulomb's
-/// cone |J_t| <= mu J_n; otherwise J = j (n - mu t) against the slip's direction t before the impact, j such that
-/// the normal speed is reversed e-fold. That pair of rules alone can gain energy where K couples normal and tangential
-/// motion (T. R. Kane 1984's puzzle). So sticking is taken only where it gains none, and sliding friction never beyond
-/// what ends the slip along t; then 2 dE = J.(v_rel + v_rel') <= 0 in each case.
+/// 2003, ACM Trans. Graph. 22, 871: the sticking impulse, K J = -v_t - (1 + e) v_n, if it lies in Coulomb's cone
+/// |J_t| <= mu J_n; otherwise J = j (n - mu t), where t is the slip's direction before the impact and j reverses the
+/// normal speed e-fold. These two rules can gain energy where K couples normal and tangential motion (T. R. Kane
+/// 1984's puzzle). Therefore sticking is used only if it gains no energy, and sliding friction is limited to the
+/// impulse that stops the slip along t. Then 2 dE = J.(v_rel + v_rel') <= 0 in each case.
 template <class S>
 Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const Contact<S>& contact) {
     const Vector3<S>& n = contact.normal_W;
@@ -82,7 +85,7 @@ Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const
     const Matrix3<S> K = contact_matrix(a, b, contact.point_W);
     const Vector3<S> Kn = K * n;
     const S K_nn = dot(n, Kn);
-    if (!(K_nn > S(0))) return {};  // both immovable
+    if (!(K_nn > S(0))) return {};  // both are immovable
     const S gained = -(S(1) + contact.restitution) * normal_speed;
     const S plain = gained / K_nn;
     if (contact.friction == S(0)) return plain * n;
@@ -95,7 +98,7 @@ Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const
         dot(stick_tangential, stick_tangential) <= contact.friction * contact.friction * stick_normal * stick_normal;
     if (stick_normal > S(0) && in_cone && !(dot(stick, v + v + K * stick) > S(0))) return stick;
 
-    // without slip before the impact: against the slip that the normal impulse alone would bring
+    // without slip before the impact: oppose the slip that the normal impulse alone would cause
     const S rounding = contact_rounding(S(square_root(dot(v, v))));
     Vector3<S> along = slip;
     if (!(dot(slip, slip) > rounding * rounding)) along = Kn - K_nn * n;
@@ -105,7 +108,7 @@ Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const
     const S before = dot(t, slip), K_nt = dot(t, Kn), K_tt = dot(t, K * t);
     // J = j (n - m t), j = gained / (K_nn - m K_nt); slip along t afterwards: before + j (K_nt - m K_tt)
     const S stopping_over = before * K_nt + gained * K_tt, stopping = before * K_nn + gained * K_nt;
-    if (!(stopping > S(0))) return plain * n;  // the normal impulse alone turns the slip round
+    if (!(stopping > S(0))) return plain * n;  // the normal impulse alone reverses the slip
     S m = contact.friction;
     if (stopping_over > S(0) && m * stopping_over > stopping) m = stopping / stopping_over;
     const S denominator = K_nn - m * K_nt;
@@ -113,19 +116,20 @@ Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const
     return (gained / denominator) * (n - m * t);
 }
 
-/// What became of an impact at several contacts at once.
+/// The result of an impact at several simultaneous contacts.
 struct ImpactOutcome {
-    bool struck = false;    ///< some contact was approaching
-    bool resolved = true;   ///< none approaches any more
-    double separation = 0;  ///< the largest speed (m/s) at which a contact now parts
+    bool struck = false;    ///< a contact was approaching
+    bool resolved = true;   ///< no contact approaches any more
+    double separation = 0;  ///< the largest separation speed (m/s) after the impact
 };
 
-/// Contacts of one body with immovable ones, all at one moment. One that approaches alone is contact_impulse(). Several
-/// without friction follow Moreau's law (J. J. Moreau 1988; the same as Newton's law with complementarity): with e the
-/// smallest restitution among them, v' = (1 + e) w - e v where w is the motion nearest to v in the metric of
-/// the kinetic energy that approaches none of them. It does not depend on the contacts' order, and keeps energy at e =
-/// 1; w is found by projected Gauss-Seidel iteration on the impulses to rounding. With friction the contacts act
-/// singly, the one that approaches fastest first. Either is repeated until none approaches.
+/// Resolves simultaneous contacts of one body with immovable bodies. A single approaching contact uses
+/// contact_impulse(). Several contacts without friction follow Moreau's law (J. J. Moreau 1988; equal to Newton's law
+/// with complementarity): with e the smallest restitution, v' = (1 + e) w - e v, where w is the motion nearest to v
+/// in the kinetic-energy metric that approaches no contact. The result does not depend on the order of contacts and
+/// conserves energy at e = 1. w is computed to rounding by projected Gauss-Seidel iteration on the impulses. With
+/// friction, contacts are resolved one at a time, the fastest approaching first. Both are repeated until no contact
+/// approaches.
 template <class S>
 ImpactOutcome resolve_impact(StruckBody<S>& body, const std::vector<Contact<S>>& contacts) {
     constexpr int most_rounds = 1000, most_sweeps = 100'000;

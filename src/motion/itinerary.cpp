@@ -21,7 +21,8 @@ std::vector<double> event_times(const Scene& scene) {
     }
     std::sort(times.begin(), times.end());
     times.erase(std::unique(times.begin(), times.end()), times.end());
-    // an impulse at the very end opens a segment of no length, so that the last sample shows the motion after it
+    // an impulse at the end of the run opens a segment of length zero, so that the last sample shows the motion after
+    // it
     if (impulse_at_end) times.push_back(scene.duration);
     return times;
 }

@@ -1,4 +1,4 @@
-// The one walk through a run: the legs between its events, and which of them shows a sample.
+// The legs of a run between its events, and the assignment of samples to legs.
 #pragma once
 
 #include <cstddef>
@@ -11,36 +11,36 @@
 
 namespace polhode {
 
-/// The rule of every run: a sample at the time of an event shows the motion after it. So an event at t = 0 acts before
-/// the first sample, and an impulse at the very end before the last.
+/// The rule for samples at events: a sample at the time of an event shows the motion after it. An event at t = 0 acts
+/// before the first sample, and an impulse at the end of the run before the last.
 constexpr bool acts_before_sample(double event, double sample) { return event <= sample; }
 
-/// The stretch of a run between two events, in which the motion is smooth.
+/// The interval between two events, in which the motion is smooth.
 struct Leg {
-    std::size_t index = 0;  ///< 0 for the first one
+    std::size_t index = 0;  ///< 0 for the first leg
     double begin = 0;       ///< s
-    double end = 0;         ///< s; an impulse at the very end opens a last leg of no length
+    double end = 0;         ///< s; an impulse at the end of the run opens a last leg of length zero
     bool last = false;      ///< no leg follows
 
-    /// Whether a sample at t >= begin is this leg's, and not one's that begins later.
+    /// Whether a sample at t >= begin belongs to this leg and not to a later one.
     bool shows(double t) const { return last || !acts_before_sample(end, t); }
 };
 
-/// The times at which the motion is not smooth, with 0 first and the scene's duration last; the duration stands there
-/// twice where an impulse acts at the very end.
+/// The times at which the motion is not smooth, from 0 to the scene's duration. The duration appears twice if an
+/// impulse acts at the end.
 std::vector<double> event_times(const Scene& scene);
 
-/// The legs between the event times: they follow each other without a gap from 0 to the scene's duration.
+/// The legs between the event times. They cover the time from 0 to the scene's duration without gaps.
 std::vector<Leg> itinerary(const Scene& scene);
 
-/// The samples of a run that are still to be taken.
+/// The samples of a run that have not been taken yet.
 class SampleQueue {
   public:
     /// No samples.
     SampleQueue() = default;
     /// The samples at sample_time(duration, k, n), k = 0..n.
     SampleQueue(double duration, long n) : duration_(duration), count_(n + 1) { look(); }
-    /// Samples at times of the caller's own (s), which do not decrease and outlive the queue.
+    /// Samples at user-defined times (s) in non-decreasing order. `times` must outlive the queue.
     explicit SampleQueue(std::span<const double> times)
         : times_(times.data()), count_(static_cast<long>(times.size())) {
         look();
@@ -48,14 +48,14 @@ class SampleQueue {
 
     /// Whether all samples have been taken.
     bool empty() const { return next_ == count_; }
-    /// The time of the next sample, s; infinite where there is none.
+    /// The time of the next sample, s; infinite if there is none.
     double front() const { return front_; }
-    /// The next sample has been taken.
+    /// Removes the next sample.
     void pop() { ++next_, look(); }
 
-    /// Whether the next sample is one that the leg shows.
+    /// Whether the next sample belongs to the leg.
     bool in(const Leg& leg) const { return !empty() && leg.shows(front_); }
-    /// Whether the next sample is one that the leg shows, and the motion has come that far (s).
+    /// Whether the next sample belongs to the leg and its time (s) has been reached.
     template <class Time>
     bool due(const Leg& leg, const Time& reached) const {
         return in(leg) && front_ <= reached;
@@ -74,8 +74,8 @@ class SampleQueue {
     }
 };
 
-/// The events that a run still has to meet, for a driver that goes from sample to sample. LegType: Leg, or what is
-/// derived from it.
+/// The pending events of a run, for a driver that steps from sample to sample. LegType: Leg or a type derived from
+/// it.
 template <class LegType>
 class EventQueue {
   public:
@@ -84,9 +84,9 @@ class EventQueue {
 
     /// Whether the next event acts before a sample at t.
     bool due(double t) const { return acts_before_sample(front_, t); }
-    /// The time of the next event, s; infinite where there is none.
+    /// The time of the next event, s; infinite if there is none.
     double front() const { return front_; }
-    /// Meets the next event and gives the leg that it opens.
+    /// Removes the next event and returns the leg that it opens.
     const LegType& pop() {
         const LegType& leg = *next_++;
         look();
@@ -100,9 +100,9 @@ class EventQueue {
     void look() { front_ = next_ == end_ ? std::numeric_limits<double>::infinity() : next_->begin; }
 };
 
-/// Follows a run leg by leg. Of each, enter(leg) brings about the event that opens it, show(t) takes the samples at its
-/// begin, and go(leg) goes on to its end, with the samples that it shows on the way taken off the queue. Each says
-/// whether to go on; so does follow(): false where one of them stopped.
+/// Processes a run leg by leg. For each leg, enter(leg) applies the event that opens it, show(t) takes the samples at
+/// its start, and go(leg) integrates to its end and removes the samples of this leg from the queue. Each returns
+/// whether to continue. follow() returns false if one of them stopped the run.
 template <class Legs, class Enter, class Show, class Go>
 bool follow(const Legs& legs, SampleQueue& samples, Enter&& enter, Show&& show, Go&& go) {
     for (const auto& leg : legs) {

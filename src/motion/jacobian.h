@@ -1,4 +1,4 @@
-// The Jacobians of the systems of one body, compiled once for all methods that need them.
+// The Jacobians of the systems of one body, compiled once for all methods.
 #pragma once
 
 #include "motion/dual.h"

@@ -1,10 +1,11 @@
-// A mechanism as a tree of links, in axes and about points that its recursion likes, exact in the scalar P.
+// A mechanism as a tree of links, in the axes and about the points that its recursion uses, exact in the scalar P.
 //
-// A link is what moves as one: a body with all that fixed joints hold to it. It has axes and an origin of its own:
-//  * revolute, prismatic: z along the joint's axis, the origin at the joint's point;
-//  * spherical: the axes of the body that the joint carries, the origin at the joint's point;
-//  * free: the axes of the body at the base, the origin at the link's centre of mass.
-// A universal joint is two revolute ones with a link without mass between them.
+// A link is a set of bodies that move as one: a body and everything attached to it by fixed joints. Each link has its
+// own axes and origin:
+// - revolute, prismatic: z along the joint's axis, the origin at the joint's point;
+// - spherical: the axes of the body that the joint carries, the origin at the joint's point;
+// - free: the axes of the base body, the origin at the link's centre of mass. A universal joint becomes two revolute
+//   joints with a massless link between them.
 #pragma once
 
 #include <array>
@@ -19,10 +20,10 @@
 
 namespace polhode {
 
-/// How a link moves against its parent.
+/// How a link moves relative to its parent.
 enum class LinkJoint { revolute, prismatic, spherical, free };
 
-/// The parent of a base, and the link of what does not move.
+/// The parent of a base link, and the link of bodies that do not move.
 inline constexpr int world_link = -1;
 
 /// A symmetric 3x3 matrix.
@@ -31,6 +32,7 @@ struct Symmetric3 {
     S xx = S(0), yy = S(0), zz = S(0), xy = S(0), xz = S(0), yz = S(0);
 };
 
+/// The symmetric matrix with the upper triangle of m.
 template <class S>
 Symmetric3<S> symmetric_part(const Matrix3<S>& m) {
     return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
@@ -41,19 +43,19 @@ Vector3<Product<A, B>> operator*(const Symmetric3<A>& m, const Vector3<B>& v) {
             m.xz * v[0] + m.yz * v[1] + m.zz * v[2]};
 }
 
-/// One link. All vectors in its own axes from its own origin, but for `place`.
+/// One link. All vectors except `place` are in its own axes from its own origin.
 template <class P>
 struct Link {
     int parent = world_link;
     LinkJoint kind = LinkJoint::revolute;
-    int joint = -1;        ///< index in scene.joints; -1 of a free base
-    int axis = 0;          ///< which of a universal joint's
-    int base = -1;         ///< of a free base: index in scene.bodies
-    int coordinate = 0;    ///< where its coordinates stand in y: x; q; or q and the origin's place in W
-    int rate = 0;          ///< where its rates stand: x'; w against the parent; or w and the origin's velocity in W
-    Quaternion<P> q_turn;  ///< link axes at coordinate zero to the parent's link axes
-    Matrix3<P> turn;       ///< the same
-    Vector3<P> place;      ///< of the joint, from the parent's origin, in the parent's link axes
+    int joint = -1;      ///< index in scene.joints; -1 for a free base
+    int axis = 0;        ///< index of the axis in a universal joint
+    int base = -1;       ///< free base: index in scene.bodies
+    int coordinate = 0;  ///< index in y of its coordinates: x; q; or q and the origin's position in W
+    int rate = 0;        ///< index in y of its rates: x'; w relative to the parent; or w and the origin's velocity in W
+    Quaternion<P> q_turn;  ///< link axes at coordinate zero to the parent link's axes
+    Matrix3<P> turn;       ///< `q_turn` as a matrix
+    Vector3<P> place;      ///< the joint's point, from the parent's origin, in the parent link's axes
     P mass = P(0);
     Vector3<P> moment;      ///< mass times centre of mass
     Symmetric3<P> inertia;  ///< about the origin
@@ -68,36 +70,36 @@ struct Link {
     int rates() const { return kind == LinkJoint::free ? 6 : kind == LinkJoint::spherical ? 3 : 1; }
 };
 
-/// Where a body sits on its link.
+/// The pose of a body on its link.
 template <class P>
 struct Carried {
-    int link = world_link;  ///< world_link: it does not move, and what follows is in world axes
+    int link = world_link;  ///< world_link: the body does not move, and the following vectors are in world axes
     Quaternion<P> q;        ///< body axes to link axes
-    Matrix3<P> turn;        ///< the same
+    Matrix3<P> turn;        ///< `q` as a matrix
     Vector3<P> origin;      ///< the body's origin
     Vector3<P> center;      ///< its centre of mass
     P mass = P(0);
-    Matrix3<P> inertia_B;  ///< about its centre of mass, the body's own axes
+    Matrix3<P> inertia_B;  ///< about its centre of mass, in the body's axes
 };
 
-/// A mechanism's links and bodies.
+/// The links and bodies of a mechanism.
 template <class P>
 struct Links {
-    std::vector<Link<P>> links;      ///< each after its parent
-    std::vector<Carried<P>> bodies;  ///< in the scene's order
-    std::vector<int> order;          ///< of the bodies: each after what carries it
-    std::vector<int> carrier;        ///< of each body: index in scene.joints; -1 of a free base
-    std::vector<int> link_of_joint;  ///< of each joint its link (the last, of a universal one); world_link where fixed
-    int coordinates = 0, rates = 0;  ///< of the state y = (coordinates, rates)
+    std::vector<Link<P>> links;      ///< parents precede their children
+    std::vector<Carried<P>> bodies;  ///< in the order of the scene
+    std::vector<int> order;          ///< indices of bodies: each follows the body that carries it
+    std::vector<int> carrier;        ///< for each body: index in scene.joints; -1 for a free base
+    std::vector<int> link_of_joint;  ///< per joint: its (last) link; world_link if it does not move
+    int coordinates = 0, rates = 0;  ///< sizes of the state y = (coordinates, rates)
 };
 
-/// A unit quaternion that turns z into the axis, of any length but zero: exact where the axis is one of the frame.
+/// A unit quaternion that rotates z to the direction of `axis`, of any nonzero length. Exact for coordinate axes.
 template <class P>
 Quaternion<P> from_z(const Vector3<double>& axis) {
     const P half = P(1) / P(2), zero(0), one(1);
     const bool x = axis[0] != 0, y = axis[1] != 0, z = axis[2] != 0;
     if (!x && !y) return axis[2] > 0 ? Quaternion<P>{one, zero, zero, zero} : Quaternion<P>{zero, one, zero, zero};
-    // cyclic exchanges of the axes, and the same after a half turn about x
+    // cyclic permutations of the axes, preceded by a half rotation about x for negative axes
     if (!y && !z) {
         const Quaternion<P> q{half, half, half, half};
         return axis[0] > 0 ? q : q * Quaternion<P>{zero, one, zero, zero};
@@ -108,12 +110,12 @@ Quaternion<P> from_z(const Vector3<double>& axis) {
     }
     const Vector3<P> a = cast<P>(axis);
     const P size = length(a);
-    // (|a| + a_z, z x a), or by way of -z where that cancels
+    // (|a| + a_z, z x a), or by way of -z, where that would cancel
     if (axis[2] >= 0) return normalized(Quaternion<P>{size + a[2], -a[1], a[0], zero});
     return normalized(Quaternion<P>{size - a[2], a[1], -a[0], zero}) * Quaternion<P>{zero, one, zero, zero};
 }
 
-/// The links of a valid scene of several bodies; `properties`: the mass properties of each body.
+/// The links of a valid scene of several bodies. `properties`: the mass properties of each body.
 template <class P>
 Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& properties) {
     Links<P> all;
@@ -165,7 +167,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
             link.stiffness = P(joint.stiffness[a]), link.rest = P(joint.rest[a]), link.damping = P(joint.damping[a]);
             link.start = P(joint.coordinate[a]), link.start_rate = P(joint.rate[a]);
         };
-        Quaternion<P> to_body;  // link axes to the child's
+        Quaternion<P> to_body;  // link axes to the child's axes
         set_axis(0);
         if (joint.type == JointType::spherical) {
             link.kind = LinkJoint::spherical;
@@ -204,7 +206,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
             all.order.push_back(static_cast<int>(b));
         }
     }
-    // what each link is made of; a free one is about its own centre of mass
+    // mass properties of the links; those of a free link are about its own centre of mass
     const auto masses = [&](std::size_t i) {
         std::vector<MassProperties<P>> parts;
         for (const Carried<P>& body : all.bodies)
@@ -233,7 +235,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
             link.start_q = normalized(cast<P>(start.orientation));
             const Vector3<P> w = cast<P>(start.angular_velocity);
             link.start_w = start.angular_velocity_frame == Frame::body ? w : rotate_back(link.start_q, w);
-            // its initial place is that of the base's own centre of mass
+            // the scene gives the initial position of the base body's own centre of mass
             const Vector3<P> arm = -all.bodies[base].center;
             link.start_position = cast<P>(start.position_W) + rotate(link.start_q, arm);
             link.start_velocity = cast<P>(start.velocity_W) + rotate(link.start_q, cross(link.start_w, arm));

@@ -13,7 +13,7 @@
 namespace polhode {
 namespace {
 
-// of components moved, so that a thousand bodies wait no longer than one
+// limit on components times steps, so that a thousand bodies take no longer than one
 constexpr long scout_work = 4'000'000, most_scout_steps = 20000, least_scout_steps = 200;
 
 }  // namespace
@@ -69,10 +69,10 @@ double MechanismModel::kinetic_energy(const Bodies& bodies) const {
     return energy;
 }
 
-// Each component against its kind's largest.
+// Estimates the scale of each component: the largest value of its kind in a coarse run.
 void MechanismModel::scout() {
     const std::size_t n = static_cast<std::size_t>(dimension());
-    // the kinds of components: angles and quaternions by 1; places; turning rates; speeds
+    // kinds of components: angles and quaternions (scale 1), positions, angular rates, speeds
     enum Kind : std::size_t { unit, place, turning, speed };
     std::vector<Kind> kind(n, unit);
     for (const Link<double>& link : tree_.links().links) {
@@ -103,7 +103,7 @@ void MechanismModel::scout() {
     Y y(n);
     model.initial(y.data());
     note(y);
-    // the attempt that is one too many has been made
+    // the limit is exceeded only after one more attempt
     const long most_steps = std::clamp(scout_work / static_cast<long>(n), least_scout_steps, most_scout_steps) + 1;
     long steps = 0;
     bool going = true;
@@ -127,7 +127,7 @@ void MechanismModel::scout() {
         note(y);
         going = going && scout_leg(leg, y, steps, most_steps, rate, change_of, arrived);
     }
-    // a motion at rest has no scale of its own: one radian, metre over the duration
+    // a motion at rest has no scale: use one radian and one metre over the duration
     const double T = scene_->duration;
     if (largest[turning] == 0) largest[turning] = 1 / T;
     if (largest[place] == 0) largest[place] = 1;

@@ -1,4 +1,5 @@
-// A scene of several bodies as a system that every method for own systems takes: joint coordinates and their rates.
+// A scene of several bodies as a system for all methods that accept user-defined systems. The state consists of joint
+// coordinates and their rates.
 #pragma once
 
 #include <memory>
@@ -14,8 +15,8 @@ namespace polhode {
 /// A mechanism as a model (motion/own_system.h): its equations in binary64, each constant rounded once from 113 bits.
 class MechanismModel {
   public:
-    /// Of a valid scene of several bodies. Throws InputError where its loops do not close at the start, or where its
-    /// mass matrix is singular there.
+    /// From a valid scene of several bodies. Throws InputError if its loops do not close at the start, or if its mass
+    /// matrix is singular there.
     explicit MechanismModel(std::shared_ptr<const Scene> scene);
 
     const Scene& scene() const { return *scene_; }
@@ -31,12 +32,12 @@ class MechanismModel {
     std::vector<Sample> motion(const double* y) const;
     std::vector<Reaction<double>> reactions(const double* y) const { return tree_.reactions(*scene_, y); }
     void enter(double t, double* y);
-    /// Back onto the loops.
+    /// Projects y back onto the loop constraints.
     bool projects() const { return tree_.has_loops(); }
     void project(double* y) const { tree_.project(y); }
-    /// Of all bodies, J.
+    /// Kinetic energy of all bodies, J.
     double kinetic_energy(const Bodies& bodies) const;
-    /// 10^6 times the largest kinetic energy that a coarse run has seen, J.
+    /// 10^6 times the largest kinetic energy of a coarse run, J.
     double energy_bound() const { return energy_bound_; }
     /// Estimates of the largest |w|, |p| and |v| of any body.
     const Scales& body_scales() const { return body_scales_; }
@@ -57,18 +58,18 @@ class MechanismModel {
 /// Poses a scene of several bodies. `problem.system` is a MechanismSystem.
 Problem pose_mechanism(const Scene& scene);
 
-/// The model of a problem whose scene is one of several bodies.
+/// The model of a problem with several bodies.
 const MechanismModel& mechanism_of(const Problem& problem);
 
-/// Why a method that moves each body by the inverse of its own mass and tensor cannot solve a scene: which of its
-/// bodies has no mass, or a principal moment below 1e-12 of their sum. Empty where all bodies have both. A body that
-/// fixed joints alone hold to the world counts too.
+/// Why a method that needs the inverse mass and inertia of each body cannot solve a scene: names a body without mass,
+/// or with a principal moment below 1e-12 of their sum. Empty if all bodies have both. Includes bodies that fixed
+/// joints attach to the world.
 std::string body_without_inertia(const Scene& scene);
 
-/// The motion of every body at t = 0, before any impulse there: the exact one rounded once.
+/// The motion of every body at t = 0 before any impulse: the exact motion, rounded once.
 std::vector<BodyMotion<double>> mechanism_initial_motions(const Scene& scene);
 
-/// A sample of each body.
+/// One sample per body.
 std::vector<Sample> samples_of_bodies(double t, const std::vector<BodyMotion<double>>& motions);
 
 }  // namespace polhode

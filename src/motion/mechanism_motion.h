@@ -1,5 +1,5 @@
-// What a system of several bodies has by the motions of its bodies alone: energy and momenta, and how far its joints
-// are from closed. For trajectories of anyone's making, and for the truth.
+// Quantities of a system of several bodies computed from the motions of its bodies alone: energy, momenta and the
+// violation of its joints. Works for any trajectory and for the reference.
 #pragma once
 
 #include <array>
@@ -16,99 +16,102 @@
 
 namespace polhode {
 
-/// The names of a scene's bodies, in its order; empty in a scene of one.
+/// The names of a scene's bodies in order; empty in a scene of one body.
 std::vector<std::string> body_names(const Scene& scene);
 /// The index of a body by its name; -1 for "world".
 int body_index(const Scene& scene, const std::string& name);
-/// The index of a joint by its name; -1 where there is none.
+/// The index of a joint by its name; -1 if it does not exist.
 int joint_index(const Scene& scene, const std::string& name);
-/// The names of a scene's joints, then of its loops, in the scene's order.
+/// The names of a scene's joints, then of its loops, in order.
 std::vector<std::string> joint_names(const Scene& scene);
 
-/// The coordinates of joints along a motion, from the scene's start on. A motion tells an angle up to whole turns, and
-/// a spring counts them: the angle at the next time is the one nearest to where the mean of the rates at both times
-/// leads to, which must be within half a turn.
+/// Tracks joint coordinates along a motion, from the scene's start. A motion determines an angle only up to full
+/// revolutions, which a spring's energy depends on. The angle at the next time is the one nearest to the
+/// extrapolation by the mean of the rates at both times, which must be accurate to half a revolution.
 class JointCoordinates {
   public:
-    /// As the scene starts, at t = 0.
+    /// The initial state of the scene, at t = 0.
     explicit JointCoordinates(const Scene& scene);
 
-    /// The coordinates (rad or m) at the time last looked at: of each joint in the scene's order two, of which most
-    /// have one. Those of joints without a stiffness stay as they start.
+    /// The coordinates (rad or m) at the last time: two per joint in the scene's order, of which most joints use one.
+    /// Joints without stiffness keep their initial values.
     std::span<const std::array<double, 2>> values() const { return values_; }
 
-    /// At time `t` (s) the coordinates are near these, known from elsewhere: no angle is followed from before.
+    /// Sets coordinates near those at time `t` (s), known from another source, so that revolutions are not tracked
+    /// from before.
     void set(double t, std::span<const std::array<double, 2>> values);
-    /// Goes on to the time `t` (s), where a coordinate's rate is `rate`: the one of `angle` and whole turns beside it
-    /// (rad) that is meant, as the number of turns to be added. What is kept changes at `arrived`.
+    /// The number of full revolutions to add to `angle` (rad) at time `t` (s), where the coordinate's rate is `rate`
+    /// (rad/s). Does not change the stored state: see keep().
     double turns(std::size_t joint, std::size_t axis, double t, double angle, double rate) const;
-    /// The coordinate of a joint and its rate at `t`.
+    /// Stores the coordinate of a joint and its rate at `t`.
     void keep(std::size_t joint, std::size_t axis, double t, double value, double rate);
 
   private:
     std::vector<std::array<double, 2>> values_, rates_, times_;
 };
 
-/// What bodies have together at one time.
+/// Energy and momenta of the whole system at one time.
 template <class P>
 struct SystemInvariants {
-    P kinetic = P(0);  ///< energy, J
-    /// Kinetic energy and the potentials of gravity, springs, point springs, forces constant in the world at a body
-    /// point and of the joints' stiffness, J.
+    P kinetic = P(0);  ///< kinetic energy, J
+    /// Kinetic energy plus the potentials of gravity, springs, point springs, forces constant in the world at a body
+    /// point, and joint stiffness, J.
     P energy = P(0);
-    /// About the world's origin; about the centre of mass of all where no joint ties them to the world. kg m^2/s
+    /// About the world's origin; if no joint ties the bodies to the world, about their common centre of mass. kg
+    /// m^2/s
     Vector3<P> angular_momentum_W;
     Vector3<P> linear_momentum_W;  ///< kg m/s
-    /// The sum of the lengths of what angular_momentum_W is made of and of what the bodies would have if they turned by
-    /// a radian in the scene's duration, kg m^2/s: it vanishes to round-off of this.
+    /// The sum of the lengths of the terms of angular_momentum_W, plus the angular momentum that the bodies would
+    /// have if they rotated by one radian in the scene's duration, kg m^2/s. angular_momentum_W counts as zero within
+    /// the round-off of this size.
     P angular_size = P(0);
-    P linear_size = P(0);  ///< the same of linear_momentum_W, kg m/s
+    P linear_size = P(0);  ///< the corresponding size of linear_momentum_W, kg m/s
 };
 
-/// How far joints and loops are from closed at one time.
+/// Violation of the joints and loops at one time.
 template <class P>
 struct JointViolations {
     static constexpr std::size_t none = static_cast<std::size_t>(-1);  ///< no joint
 
     P gap = P(0);   ///< largest distance between points that should coincide, m
     P turn = P(0);  ///< largest angle between axes (or attitudes) that should coincide, rad
-    /// Where the gap is, of joint_names(); none where there is none.
+    /// Index in joint_names() of the joint with the largest gap; none if there is no gap.
     std::size_t gap_joint = none;
-    std::size_t turn_joint = none;  ///< where the turn is, likewise
+    std::size_t turn_joint = none;  ///< index of the joint with the largest turn; none if there is no turn
 };
 
-/// The mass properties of each body, exact in the scalar P. Made for double and Wide; for any other scalar include
-/// motion/mechanism_motion_of.h.
+/// The mass properties of each body, exact in the scalar P. Instantiated for double and Wide; for other scalars
+/// include motion/mechanism_motion_of.h.
 template <class P>
 std::vector<MassProperties<P>> bodies_mass_properties(const Scene& scene);
 
-/// Measures the motions of a scene's bodies, in maximal coordinates: nothing of a tree's recursion enters. Made for
-/// double and Wide; for any other scalar include motion/mechanism_motion_of.h.
+/// Evaluates the motions of a scene's bodies in maximal coordinates, independently of the tree recursion.
+/// Instantiated for double and Wide; for other scalars include motion/mechanism_motion_of.h.
 template <class P>
 class MechanismMeasure {
   public:
-    /// Of a valid scene of several bodies.
+    /// From a valid scene of several bodies.
     explicit MechanismMeasure(const Scene& scene);
 
-    /// How many bodies there are.
+    /// The number of bodies.
     std::size_t bodies() const { return bodies_.size(); }
-    /// Whether a joint or a loop ties a body to the world.
+    /// Whether a joint or a loop connects a body to the world.
     bool tied() const { return tied_; }
-    /// From the point of each joint's child (a loop's second body) to its centre of mass, m, in the order of
-    /// joint_names().
+    /// The distance from each joint's child point (a loop's point on its second body) to that body's centre of mass,
+    /// m, in the order of joint_names().
     std::vector<P> arms() const;
 
-    /// Of the motions of all bodies at time t (s), in the scene's order, under the loads that act then. `coordinates`:
-    /// of this motion at an earlier time; they follow.
+    /// Invariants of the motions of all bodies, in the scene's order, at time t (s) under the loads that act then.
+    /// `coordinates` holds the joint coordinates at an earlier time and is updated.
     SystemInvariants<P> invariants(double t, std::span<const BodyMotion<P>> motions,
                                    JointCoordinates& coordinates) const;
-    /// Of the motions of all bodies, in the scene's order. What `gap` and `turn` mean: of a prismatic joint the
-    /// distance from its line; of a distance loop from its length; of a universal joint how far the angle between its
-    /// axes is from what it should be; of prismatic and fixed joints the whole rotation that should not be there.
+    /// Violations of the joints by the motions of all bodies, in the scene's order. `gap` of a prismatic joint is the
+    /// distance from its line, of a distance loop the deviation from its length. `turn` of a universal joint is the
+    /// deviation of the angle between its axes, of prismatic and fixed joints the whole undesired rotation.
     JointViolations<P> violations(std::span<const BodyMotion<P>> motions) const;
 
   private:
-    /// A point fixed in a body, from its centre of mass, or in the world.
+    /// A point fixed in a body (from its centre of mass) or in the world.
     struct Point {
         int body = -1;  // -1: the world
         Vector3<P> arm;
@@ -152,7 +155,7 @@ class MechanismMeasure {
     using Motions = std::span<const BodyMotion<P>>;
 
     std::vector<MassProperties<P>> bodies_;
-    P slow_angular_ = P(0), slow_linear_ = P(0);  // of bodies that turn by a radian in the scene's duration
+    P slow_angular_ = P(0), slow_linear_ = P(0);  // of bodies that rotate by one radian in the scene's duration
     std::vector<Link> links_;
     std::vector<Closure> closures_;
     std::vector<Field> fields_;

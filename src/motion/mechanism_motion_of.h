@@ -1,4 +1,8 @@
-// How what several bodies have together follows from their motions, for every scalar.
+// Definitions of MechanismMeasure (motion/mechanism_motion.h) for every scalar.
+//
+// Everything is computed from the poses and velocities of the bodies in maximal coordinates. A joint's relative
+// rotation is J = q0* q_parent* q_child. Joint angles are extracted from J by swing-twist decomposition (turn_about)
+// and unwrapped by JointCoordinates.
 #pragma once
 
 #include <cmath>
@@ -12,13 +16,14 @@
 
 namespace polhode {
 
-/// The turn x about a unit axis that the unit quaternion r stands for, as far as it does: r = swing exp(axis x) with a
-/// swing across the axis. Between -pi and pi.
+/// The angle x (rad) of the rotation about a unit axis contained in the unit quaternion r: r = swing exp(axis x),
+/// where the swing's axis is perpendicular. Between -pi and pi.
 template <class P>
 P turn_about(const Quaternion<P>& r, const Vector3<P>& axis) {
     P sine = dot(vector_part(r), axis), cosine = r.w;
     P angle(0);
-    // what is left after the binary64 angle: tan of a half, whose cube is beyond binary64; thrice for many digits
+    // Each pass adds the binary64 angle of the remainder, whose error is cubed (the tangent of a half); three passes
+    // suffice for many digits.
     for (int i = 0; i < 3; ++i) {
         const P part(2 * std::atan2(static_cast<double>(sine), static_cast<double>(cosine)));
         P s, c;
@@ -26,21 +31,21 @@ P turn_about(const Quaternion<P>& r, const Vector3<P>& axis) {
         const P rest_sine = sine * c - cosine * s, rest_cosine = cosine * c + sine * s;
         angle = angle + part, sine = rest_sine, cosine = rest_cosine;
     }
-    // (w, v) and (-w, -v) are one rotation
+    // (w, v) and (-w, -v) are the same rotation
     const P turn = P(2) * Elementary<P>::pi();
     if (angle > Elementary<P>::pi()) return angle - turn;
     if (angle < -Elementary<P>::pi()) return angle + turn;
     return angle;
 }
 
-/// The angle of the rotation that r stands for, to the precision of binary64.
+/// The angle of the rotation r (rad), to binary64 precision.
 template <class P>
 P whole_turn(const Quaternion<P>& r) {
     const double across = static_cast<double>(length(vector_part(r))), along = static_cast<double>(r.w);
     return P(2 * std::atan2(across, std::abs(along)));
 }
 
-/// The angle between two vectors, to the precision of binary64.
+/// The angle between two vectors (rad), to binary64 precision.
 template <class P>
 P angle_between(const Vector3<P>& a, const Vector3<P>& b) {
     return P(std::atan2(static_cast<double>(length(cross(a, b))), static_cast<double>(dot(a, b))));
@@ -175,7 +180,7 @@ P MechanismMeasure<P>::spring_energy(std::size_t joint, double t, Motions motion
         coordinates.keep(joint, 0, t, static_cast<double>(x), 0);
         return energy(0, x);
     }
-    // the child's angular velocity against the parent, in the child's axes
+    // angular velocity of the child relative to the parent, in the child's axes
     const auto rate_W = [&](const Point& point) {
         if (point.body < 0) return Vector3<P>();
         const BodyMotion<P>& m = motions[static_cast<std::size_t>(point.body)];
@@ -190,10 +195,10 @@ P MechanismMeasure<P>::spring_energy(std::size_t joint, double t, Motions motion
     };
     const Vector3<P>&a = link.axes[0], &b = link.axes[1];
     if (link.type == JointType::revolute) return energy(0, unwrapped(0, turn_about(J, a), dot(w, a)));
-    // J = exp(a x) exp(b y) leaves b in the middle frame: x is the turn about a from there to J b
+    // J = exp(a x) exp(b y) leaves b fixed in the middle frame: x is the rotation about a from there to J b
     const Vector3<P> u = b - link.between * a, Jb = rotate(J, b);
     const P sine = dot(a, cross(u, Jb)), cosine = dot(u, Jb);
-    // half of that angle, as a quaternion about a
+    // the quaternion about a with half of that angle
     const P size = square_root(P(sine * sine + cosine * cosine));
     const Quaternion<P> half =
         cosine >= P(0)
@@ -247,7 +252,7 @@ template <class P>
 JointViolations<P> MechanismMeasure<P>::violations(Motions motions) const {
     if (motions.size() != bodies_.size()) throw std::invalid_argument("a motion for each body is needed");
     JointViolations<P> worst;
-    // what is not a number is the worst of all
+    // NaN is larger than everything
     const auto larger = [](const P& a, const P& b) { return !(a <= b) && !std::isnan(static_cast<double>(b)); };
     const auto note = [&](std::size_t joint, const P& gap, const P& turn) {
         if (larger(gap, worst.gap)) worst.gap = gap, worst.gap_joint = joint;

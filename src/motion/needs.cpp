@@ -11,7 +11,7 @@ using QuaternionW = Quaternion<Wide>;
 
 bool vanishes(const VectorW& v) { return v == VectorW(); }
 
-// The part of v across the unit axis e, exactly zero for a vector along a coordinate axis e.
+// The component of v perpendicular to the unit axis e; exactly zero if both are along the same coordinate axis.
 VectorW across(const VectorW& e, const VectorW& v) { return v - dot(e, v) * e; }
 
 bool translation_couples(const Scene& scene, const std::vector<Forcing<Wide>>& forcings) {
@@ -32,7 +32,7 @@ bool at_rest(const ExactBody<Wide>& body, const Scene& scene, const std::vector<
     return true;
 }
 
-// The torque along and across e for q = q0 (c, s e), w = rate e.
+// The torque along and perpendicular to e for q = q0 (c, s e), w = rate e.
 struct AxisTorque {
     Wide along;
     bool across_vanishes;
@@ -43,8 +43,8 @@ AxisTorque axis_torque(const Forcing<Wide>& f, const VectorW& e, const Quaternio
     return {dot(e, tau), vanishes(across(e, tau))};
 }
 
-// The scalar system about e, if w stays along e whatever the angle: the torque is a quadratic form in (c, s) and
-// linear in w, so three attitudes and one rate settle it. The test is exact: zero, not small.
+// The scalar system about e, if w stays along e at any angle. The torque is a quadratic form in (c, s) and linear in
+// w, so that three attitudes and one rate determine it. The test is exact: zero, not small.
 std::optional<AxisEquations<double>> about(const Forcing<Wide>& f, const VectorW& e, const QuaternionW& q0,
                                            const Matrix3<Wide>& inertia) {
     const Wide diagonal = square_root(Wide(0.5));
@@ -59,7 +59,7 @@ std::optional<AxisEquations<double>> about(const Forcing<Wide>& f, const VectorW
     return system;
 }
 
-// An impulse keeps w along e if its angular kick does, at any angle: again a quadratic form in (c, s).
+// An impulse keeps w along e if its angular kick is along e at any angle: again a quadratic form in (c, s).
 bool keeps_axis(const PosedImpulse<Wide>& impulse, const VectorW& e, const QuaternionW& q0, const ExactBody<Wide>& body,
                 const FullInertia<Wide>& inertia) {
     const Wide pairs[3][2] = {{1, 0}, {0, 1}, {1, 1}};
@@ -93,7 +93,7 @@ bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& 
 
 bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
                                 const std::vector<Forcing<Wide>>& forcings) {
-    // an axis of a tensor whose principal axes had to be computed is irrational: w0 along it exactly is chance
+    // only for given axes: computed principal axes are irrational, and w0 exactly along one would be a coincidence
     const VectorW w = rotate_back(q_BP, body.angular_velocity_B);
     const bool own_axes = problem.body.q_BP == Quaternion<double>{};
     for (int i = 0; i < 3 && own_axes; ++i) {
@@ -103,7 +103,7 @@ bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, c
         e[i] = 1;
         if (try_axis(problem, body, q_BP, e, forcings)) return true;
     }
-    // an isotropic body: every axis is principal, and without torque the first stays
+    // isotropic body: every axis is principal, and without torque the initial axis persists
     if (problem.needs.symmetry != Symmetry::spherical || !problem.needs.torque_free || vanishes(w)) return false;
     for (const Segment& segment : problem.segments)
         if (!segment.impulses.empty()) return false;
@@ -120,7 +120,7 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
                 const std::vector<Forcing<Wide>>& forcings) {
     Needs& needs = problem.needs;
     const Vector3<double>& I = problem.body.principal.moments;
-    // moments that agree in binary64 may turn a body that has hardly any inertia about the third axis
+    // moments that agree in binary64 may still affect a body with very little inertia about the third axis
     const auto agree = [&](int i, int j) {
         constexpr double hardly = 1e-10, negligible = 0x1p-50;
         const int k = 3 - i - j;

@@ -1,4 +1,4 @@
-// The storage of a state: an array where the compiler knows its size, memory of its own where only the program does.
+// Storage of a state: an array if its size is known at compile time, allocated memory otherwise.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace polhode {
 
-/// Memory from the beginning of a cache line on. What a vector of eight doubles is aligned to depends, with GCC, on the
-/// instructions that the function at hand may use: 16 bytes where the memory is asked for, 64 where AVX-512 works on
+/// Allocates memory aligned to cache lines. The alignment that GCC assumes for a vector of eight doubles depends on
+/// the instruction set of the current function: 16 bytes where memory is allocated, 64 bytes where AVX-512 code uses
 /// it.
 template <class T>
 struct LineAllocator {
@@ -27,7 +27,7 @@ struct LineAllocator {
     friend bool operator==(const LineAllocator&, const LineAllocator&) { return true; }
 };
 
-/// n numbers, zero at first.
+/// n numbers, initially zero.
 template <int N, class T = double>
 struct Numbers : std::array<T, static_cast<std::size_t>(N)> {
     explicit Numbers(int = N) : std::array<T, static_cast<std::size_t>(N)>{} {}
@@ -37,7 +37,7 @@ struct Numbers<run_time, T> : std::vector<T, LineAllocator<T>> {
     explicit Numbers(int n) : std::vector<T, LineAllocator<T>>(static_cast<std::size_t>(n)) {}
 };
 
-/// As many copies of `value`.
+/// `count` copies of `value`.
 template <std::size_t count, class Value>
 std::array<Value, count> copies_of(const Value& value) {
     return [&]<std::size_t... i>(std::index_sequence<i...>) { return std::array<Value, count>{((void)i, value)...}; }

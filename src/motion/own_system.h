@@ -1,5 +1,5 @@
-// A system of the user's own: any first-order ODE whose state is of a size that only the running program knows, made
-// from a model that the user writes. For example two masses on a spring along x, y = (x1, x2, v1, v2):
+// User-defined systems: any first-order ODE whose size is known only at run time, defined by a model class. Example:
+// two masses connected by a spring along x, y = (x1, x2, v1, v2):
 //
 //     struct TwoMasses {
 //         double k, m1, m2, rest;
@@ -14,6 +14,9 @@
 //         std::vector<Sample> motion(const double* y) const;  // one for each mass
 //     };
 //     const Trajectory trajectory = solve(pose(TwoMasses{1, 2, 3, 0.5}, 10.0), *find_method("cvode_adams"));
+//
+// OwnModel is the concept that a model must satisfy, pose() makes a Problem of it, and OwnSystem is the System that
+// methods integrate.
 #pragma once
 
 #include <algorithm>
@@ -29,35 +32,35 @@
 
 namespace polhode {
 
-/// The size of a state that the compiler does not know.
+/// The `dimension` of a system whose size is known only at run time.
 inline constexpr int run_time = -1;
 
-/// What a model of one's own has:
+/// The members of a user-defined model:
 ///
 ///  * `int dimension() const`: the number n of components of the state y, at least one.
 ///  * `void initial(double* y) const`: writes y at t = 0.
-///  * `template <class S> void derivative(const S* y, S* dy) const`: writes dy/dt. The scalar S is double for a step,
-///    Dual where a Jacobian is needed and Traced where Taylor coefficients are: the rates are made of components and of
-///    doubles by +, -, *, /, `square_root(x)` and `sine_cosine(x, sine, cosine)` (body/elementary.h), without branches
-///    on their values. Time does not enter: where it is needed, it is a component with the rate S(1).
-///  * `std::vector<double> scales() const`: n positive numbers, the sizes that the components reach, in their units. A
-///    method's tolerance R means R times these.
-///  * `std::vector<Sample> motion(const double* y) const`: the motion of each body at the state y, always as many, at
-///    least one. Their times are filled in by the caller.
+///  * `template <class S> void derivative(const S* y, S* dy) const`: writes dy/dt. The scalar S is double for steps,
+///    Dual for Jacobians and Traced for Taylor coefficients. Compute the rates from components and doubles by +, -, *,
+///    /, `square_root(x)` and `sine_cosine(x, sine, cosine)` (body/elementary.h), without branches on their values.
+///    The system is autonomous: if it needs the time, make the time a component with the rate S(1).
+///  * `std::vector<double> scales() const`: n positive numbers, the typical sizes of the components in their units. A
+///    tolerance R of a method means R times these.
+///  * `std::vector<Sample> motion(const double* y) const`: the motion of each body at the state y, always the same
+///    number, at least one. The caller sets their times.
 ///
-/// Where loads change or impulses act at given times it has besides:
+/// Optional, for loads that change or impulses that act at given times:
 ///
 ///  * `std::vector<double> events() const`: those times, s.
-///  * `void enter(double t, double* y)`: called at t = 0 and at each event: changes y, and the model to what holds from
-///    then on.
+///  * `void enter(double t, double* y)`: called at t = 0 and at each event. Changes y, and the model for the time from
+///    t on.
 ///
-/// Where y must keep conditions that rounding and steps leave by a little:
+/// Optional, for constraints on y that rounding and steps violate slightly:
 ///
-///  * `bool projects() const`, whether there are any, and `void project(double* y) const`, which moves y back onto
-///  them:
-///    called after each step of a method that goes from step to step.
+///  * `bool projects() const`: whether there are constraints.
+///  * `void project(double* y) const`: moves y back onto them. Methods that support it call it after each
+///    accepted step.
 ///
-/// Where the bodies' kinetic energy (J) is known, so that a run can be told to have diverged:
+/// Optional, for detecting divergence by the kinetic energy of the bodies (J):
 ///
 ///  * `double kinetic_energy(const Bodies& bodies) const` and `double energy_bound() const`.
 template <class M>
@@ -72,7 +75,7 @@ concept OwnModel = std::copyable<M> &&
 };
 
 /// @cond internal
-/// An OwnModel behind one type, each scalar by a virtual function of its own. It does not change.
+/// Type erasure of an OwnModel, with one virtual function per scalar. Immutable.
 class ErasedModel {
   public:
     virtual ~ErasedModel() = default;
@@ -90,7 +93,7 @@ class ErasedModel {
     virtual void project(double* y) const = 0;
     virtual double kinetic_energy(const Bodies& bodies) const = 0;
     virtual double energy_bound() const = 0;
-    /// The model that holds from t on; y as it is then. nullptr where there is no other.
+    /// The model for the time from t on; y is updated. nullptr if the model does not change.
     virtual std::shared_ptr<const ErasedModel> entered(double t, double* y) const = 0;
 };
 
@@ -152,19 +155,19 @@ class Erased : public ErasedModel {
 };
 /// @endcond
 
-/// The problem of an own system over `duration` (s), as pose() makes it.
+/// The problem of a user-defined system over `duration` (s). Called by pose().
 Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration);
 
-/// Poses a system of one's own for a run from t = 0 to `duration` (s). It is solved like a scene's problem by every
-/// method whose descriptor says `own_systems`; the others answer `unsupported`. The trajectory has one sample for each
-/// body at each time. Throws InputError where the duration or what the model says of itself makes no sense.
+/// Poses a user-defined system for a run from t = 0 to `duration` (s). Every method with `own_systems` in its
+/// descriptor can solve it; the others return `unsupported`. The trajectory has one sample per body at each time.
+/// Throws InputError if the duration or the model's own data are invalid.
 template <OwnModel M>
 Problem pose(M model, double duration) {
     return pose_own(std::make_shared<const Erased<M>>(std::move(model)), duration);
 }
 
 /// @cond internal
-/// The System of such a problem.
+/// The System of a problem with a user-defined system.
 class OwnSystem {
   public:
     using Scalar = double;
@@ -192,7 +195,7 @@ class OwnSystem {
         if (reactions_) moment.reactions = model_->reactions(y);
         return moment;
     }
-    /// Whether there are conditions that a step leaves by a little, and the way back onto them.
+    /// Whether there are constraints that steps violate slightly; project() moves y back onto them.
     bool projects() const { return model_->projects(); }
     void project(double* y) const { model_->project(y); }
     void scales(double* scales) const {
@@ -206,7 +209,7 @@ class OwnSystem {
     bool reactions_;
 };
 
-/// Moves a state after a step back onto what the system keeps; whether there was anything to do.
+/// Projects the state after a step onto the system's constraints. Returns whether the system has any.
 template <class SystemType, class Scalar>
 bool project_step([[maybe_unused]] const SystemType& system, [[maybe_unused]] Scalar* y) {
     if constexpr (requires { system.project(y); }) {

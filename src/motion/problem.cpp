@@ -45,8 +45,8 @@ std::vector<PosedImpulse<double>> rounded(const std::vector<PosedImpulse<P>>& im
     return r;
 }
 
-// Throws where the equations of several bodies would ignore a part of the scene. validate() refuses these, too; here no
-// path around it leads to a motion that lacks them.
+// Throws if the equations of several bodies would ignore a part of the scene. validate() refuses these parts, too;
+// this check also covers callers that do not validate.
 void refuse_parts_of_one_body(const Scene& scene) {
     const auto fail = [&](const std::string& place, const char* fault, const char* remedy) {
         throw InputError(scene.name, place, fault, remedy);
@@ -68,7 +68,7 @@ void refuse_parts_of_one_body(const Scene& scene) {
         fail("/initial", "is given in a scene of several bodies", "give it to one of \"bodies\" or to a joint");
 }
 
-// Throws where the equations of one body would ignore a part of the scene.
+// Throws if the equations of one body would ignore a part of the scene.
 void refuse_parts_of_several_bodies(const Scene& scene) {
     const char* remedy = "give \"bodies\" in place of \"body\"";
     if (!scene.joints.empty()) throw InputError(scene.name, "/joints", "are given in a scene of one body", remedy);

@@ -1,4 +1,4 @@
-// A scene made ready to be solved: what it really needs, the system posed, the pieces between its events.
+// A scene prepared for solving: its needs, its posed system, and its segments between events.
 #pragma once
 
 #include <memory>
@@ -18,17 +18,17 @@ namespace polhode {
 template <class S>
 class ContactGeometry;
 
-/// How much of the motion is integrated.
+/// Which variables are integrated.
 enum class Formulation {
-    reduced,         ///< what the scene needs and no more
+    reduced,         ///< only what the scene needs
     full_principal,  ///< all 13 variables, in the principal frame
-    full,            ///< all 13 variables, the tensor as given in body axes
+    full,            ///< all 13 variables, with the tensor as given in body axes
 };
 
 /// The name of a formulation: "reduced", "full in the principal frame" or "full as written".
 const char* name_of(Formulation formulation);
 
-/// Which of motion/systems.h.
+/// The systems of motion/systems.h, and those with a user-defined or mechanism model.
 enum class SystemKind {
     principal_axis_rotation,
     free_rotation,
@@ -38,47 +38,47 @@ enum class SystemKind {
     own,
     mechanism
 };
-/// How the principal moments of a body are alike.
+/// How many principal moments of a body are equal.
 enum class Symmetry {
-    spherical,   ///< all three agree
-    symmetric,   ///< two agree
-    asymmetric,  ///< none agree
+    spherical,   ///< all three are equal
+    symmetric,   ///< two are equal
+    asymmetric,  ///< all differ
 };
-/// How the centre of mass moves.
+/// How the translation of the centre of mass is computed.
 enum class Translation {
-    fixed,        ///< pivot, or a centre of mass that never moves
+    fixed,        ///< a pivot, or a centre of mass that never moves
     closed_form,  ///< constant acceleration and linear drag, piecewise
-    integrated,   ///< by the method, with the rotation
+    integrated,   ///< integrated by the method together with the rotation
 };
 
-/// Something that the scene does not have, and why.
+/// A variable or term that is omitted, and why.
 struct LeftOut {
     std::string what;  ///< "p and v", ..
     std::string why;   ///< in a few words
 };
 
-/// What the scene really has, found once.
+/// The properties of a scene that determine its system.
 struct Needs {
-    SystemKind system = SystemKind::full_motion;        ///< which it is posed as
-    int dimension = 13;                                 ///< of its state
-    Symmetry symmetry = Symmetry::asymmetric;           ///< of the body
-    Translation translation = Translation::integrated;  ///< of the centre of mass
-    bool torque_free = false;                           ///< no torque at any time (impulses apart)
-    bool time_dependent = false;                        ///< events inside the duration, or a user's torque
-    bool user_torque = false;                           ///< a torque of the user's own acts
-    std::vector<LeftOut> left_out;                      ///< what is not integrated, and why
+    SystemKind system = SystemKind::full_motion;        ///< the system as which it is posed
+    int dimension = 13;                                 ///< size of the state
+    Symmetry symmetry = Symmetry::asymmetric;           ///< symmetry of the body
+    Translation translation = Translation::integrated;  ///< translation of the centre of mass
+    bool torque_free = false;                           ///< no torque at any time (impulses excepted)
+    bool time_dependent = false;                        ///< events inside the duration, or a user-defined torque
+    bool user_torque = false;                           ///< a user-defined torque acts
+    std::vector<LeftOut> left_out;                      ///< omitted variables and terms, with reasons
 };
 
-/// A leg of the run, with what acts on it.
+/// A leg of the run with the loads that act on it.
 struct Segment : Leg {
-    std::vector<PosedImpulse<double>> impulses;  ///< at `begin`, before the motion goes on
+    std::vector<PosedImpulse<double>> impulses;  ///< applied at `begin`
     Forcing<double> forcing;                     ///< in posed axes
-    AxisEquations<double> about_axis;            ///< where the needs say principal_axis_rotation
-    Vector3<double> position_W;  ///< of the centre of mass at `begin`, m, where translation has a closed form
-    Vector3<double> velocity_W;  ///< of the centre of mass at `begin`, impulses included, m/s, likewise in closed form
+    AxisEquations<double> about_axis;            ///< for principal_axis_rotation
+    Vector3<double> position_W;                  ///< closed-form translation: centre of mass at `begin`, m
+    Vector3<double> velocity_W;  ///< closed-form translation: its velocity at `begin` after impulses, m/s
 };
 
-/// Estimates of the largest |w|, |p| and |v| (SI) over the run: what absolute tolerances are multiplied by.
+/// Estimates of the largest |w|, |p| and |v| (SI) over the run, by which absolute tolerances are multiplied.
 struct Scales {
     double angular_velocity = 1;  ///< rad/s
     double position = 1;          ///< m
@@ -87,11 +87,11 @@ struct Scales {
 
 class ErasedModel;
 
-/// The body of a posed scene, with what its equations need in the axes that they are posed in.
+/// The body of a posed scene, with the quantities that its equations need in posed axes.
 struct PosedBody : ExactBody<double> {
-    PrincipalFrame principal;  ///< of the tensor about the pivot or the centre of mass
-    Quaternion<double> q_BP;   ///< posed axes to body axes: principal.q_BP, or 1 where the tensor is as written
-    PrincipalInertia<double> principal_inertia;  ///< posed axes, where they are the principal ones
+    PrincipalFrame principal;  ///< principal frame of the tensor about the pivot or the centre of mass
+    Quaternion<double> q_BP;   ///< posed axes to body axes: principal.q_BP, or 1 if the tensor is used as given
+    PrincipalInertia<double> principal_inertia;  ///< posed axes, if these are principal axes
     FullInertia<double> full_inertia;            ///< body axes
     Vector3<double> axis;                        ///< posed axes, unit: the axis of a principal_axis_rotation
     Vector3<double> initial_angular_velocity;    ///< posed axes, rad/s
@@ -99,13 +99,13 @@ struct PosedBody : ExactBody<double> {
     /// The scene's planes and the body's hull in posed axes (motion/contact.h); never null.
     std::shared_ptr<const ContactGeometry<double>> geometry;
 
-    WidePrincipalFrame wide_principal;            ///< `principal` before it was rounded
+    WidePrincipalFrame wide_principal;            ///< `principal` before rounding
     Vector3<Wide> wide_initial_angular_velocity;  ///< in the axes of wide_principal, rad/s
 };
 
-/// The equations of one body, of motion/systems.h, by `Needs::system`.
+/// The equations of one body (motion/systems.h), selected by `Needs::system`.
 struct OneBody {};
-/// A system of the user's own, which has no body and no scene.
+/// A user-defined system, without a body or a scene.
 struct UserSystem {
     std::shared_ptr<const ErasedModel> model;  ///< never null
 };
@@ -114,19 +114,19 @@ struct MechanismSystem {
     std::shared_ptr<const ErasedModel> model;  ///< never null
 };
 
-/// A posed scene: what every method is given.
+/// A posed scene, the input of every method.
 struct Problem {
-    Scene scene;                                     ///< as it was posed
-    Formulation formulation = Formulation::reduced;  ///< by which it was posed
-    Needs needs;                                     ///< what the motion really has
-    std::vector<Segment> segments;                   ///< its itinerary: the legs between events, with what acts on each
-    Scales scales;                                   ///< how large the motion gets
-    bool reactions = false;                          ///< samples of several bodies carry the reactions of their joints
+    Scene scene;                                     ///< as posed
+    Formulation formulation = Formulation::reduced;  ///< the formulation in which it was posed
+    Needs needs;                                     ///< the properties that determine its system
+    std::vector<Segment> segments;                   ///< the legs between events, with their loads
+    Scales scales;                                   ///< estimated size of the motion
+    bool reactions = false;                          ///< whether samples of several bodies include joint reactions
 
-    PosedBody body;  ///< what the system of one body is made of: rounded once from 128 bits
+    PosedBody body;  ///< data of the system of one body, rounded once from 128 bits
     std::variant<OneBody, UserSystem, MechanismSystem> system;
 
-    /// The equations of a user's system or of several bodies behind one interface; null for one body.
+    /// The model of a user-defined system or of several bodies; null for one body.
     std::shared_ptr<const ErasedModel> model() const {
         if (const auto* user = std::get_if<UserSystem>(&system)) return user->model;
         if (const auto* several = std::get_if<MechanismSystem>(&system)) return several->model;
@@ -134,22 +134,22 @@ struct Problem {
     }
 };
 
-/// Poses a scene, which must be valid (see validate), by a formulation. The scene's duration is the run's. Throws
-/// InputError where the equations would ignore a part of the scene: a UserTorque, `pivot`, `planes`, `body` or
-/// `initial` beside several bodies; joints, loops, motors, point springs or loads of a named body beside one body.
+/// Poses a valid scene (see validate) in a formulation. The run has the scene's duration. Throws InputError if the
+/// equations would ignore a part of the scene: for several bodies a UserTorque, `pivot`, `planes`, `body` or
+/// `initial`; for one body joints, loops, motors, point springs or loads of a named body.
 Problem pose(const Scene& scene, Formulation formulation = Formulation::reduced);
 
-/// The index of the segment that holds time t (s): the last whose begin <= t.
+/// The index of the segment at time t (s): the last one whose begin <= t.
 std::size_t segment_at(const Problem& problem, double t);
 
-/// The centre of mass a time `after` (s) the segment's begin, where its motion has a closed form.
+/// The centre of mass at a time `after` (s) the start of the segment, if its motion has a closed form.
 void translated(const Segment& segment, double after, Vector3<double>& position_W, Vector3<double>& velocity_W);
 
-/// The name of a system, for people: "loaded rotation".
+/// The name of a system for readers: "loaded rotation".
 const char* name_of(SystemKind system);
 
-/// A bound on the kinetic energy of any sane run (J): 10^6 times what the scales allow. Beyond it a run has diverged.
-/// Infinite for a system of the user's own whose masses are not known.
+/// An upper bound of the kinetic energy of a sane run (J): 10^6 times the energy at the problem's scales. A run with
+/// more energy has diverged. Infinite for a user-defined system that does not define it.
 double energy_bound(const Problem& problem);
 
 }  // namespace polhode

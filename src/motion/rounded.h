@@ -1,4 +1,4 @@
-// What a right-hand side is made of, rounded to another scalar: each number once.
+// Rounds the data of a right-hand side to another scalar, each number once.
 #pragma once
 
 #include "motion/body_equations.h"
@@ -20,7 +20,7 @@ AxisEquations<To> rounded(const AxisEquations<From>& system) {
     return {To(system.inverse_moment), To(system.damping), To(system.cc), To(system.cs), To(system.ss)};
 }
 
-/// A user's torques are functions of binary64 numbers: they stay as they are.
+/// User-defined torques are functions of binary64 numbers and are kept.
 template <class To, class From>
 Forcing<To> rounded(const Forcing<From>& f) {
     Forcing<To> r;

@@ -14,7 +14,7 @@ constexpr long scout_steps = 20000;
 
 template <class SystemType, std::size_t N>
 double largest_change(const std::array<double, N>& difference, const std::array<double, N>& y) {
-    // rates first, then the rest: each block against its own size
+    // the rates and the other components are each compared with their own size
     double worst = 0, rate = 0;
     constexpr std::size_t rates = SystemType::rates;
     for (std::size_t i = 0; i < rates; ++i) rate = std::max(rate, std::abs(y[i]));
@@ -50,7 +50,7 @@ void scout(const Problem& problem, Scales& scales) {
         const auto arrived = [&](double t, Y& at) {
             bool struck = false;
             if constexpr (SystemType::has_translation)
-                // as impact_stepping: what is too deep is sent back
+                // like impact_stepping: a body that penetrates a plane is reflected
                 struck = problem.body.geometry->any() && strike_planes(problem, 0, at.data()).struck;
             note(problem, f.motion(t, at.data()), scales);
             return struck;
@@ -65,7 +65,7 @@ void scout(const Problem& problem, Scales& scales) {
 void find_scales(Problem& problem) {
     Scales scales{0, 0, 0};
     with_one_body(problem, [&]<class SystemType>() { scout<SystemType>(problem, scales); });
-    // a motion at rest has no scale of its own: one radian, metre over the duration
+    // a motion at rest has no scale: use one radian and one metre over the duration
     if (scales.angular_velocity == 0) scales.angular_velocity = 1 / problem.scene.duration;
     if (scales.position == 0) scales.position = 1;
     if (scales.velocity == 0) scales.velocity = scales.position / problem.scene.duration;

@@ -1,4 +1,4 @@
-// A coarse run that tells how large a motion gets, before anybody solves it: Bogacki & Shampine (1989), orders 3 and 2.
+// A coarse run that estimates the size of a motion before it is solved: Bogacki & Shampine (1989), orders 3 and 2.
 #pragma once
 
 #include <algorithm>
@@ -6,13 +6,13 @@
 
 namespace polhode {
 
-/// What a component may err by in a scout's step, of its scale.
+/// Error tolerance per step, relative to a component's scale.
 inline constexpr double scout_tolerance = 1e-3;
 
-/// Goes from the leg's begin to its end. Y: a state, with operator[] and size; rate(t, y, dy): the right-hand side;
-/// change_of(difference, y): the largest error of a step over what it is measured by; arrived(t, y) after each accepted
-/// step: whether it has changed y. `steps` counts the attempts; false where there are more than `most_steps`, or where
-/// the step vanishes.
+/// Integrates from the leg's start to its end. Y: a state with operator[] and size. rate(t, y, dy): the right-hand
+/// side. change_of(difference, y): the largest error of a step relative to its scale. arrived(t, y): called after
+/// each accepted step; returns whether it has changed y. `steps` counts attempts. Returns false after more than
+/// `most_steps` attempts or if the step size vanishes.
 template <class Y, class LegType, class Rate, class ChangeOf, class Arrived>
 bool scout_leg(const LegType& leg, Y& y, long& steps, long most_steps, const Rate& rate, const ChangeOf& change_of,
                const Arrived& arrived) {

@@ -143,7 +143,7 @@ ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y)
                             at.velocity_W, at.angular_velocity_W};
     const ImpactOutcome outcome = resolve_impact(body, touching);
     if (outcome.struck) {
-        // the change alone is turned back: a component that no impulse touches keeps its bits but for that
+        // add only the change, rotated back: components without an impulse then keep their bits
         FullMotion::set_rotation(
             y, FullMotion::angular_velocity(y) + rotate_back(at.q, body.angular_velocity_W - at.angular_velocity_W),
             FullMotion::attitude(y));

@@ -1,12 +1,12 @@
-// The first-order systems dy/dt = f(t, y) that a scene can be posed as:
+// The first-order systems dy/dt = f(t, y) as which a scene can be posed:
 //
 //   PrincipalAxisRotation   3   w, c, s        w along one principal axis e; q = q0 (c, s e)
 //   FreeRotation            7   w, q           no torque: w decouples from q
 //   LoadedRotation          7   w, q           torque from attitude, rate and time
-//   LoadedMotion           13   w, q, p, v     torque or force that ties translation and rotation together
-//   FullMotion             13   w, q, p, v     nothing left out: full tensor, body axes (--full, and the truth)
+//   LoadedMotion           13   w, q, p, v     torque or force that couples translation and rotation
+//   FullMotion             13   w, q, p, v     nothing omitted: full tensor, body axes (--full, and the reference)
 //
-// A system owns its state: nobody else knows at which place of y a quantity stands.
+// A system encapsulates its state: only the system knows the index of each quantity in y.
 #pragma once
 
 #include <concepts>
@@ -22,26 +22,26 @@ template <class S>
 struct Placement;
 struct ImpactOutcome;
 
-/// What a method integrates: made from a problem, at first with the loads of its first segment. The problem must
-/// outlive it. `size()` is the number of components; `dimension` is the same where the compiler knows it.
+/// What a method integrates. It is constructed from a problem, initially with the loads of its first segment. The
+/// problem must outlive it. `size()` is the number of components; `dimension` is the same number, or run_time.
 template <class F>
 concept System = std::copyable<F> && std::constructible_from<F, const Problem&> &&
     requires(const F c, F f, const Segment& segment, double t, typename F::Scalar* y, double* scales) {
-    { F::dimension } -> std::convertible_to<int>;  // run_time where the compiler does not know it
+    { F::dimension } -> std::convertible_to<int>;  // run_time if known only at run time
     f.initial(y);                                  // y at t = 0, before any impulse there
     {
         f.enter(segment, y)
-        } -> std::same_as<bool>;  // an event: impulses in place, then other loads;
-                                  // whether there were impulses
+        } -> std::same_as<bool>;  // an event: applies impulses to y, takes the new
+                                  // loads; returns whether there were impulses
     c.derivative(t, y, y);        // over any scalar: dy/dt from t and y
-    c.motion(t, y);               // what y at time t stands for
-    c.scales(scales);             // the size that each component's error is measured by
+    c.motion(t, y);               // the motion at time t
+    c.scales(scales);             // the scale of each component's error
 };
 
-/// What the systems of one body share: the problem and the reading of its motion.
+/// Common base of the systems of one body: the problem and the conversion of states to samples.
 class BodySystem {
   public:
-    using Scalar = double;  ///< of the state
+    using Scalar = double;  ///< scalar of the state
 
   protected:
     /// The problem must outlive it.
@@ -49,26 +49,27 @@ class BodySystem {
 
     /// The sample with this rotation in posed axes.
     Sample rotated(double t, const Vector3<double>& w, const Quaternion<double>& q) const;
-    /// The same with the centre of mass where the pivot or the closed form says that it is.
+    /// The sample with this rotation, and with the centre of mass from the pivot or the closed form.
     Sample placed(double t, const Vector3<double>& w, const Quaternion<double>& q) const;
-    /// The jumps by one impulse.
+    /// Applies one impulse to w and v.
     void apply(const PosedImpulse<double>& impulse, Vector3<double>& w, const Quaternion<double>& q,
                const Vector3<double>& p, Vector3<double>& v) const;
 
     const Problem* problem_;  ///< posed
 };
 
-/// Rotation about one principal axis: y = (w, c, s), the rate about the axis and the half-angle's cosine and sine.
+/// Rotation about one principal axis: y = (w, c, s), the rate about the axis and the cosine and sine of the
+/// half-angle.
 class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
   public:
-    using Equations = AxisEquations<double>;  ///< its right-hand side
+    using Equations = AxisEquations<double>;  ///< the right-hand side
     using Equations::dimension;
-    static constexpr bool about_axis = true;           ///< it turns about a fixed axis
-    static constexpr bool has_translation = false;     ///< p and v are part of the state
-    static constexpr bool has_torque = true;           ///< torques may act
-    static constexpr bool has_full_inertia = false;    ///< the tensor is as written, not the principal one
-    static constexpr int size() { return dimension; }  ///< components of the state
-    static constexpr int rates = 1;                    ///< components of w; they come first
+    static constexpr bool about_axis = true;           ///< rotates about a fixed axis
+    static constexpr bool has_translation = false;     ///< whether p and v are part of the state
+    static constexpr bool has_torque = true;           ///< whether torques may act
+    static constexpr bool has_full_inertia = false;    ///< whether the tensor is used as given, not the principal one
+    static constexpr int size() { return dimension; }  ///< number of components
+    static constexpr int rates = 1;                    ///< components of w, which come first
 
     /// With the loads of the first segment. The problem must outlive it.
     explicit PrincipalAxisRotation(const Problem& problem) : PrincipalAxisRotation(problem, problem.segments.front()) {}
@@ -78,50 +79,50 @@ class PrincipalAxisRotation : public AxisEquations<double>, public BodySystem {
 
     /// y at t = 0, before any impulse there.
     void initial(double* y) const;
-    /// Meets an event: the impulses that open the segment act on y in place, then its loads are taken. Returns whether
-    /// there were impulses.
+    /// Processes an event: applies the impulses at the start of the segment to y, then takes its loads. Returns
+    /// whether there were impulses.
     bool enter(const Segment& segment, double* y);
-    /// The motion that y at time t (s) stands for.
+    /// The motion at state y and time t (s).
     Sample motion(double t, const double* y) const;
-    /// The size that each component's error is measured by.
+    /// The scale of each component's error.
     void scales(double* scales) const;
-    /// The state that a sample stands for: the way back from motion().
+    /// The state of a sample: the inverse of motion().
     void state(const Sample& sample, double* y) const;
 
     /// w in posed axes, rad/s.
     Vector3<double> angular_velocity(const double* y) const { return y[0] * problem_->body.axis; }
     /// q, posed axes to world axes.
     Quaternion<double> attitude(const double* y) const;
-    /// |q|^2, which the exact motion keeps at 1.
+    /// |q|^2, which is 1 for the exact motion.
     template <class S>
     S attitude_square(const S* y) const {
         return y[1] * y[1] + y[2] * y[2];
     }
-    /// Kinetic energy and the potentials of the first segment's loads, J, where energy is kept.
+    /// Kinetic energy and the potentials of the first segment's loads, J, if energy is conserved.
     template <class S>
     S energy(const S* y) const {
-        // the half angle a with (c, s) = (cos a, sin a): torque cc c^2 + cs c s + ss s^2, over d(2 a). Where energy is
-        // kept cc + ss = 0
+        // With the half-angle a, (c, s) = (cos a, sin a): integrates the torque cc c^2 + cs c s + ss s^2 over d(2 a).
+        // If energy is conserved, cc + ss = 0.
         const Equations& f = problem_->segments.front().about_axis;
         const S cosine = y[1] * y[1] - y[2] * y[2], half_sine = y[1] * y[2];
         return (0.5 / f.inverse_moment) * (y[0] * y[0]) + ((0.5 * f.cs) * cosine - (f.cc - f.ss) * half_sine);
     }
 };
 
-/// The systems whose state is w (posed axes), q (posed axes to world) and, where there is translation, p and v of the
-/// centre of mass in world axes. `BodyEquations`: their right-hand side.
+/// Systems whose state is w (posed axes), q (posed axes to world axes) and, with translation, p and v of the centre
+/// of mass in world axes. `BodyEquations`: the right-hand side.
 template <class BodyEquations>
 class QuaternionSystem : public BodyEquations, public BodySystem, public BodyState {
   public:
-    using Equations = BodyEquations;                                          ///< its right-hand side
-    static constexpr int dimension = Equations::dimension;                    ///< components of the state
-    static constexpr bool about_axis = false;                                 ///< it turns freely
+    using Equations = BodyEquations;                                          ///< the right-hand side
+    static constexpr int dimension = Equations::dimension;                    ///< number of components
+    static constexpr bool about_axis = false;                                 ///< rotates freely
     static constexpr bool has_translation = dimension == 13;                  ///< p and v are state
-    static constexpr bool has_torque = requires(Equations f) { f.forcing; };  ///< torques may act
-    /// The tensor is as written, not the principal one.
+    static constexpr bool has_torque = requires(Equations f) { f.forcing; };  ///< whether torques may act
+    /// Whether the tensor is used as given, not the principal one.
     static constexpr bool has_full_inertia = requires(Equations f) { f.inertia.tensor; };
-    static constexpr int size() { return dimension; }  ///< components of the state
-    static constexpr int rates = 3;                    ///< components of w; they come first
+    static constexpr int size() { return dimension; }  ///< number of components
+    static constexpr int rates = 3;                    ///< components of w, which come first
 
     /// With the loads of the first segment. The problem must outlive it.
     explicit QuaternionSystem(const Problem& problem)
@@ -132,17 +133,17 @@ class QuaternionSystem : public BodyEquations, public BodySystem, public BodySta
 
     /// y at t = 0, before any impulse there.
     void initial(double* y) const;
-    /// Meets an event: the impulses that open the segment act on y in place, then its loads are taken. Returns whether
-    /// there were impulses.
+    /// Processes an event: applies the impulses at the start of the segment to y, then takes its loads. Returns
+    /// whether there were impulses.
     bool enter(const Segment& segment, double* y);
-    /// The motion that y at time t (s) stands for.
+    /// The motion at state y and time t (s).
     Sample motion(double t, const double* y) const;
-    /// The size that each component's error is measured by.
+    /// The scale of each component's error.
     void scales(double* scales) const;
-    /// The state that a sample stands for: the way back from motion().
+    /// The state of a sample: the inverse of motion().
     void state(const Sample& sample, double* y) const;
 
-    /// |q|^2, which the exact motion keeps at 1.
+    /// |q|^2, which is 1 for the exact motion.
     template <class S>
     S attitude_square(const S* y) const {
         return squared_norm(attitude(y));
@@ -195,9 +196,9 @@ class QuaternionSystem : public BodyEquations, public BodySystem, public BodySta
 using FreeRotation = QuaternionSystem<FreeEquations<double>>;
 /// y = (w, q): torques that depend on attitude, rate and time.
 using LoadedRotation = QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, false>>;
-/// y = (w, q, p, v): loads that tie translation and rotation together.
+/// y = (w, q, p, v): loads that couple translation and rotation.
 using LoadedMotion = QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, true>>;
-/// y = (w, q, p, v): nothing left out, the tensor in the body's own axes.
+/// y = (w, q, p, v): nothing is omitted; the tensor is in the body's own axes.
 using FullMotion = QuaternionSystem<LoadedEquations<double, FullInertia<double>, true>>;
 
 extern template class QuaternionSystem<FreeEquations<double>>;
@@ -205,12 +206,12 @@ extern template class QuaternionSystem<LoadedEquations<double, PrincipalInertia<
 extern template class QuaternionSystem<LoadedEquations<double, PrincipalInertia<double>, true>>;
 extern template class QuaternionSystem<LoadedEquations<double, FullInertia<double>, true>>;
 
-/// Whether the state is w and q alone: what has kernels of its own.
+/// Whether the state is exactly (w, q), for which specialised kernels exist.
 template <class SystemType>
 inline constexpr bool is_rotation = SystemType::dimension == FreeRotation::dimension;
 
-/// Calls visit.template operator() with the one body's system that the problem was posed as for template argument, and
-/// returns what that returns. Not for a system of the user's own.
+/// Calls visit.template operator()<SystemType>() with the system of one body as which the problem was posed, and
+/// returns its result. Not for user-defined systems.
 template <class Visitor>
 auto with_one_body(const Problem& problem, Visitor&& visit) {
     switch (problem.needs.system) {
@@ -230,17 +231,17 @@ auto with_one_body(const Problem& problem, Visitor&& visit) {
     return visit.template operator()<FullMotion>();
 }
 
-/// The same for any problem: with OwnSystem where it is a system of the user's own.
+/// Like with_one_body(), for any problem: uses OwnSystem for user-defined systems and several bodies.
 template <class Visitor>
 auto with_system(const Problem& problem, Visitor&& visit) {
     if (!std::holds_alternative<OneBody>(problem.system)) return visit.template operator()<OwnSystem>();
     return with_one_body(problem, std::forward<Visitor>(visit));
 }
 
-/// Where the body is at a state of a 13-dimensional system, as contacts need it.
+/// Position and velocity of the body at a state of a 13-dimensional system, in the form that contacts use.
 Placement<double> placement_of(const double* y);
 
-/// The impact of a state of a 13-dimensional system at the contacts whose gap is at most `tolerance` (m), in place.
+/// Applies the impact at the contacts whose gap is at most `tolerance` (m) to the state y of a 13-dimensional system.
 ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y);
 
 }  // namespace polhode

@@ -1,8 +1,9 @@
-// A scalar that records what is done to it. The right-hand side, run once on traced numbers, leaves a list of its
-// operations, from which Taylor coefficients follow to any order: the one right-hand side is all that is ever written.
+// A scalar that records the operations applied to it. Evaluating the right-hand side once on traced numbers gives a
+// tape of operations, from which Taylor coefficients of any order follow without further derivations.
 //
-// A traced number is factor * node, so that scaling costs nothing; constants fold (0 x, x + 0, 1 x, 0 / x, x / x),
-// equal nodes are made once, and products, quotients and functions are of nodes alone.
+// A traced number is factor * node, so that scaling needs no operation. Constants are folded (0 x, x + 0, 1 x, 0 / x,
+// x / x), equal nodes are shared (value numbering), and products, quotients and functions apply to nodes only. Main
+// types: TapeNode and Tape (the operations), Traced (the scalar), Recording (a recorded system).
 #pragma once
 
 #include <algorithm>
@@ -16,14 +17,14 @@
 
 namespace polhode {
 
-/// A node of the tape. Its operands come before it; only a sine's partner, its cosine, comes right after it.
+/// A node of the tape. Operands precede their node, except that a cosine directly follows the sine that refers to it.
 ///
-///  * state: the a-th variable
-///  * combination: factor_a * a + factor_b * b; b < 0: + factor_b
-///  * product: a * b
-///  * quotient: a / b; a < 0: 1 / b
-///  * sine, cosine: of a, and b is the other one; always both
-///  * root: the square root of a; b < 0
+///   * state: the a-th variable
+///   * combination: factor_a * a + factor_b * b; if b < 0: + factor_b
+///   * product: a * b
+///   * quotient: a / b; if a < 0: 1 / b
+///   * sine, cosine: of a; b is the partner. Both always exist.
+///   * root: the square root of a; b < 0
 template <class T>
 struct TapeNode {
     enum class Kind { state, combination, product, quotient, sine, cosine, root } kind;
@@ -33,18 +34,18 @@ struct TapeNode {
     bool operator==(const TapeNode&) const = default;
 };
 
-/// The operations in the order in which they were recorded; the first nodes are the state variables.
+/// The operations in recording order. The first nodes are the state variables.
 template <class T>
 struct Tape {
     std::vector<TapeNode<T>> nodes;
 
-    /// The place of the node: of an equal one, or of itself at the end.
+    /// Returns the index of an equal node, or appends the node and returns its index.
     int add(const TapeNode<T>& node) {
         const int found = find(node, [&](const TapeNode<T>& other) { return other == node; });
         if (found == none) nodes.push_back(node);
         return found == none ? static_cast<int>(nodes.size()) - 1 : found;
     }
-    /// The place of the sine of a node; its cosine's is the next.
+    /// Returns the index of the sine of a node; its cosine has the next index.
     int add_sine(int argument) {
         const int place = static_cast<int>(nodes.size());
         const TapeNode<T> sine{TapeNode<T>::Kind::sine, argument, place + 1, T(0), T(0)};
@@ -58,7 +59,7 @@ struct Tape {
 
   private:
     static constexpr int none = -1;
-    // places by what is no factor, each in the first slot that was free from its own on; half of the slots are free
+    // open-addressing hash table with linear probing: node indices by kind and operands, at most half full
     std::vector<int> slots_ = std::vector<int>(1024, none);
     std::size_t noted_ = 0;
 
@@ -71,7 +72,7 @@ struct Tape {
     }
     std::size_t next(std::size_t slot) const { return (slot + 1) & (slots_.size() - 1); }
     std::size_t first_slot(const TapeNode<T>& node) const {
-        // a sine's partner says nothing of it
+        // the partner of a sine is not part of its key
         const bool has_partner = node.kind == TapeNode<T>::Kind::sine || node.kind == TapeNode<T>::Kind::cosine;
         const std::uint64_t key = (static_cast<std::uint64_t>(node.kind) << 60U) ^
                                   (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a + 1)) << 30U) ^
@@ -92,13 +93,14 @@ struct Tape {
     }
 };
 
+/// A traced number: factor * node, or the constant `factor`.
 template <class T>
 class Traced {
   public:
     static constexpr int constant = -1;
 
     T factor{0};
-    int node = constant;  ///< constant: the number is `factor` itself
+    int node = constant;  ///< constant: the value is `factor`
     Tape<T>* tape = nullptr;
 
     Traced() = default;
@@ -114,7 +116,7 @@ class Traced {
         }
         if (a.is_zero()) return b;
         if (b.is_zero()) return a;
-        // the lower node last, a constant last of all: one form for a + b and b + a
+        // canonical order for commutativity: the lower node last, a constant after all nodes
         if (a.node < b.node) return b + a;
         using Kind = typename TapeNode<T>::Kind;
         return {T(1), a.tape->add({Kind::combination, a.node, b.node, a.factor, b.factor}), a.tape};
@@ -148,13 +150,13 @@ class Traced {
     Traced& operator+=(const Traced& b) { return *this = *this + b; }
     Traced& operator-=(const Traced& b) { return *this = *this - b; }
 
-    /// What square_root() calls.
+    /// Called by square_root().
     friend Traced sqrt(const Traced& x) {
         if (x.node == constant) return Traced(T(square_root(x.factor)));
         using Kind = typename TapeNode<T>::Kind;
         return {T(1), x.tape->add({Kind::root, x.scaled(x.factor), constant, T(0), T(0)}), x.tape};
     }
-    /// What polhode::sine_cosine() calls. The sign stays outside: the sine is odd, the cosine even.
+    /// Called by polhode::sine_cosine(). The sign is kept outside: the sine is odd, the cosine even.
     static void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
         if (x.node == constant) {
             T s(0), c(1);
@@ -170,7 +172,7 @@ class Traced {
     }
 
   private:
-    /// A node that is factor_ * node.
+    /// A node with the value factor_ * node.
     int scaled(const T& factor_) const {
         using Kind = typename TapeNode<T>::Kind;
         return factor_ == 1 ? node : tape->add({Kind::combination, node, constant, factor_, T(0)});
@@ -184,14 +186,14 @@ class Traced {
     bool is_zero() const { return node == constant && factor == 0; }
 };
 
-/// An autonomous system dy/dt = f(y), recorded.
+/// The recording of an autonomous system dy/dt = f(y).
 template <class T>
 struct Recording {
     Tape<T> tape;
-    std::vector<Traced<T>> rates;  ///< of each state variable
+    std::vector<Traced<T>> rates;  ///< one per state variable
 };
 
-/// Records form.derivative(y, dy) on `dimension` variables, and drops what no rate depends on.
+/// Records form.derivative(y, dy) on `dimension` variables. Removes nodes on which no rate depends.
 template <class T, class Form>
 Recording<T> record(const Form& form, int dimension) {
     using Kind = typename TapeNode<T>::Kind;
@@ -221,7 +223,7 @@ Recording<T> record(const Form& form, int dimension) {
         renamed[i] = static_cast<int>(result.tape.nodes.size());
         if (node.kind != Kind::state) {
             if (node.a >= 0) node.a = renamed[node.a];
-            // a sine's partner comes next
+            // the partner of a sine is the next node
             if (node.b >= 0) node.b = node.kind == Kind::sine ? renamed[i] + 1 : renamed[node.b];
         }
         result.tape.nodes.push_back(std::move(node));
@@ -231,7 +233,7 @@ Recording<T> record(const Form& form, int dimension) {
     return result;
 }
 
-/// Whether there are only sums and products: what proofs and kernels for polynomials take.
+/// Whether the tape has only sums and products, as proofs and polynomial kernels require.
 template <class T>
 bool is_polynomial(const Recording<T>& recording) {
     using Kind = typename TapeNode<T>::Kind;

@@ -1,4 +1,5 @@
-// What every method returns: states at times, how the run ended and what it cost.
+// The result of every method: samples of the motion, how the run ended, and its cost. Also the reference in the same
+// form.
 #pragma once
 
 #include <optional>
@@ -13,86 +14,87 @@ namespace polhode {
 
 /// How a run ended.
 enum class Status {
-    ok,                 ///< at its end
-    unsupported,        ///< not begun: the method cannot represent the scene
-    diverged,           ///< with a number that is not finite, or an energy beyond all bounds
-    tolerance_not_met,  ///< the solver says so; in tables also a tolerance-driven run that ends more than 1 rad off
-    failed,             ///< otherwise; the message says why
+    ok,                 ///< reached its end
+    unsupported,        ///< not started: the method cannot represent the scene
+    diverged,           ///< a number is not finite, or the energy is beyond all bounds
+    tolerance_not_met,  ///< reported by the solver; in tables also a run by tolerance that ends > 1 rad off
+    failed,             ///< any other failure; the message gives the reason
 };
 
-/// The word that stands for a status in the result table: the enumerator's name.
+/// The name of a status in result tables: the enumerator's name.
 const char* name_of(Status status);
 
-/// What the parent of a joint exerts on the child through it, or a loop's first body on the second: the whole force and
-/// torque, the joint's own spring, damper and motor included.
+/// The force and torque that the parent of a joint exerts on the child through it, or a loop's first body on its
+/// second. They include the joint's spring, damper and motor.
 template <class S>
 struct Reaction {
     Vector3<S> force_W;   ///< N
-    Vector3<S> torque_W;  ///< about the child's point, or the second body's, N m
+    Vector3<S> torque_W;  ///< about the child's point (a loop's point on its second body), N m
 
     /// Whether all numbers are equal.
     bool operator==(const Reaction&) const = default;
 };
 
-/// The motion of every body at one time, and the reactions of joints and loops where they are asked for.
+/// The motion of every body at one time, and the reactions of joints and loops if requested.
 struct Moment {
-    std::vector<Sample> samples;              ///< one for each body
-    std::vector<Reaction<double>> reactions;  ///< in the order of Trajectory::reactions, or none
+    std::vector<Sample> samples;              ///< one per body
+    std::vector<Reaction<double>> reactions;  ///< in the order of Trajectory::reactions, or empty
 };
 
-/// The motion of every body at one time, seen in one sample or in a list of them.
+/// A view of the motion of every body at one time, over one sample or several.
 class Bodies : public std::span<const Sample> {
   public:
-    std::span<const Reaction<double>> reactions;  ///< where they are known
+    std::span<const Reaction<double>> reactions;  ///< if known
 
-    Bodies(const Moment& moment) : span(moment.samples), reactions(moment.reactions) {}  ///< of several bodies
-    Bodies(const Sample& one) : span(&one, 1) {}                                         ///< of a single body
-    Bodies(const std::vector<Sample>& all) : span(all) {}                                ///< one sample for each
-    Bodies(std::span<const Sample> all) : span(all) {}                                   ///< one sample for each
+    Bodies(const Moment& moment) : span(moment.samples), reactions(moment.reactions) {}  ///< several bodies
+    Bodies(const Sample& one) : span(&one, 1) {}                                         ///< a single body
+    Bodies(const std::vector<Sample>& all) : span(all) {}                                ///< one sample per body
+    Bodies(std::span<const Sample> all) : span(all) {}                                   ///< one sample per body
 };
 
-/// The angular velocity (rad/s) in world axes, by the sample's own attitude, normalised.
+/// The angular velocity (rad/s) in world axes, by the sample's attitude, normalised.
 Vector3<double> angular_velocity_W(const Sample& sample);
 
-/// What a solver tells of its troubles; empty where it does not tell, or cannot have them.
+/// The solver's failure statistics; empty if it does not report them or they do not apply.
 struct SolverCounts {
-    std::optional<long> rejected_steps;    ///< tried and taken back, the error being too large
-    std::optional<long> newton_failures;   ///< nonlinear systems of equations that did not converge
-    std::optional<long> order_reductions;  ///< orders lowered because the step came near its limit of stability
+    std::optional<long> rejected_steps;    ///< attempted steps rejected because of their error
+    std::optional<long> newton_failures;   ///< Newton iterations that did not converge
+    std::optional<long> order_reductions;  ///< order reductions because the step was near the stability limit
 };
 
-/// What a method returns: the motion at the sample times, how the run ended and what it cost.
+/// The result of a method: the motion at the sample times, how the run ended and its cost.
 struct Trajectory {
     Status status = Status::ok;   ///< how the run ended
-    std::string message;          ///< why, wherever status is neither ok nor unsupported; a remark otherwise
-    int bodies = 1;               ///< how many there are in each moment
-    std::vector<Sample> samples;  ///< those reached, by time and then by body; the first at t = 0
-    std::vector<double> orthogonality_defect;  ///< of a matrix method: Frobenius norm of A^T A - 1 at each sample
-    /// Where the method gives them, at each time those of all joints, then of all loops, in the scene's order.
+    std::string message;          ///< the reason if status is neither ok nor unsupported; otherwise a remark
+    int bodies = 1;               ///< number of bodies at each time
+    std::vector<Sample> samples;  ///< the samples reached, by time, then by body; the first at t = 0
+    std::vector<double> orthogonality_defect;  ///< for a matrix method: Frobenius norm of A^T A - 1 at each sample
+    /// If the method computes them: at each time the reactions of all joints, then of all loops, in the scene's
+    /// order.
     std::vector<Reaction<double>> reactions;
-    std::vector<double> impact_times;  ///< s, of the impacts on the scene's planes
-    long steps = 0;                    ///< taken
+    std::vector<double> impact_times;  ///< times of impacts on the scene's planes, s
+    long steps = 0;                    ///< number of steps
     /// Evaluations of the right-hand side by the whole run. That is the number of calls of a UserTorque that acts all
     /// the time, and of `derivative` of a user-defined system with doubles. Rejected attempts, first-step guesses and
     /// samples between steps are included. Not included: calls while a scene is posed, Jacobians (formed by automatic
     /// differentiation), and energies. Methods that evaluate no right-hand side count the unit of work that their
     /// documentation names; integrators/README.md lists them.
     long rhs_evaluations = 0;
-    /// Those of rhs_evaluations that only the samples cost: 0 for a method that samples without evaluations.
+    /// The part of rhs_evaluations that only the samples require: 0 for a method that samples without evaluations.
     long sample_evaluations = 0;
-    SolverCounts counts;         ///< the solver's own troubles
-    double seconds = 0;          ///< wall clock of the integration alone, set-up left out
-    bool limit_reached = false;  ///< `failed` because of one of Settings' limits
-    double step = 0;             ///< s, the fixed step really taken (the largest); 0 where there is none
+    SolverCounts counts;         ///< the solver's failure statistics
+    double seconds = 0;          ///< wall clock of the integration alone, without set-up
+    bool limit_reached = false;  ///< `failed` because of one of the limits in Settings
+    double step = 0;             ///< the (largest) fixed step actually used, s; 0 for other methods
 
-    /// How many times have samples.
+    /// The number of sample times.
     std::size_t moments() const { return samples.size() / static_cast<std::size_t>(bodies); }
-    /// All bodies at the k-th time, k < moments().
+    /// All bodies at the k-th sample time, k < moments().
     Bodies at(std::size_t k) const {
         const std::size_t n = static_cast<std::size_t>(bodies);
         return std::span(samples).subspan(k * n, n);
     }
-    /// Appends a moment.
+    /// Appends the motion at one time.
     void append(const Bodies& moment) {
         bodies = static_cast<int>(moment.size());
         samples.insert(samples.end(), moment.begin(), moment.end());
@@ -100,8 +102,8 @@ struct Trajectory {
     }
 };
 
-/// t_k = k T / n, the k-th of n + 1 sample times, in s. Truth and methods use this one formula, so that both mean the
-/// same binary64.
+/// t_k = k T / n, the k-th of n + 1 sample times, in s. The reference and all methods use this formula, so that they
+/// use the same binary64 times.
 inline double sample_time(double duration, long k, long n) {
     return k == n ? duration : duration * static_cast<double>(k) / static_cast<double>(n);
 }
@@ -113,31 +115,31 @@ inline std::vector<double> sample_times(double duration, long n) {
     return times;
 }
 
-/// A value in two parts, high + low, |low| <= ulp(high)/2: about 106 bits.
+/// A value in two parts, high + low, with |low| <= ulp(high)/2: about 106 bits.
 struct Pair {
     double high = 0;  ///< the value rounded to binary64
-    double low = 0;   ///< what the rounding left
+    double low = 0;   ///< the rounding error of `high`
 
     /// Zero.
     constexpr Pair() = default;
-    /// high + low, which must not overlap.
+    /// high + low. The two must not overlap.
     constexpr Pair(double high_, double low_ = 0) : high(high_), low(low_) {}
     /// Whether both parts are equal.
     bool operator==(const Pair&) const = default;
 };
 
-/// The truth of a body at one time, to more digits than a double has.
+/// The reference motion of a body at one time, with more digits than a double.
 struct ReferenceSample {
     double t = 0;                      ///< s
     Quaternion<Pair> q;                ///< body to world, |q| = 1, without sign flips between samples
     Vector3<Pair> angular_velocity_B;  ///< rad/s
-    /// About the pivot, or else about the centre of mass, kg m^2/s; zero of one of several bodies.
+    /// About the pivot, or else about the centre of mass, kg m^2/s; zero for one of several bodies.
     Vector3<Pair> angular_momentum_W;
-    Vector3<Pair> position_W;  ///< of the centre of mass, m
-    Vector3<Pair> velocity_W;  ///< of the centre of mass, m/s
-    Pair energy;               ///< kinetic and potential, J; zero of one of several bodies
+    Vector3<Pair> position_W;  ///< centre of mass, m
+    Vector3<Pair> velocity_W;  ///< centre of mass, m/s
+    Pair energy;               ///< kinetic plus potential energy, J; zero for one of several bodies
 
-    /// The sample in binary64: the leading part of each number.
+    /// The sample in binary64: the high part of each number.
     Sample rounded() const {
         const auto high = [](const Vector3<Pair>& v) { return Vector3<double>{v[0].high, v[1].high, v[2].high}; };
         return {
@@ -145,29 +147,30 @@ struct ReferenceSample {
     }
 };
 
-/// What several bodies have together at one time, in truth.
+/// Reference values of the energy and momenta of several bodies at one time.
 struct ReferenceSystem {
     double t = 0;  ///< s
-    Pair kinetic;  ///< energy, J
-    Pair energy;   ///< kinetic and potential, J
-    /// About the world's origin, or about the centre of mass of all where no joint ties them to the world, kg m^2/s.
+    Pair kinetic;  ///< kinetic energy, J
+    Pair energy;   ///< kinetic plus potential energy, J
+    /// About the world's origin; if no joint ties the bodies to the world, about their common centre of mass. kg
+    /// m^2/s
     Vector3<Pair> angular_momentum_W;
     Vector3<Pair> linear_momentum_W;  ///< kg m/s
 };
 
-/// The truth: the motion that others are judged by.
+/// The reference solution (ground truth), with which other motions are compared.
 struct Reference {
-    bool available = false;          ///< false: there is none, and nothing but `message` is set
-    std::string message;             ///< why there is none, or how it was made
-    double bound = 0;                ///< largest of the attitude's error (rad) and the other blocks' relative errors
-    std::vector<Pair> impact_times;  ///< s, of the impacts on the scene's planes
-    double impact_time_error = 0;    ///< s, largest of them
-    int bodies = 1;                  ///< how many there are at each time
-    std::vector<ReferenceSample> samples;   ///< at each sample time one of each body
-    std::vector<ReferenceSystem> system;    ///< of a scene of several bodies, one at each sample time; else empty
-    std::vector<Reaction<Pair>> reactions;  ///< where they are known, in the order of Trajectory::reactions
+    bool available = false;                 ///< false: there is no reference, and only `message` is set
+    std::string message;                    ///< why there is no reference, or how it was computed
+    double bound = 0;                       ///< bound of the errors: attitude (rad), other blocks (relative)
+    std::vector<Pair> impact_times;         ///< times of impacts on the scene's planes, s
+    double impact_time_error = 0;           ///< largest error of impact_times, s
+    int bodies = 1;                         ///< number of bodies at each time
+    std::vector<ReferenceSample> samples;   ///< at each sample time one per body
+    std::vector<ReferenceSystem> system;    ///< several bodies: one per sample time; else empty
+    std::vector<Reaction<Pair>> reactions;  ///< if known, in the order of Trajectory::reactions
 
-    /// How many times have samples.
+    /// The number of sample times.
     std::size_t moments() const { return samples.size() / static_cast<std::size_t>(bodies); }
 };
 

@@ -1,19 +1,23 @@
-// What the columns of trajectory files mean.
+// Descriptions of the columns of trajectory files.
 #pragma once
 
+#include <array>
+#include <iterator>
 #include <span>
 #include <string_view>
 
+#include "motion/trajectory.h"
+
 namespace polhode {
 
-/// Columns that stand together.
+/// A group of columns.
 struct TrajectoryColumns {
     std::string_view names;    ///< "wx,wy,wz"
     std::string_view unit;     ///< "rad/s"
-    std::string_view meaning;  ///< for people, without a full stop
+    std::string_view meaning;  ///< for readers, without a full stop
 };
 
-/// Those of the files that solve and truth write and check reads, in their order.
+/// The column groups of the files that solve and truth write and check reads, in order.
 inline std::span<const TrajectoryColumns> trajectory_columns() {
     static constexpr TrajectoryColumns all[] = {
         {"t", "s", "the time; a sample at the time of an impulse shows the motion after it"},
@@ -32,6 +36,16 @@ inline std::span<const TrajectoryColumns> trajectory_columns() {
          "each other block"},
     };
     return all;
+}
+
+/// The columns of a sample, in the order in which motion_numbers() gives their numbers.
+inline constexpr std::string_view motion_columns[] = {"t",  "qw", "qx", "qy", "qz", "wx", "wy",
+                                                      "wz", "px", "py", "pz", "vx", "vy", "vz"};
+
+/// A sample by its columns.
+inline std::array<double, std::size(motion_columns)> motion_numbers(const Sample& s) {
+    const Vector3<double> w = angular_velocity_W(s), &p = s.position_W, &v = s.velocity_W;
+    return {s.t, s.q.w, s.q.x, s.q.y, s.q.z, w[0], w[1], w[2], p[0], p[1], p[2], v[0], v[1], v[2]};
 }
 
 /// The one line that files carry: which frame, which point, which way q maps.

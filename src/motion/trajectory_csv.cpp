@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "body/wide.h"
+#include "motion/trajectory_columns.h"
 #include "text/decimal.h"
 
 namespace polhode {
@@ -12,16 +13,15 @@ std::string trajectory_csv(const Trajectory& trajectory, std::span<const std::st
     text += "qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n";
     std::size_t k = 0;
     for (const Sample& s : trajectory.samples) {
+        const auto numbers = motion_numbers(s);
         text += shortest_decimal(s.t);
         if (!bodies.empty()) text.append(",").append(bodies[k++ % bodies.size()]);
-        for (const double value : {s.q.w, s.q.x, s.q.y, s.q.z}) text.append(",").append(shortest_decimal(value));
-        for (const Vector3<double>& v : {angular_velocity_W(s), s.position_W, s.velocity_W})
-            for (const double value : v.component) text.append(",").append(shortest_decimal(value));
+        for (std::size_t i = 1; i < numbers.size(); ++i) text.append(",").append(shortest_decimal(numbers[i]));
         text += '\n';
     }
     if (trajectory.status != Status::ok) {
         text += std::string("# ") + name_of(trajectory.status);
-        // a message is one line; a comment must be
+        // a comment must be one line
         for (const char c : ": " + trajectory.message) text += c == '\n' || c == '\r' ? ' ' : c;
         text += '\n';
     }
@@ -46,7 +46,7 @@ std::vector<Sample> samples_of(const TrajectoryFile& file, const Vector3<double>
 }
 
 std::vector<Sample> samples_of(const TrajectoryFile& file, std::span<const Vector3<double>> centers_of_mass) {
-    // (1/|q|^2) times a vector turned by q
+    // (1/|q|^2) times a vector rotated by q
     const auto scaled = [](const Quaternion<Wide>& q, const Vector3<Wide>& turned) {
         return cast<double>((Wide(1) / squared_norm(q)) * turned);
     };

@@ -1,14 +1,21 @@
 // The strict reader of trajectory files.
+//
+// Reader parses the header into columns and each line into a TrajectoryRow. With a column `body`, the rows of one
+// time are stored in the order of the bodies: begin_moment() and end_moment() delimit them and check that each body
+// has exactly one row.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <optional>
+#include <set>
+#include <stdexcept>
 
-#include "body/orientation.h"
-#include "motion/trajectory_csv.h"
+#include "motion/foreign_columns.h"
 #include "text/csv_lines.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
@@ -19,51 +26,71 @@ namespace {
 
 constexpr std::size_t largest_file = std::size_t{1} << 30;
 
-struct Column {
-    const char* name;
-    double* (*place)(TrajectoryRow&);  // nullptr: read past
-    int block;                         // columns of one block stand together
-};
-
-enum Block { block_t, block_q, block_w, block_p, block_o, block_v, block_bound, block_body, blocks };
-constexpr const char* block_names[blocks] = {"t",        "qw,qx,qy,qz", "wx,wy,wz", "px,py,pz",
-                                             "ox,oy,oz", "vx,vy,vz",    "",         ""};
+enum Block { block_t, block_q, block_w, block_p, block_o, block_v, block_bound, block_body, block_r, block_e, blocks };
 constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
 
+// The numbers of one line: t, q, w, p, v, a matrix row by row, Euler angles, and what is read past.
+constexpr std::size_t slot_r = 14, slot_e = 23, slot_unused = 26;
+using LineNumbers = std::array<double, slot_unused + 1>;
+
+// Columns that stand together, and where their numbers are in LineNumbers.
+constexpr struct {
+    std::string_view names;
+    std::size_t slot;
+} block_columns[blocks] = {{"t", 0},
+                           {"qw,qx,qy,qz", 1},
+                           {"wx,wy,wz", 5},
+                           {"px,py,pz", 8},
+                           {"ox,oy,oz", 8},
+                           {"vx,vy,vz", 11},
+                           {"bound", slot_unused},
+                           {"body", slot_unused},
+                           {"r11,r12,r13,r21,r22,r23,r31,r32,r33", slot_r},
+                           {"e1,e2,e3", slot_e}};
+
+struct Column {
+    std::string name;
+    std::size_t slot;  // in LineNumbers
+    Block block;
+};
+
 const std::vector<Column>& known_columns() {
-    using Row = TrajectoryRow;
-    static const std::vector<Column> columns{
-        {"t", [](Row& r) { return &r.t; }, block_t},
-        {"qw", [](Row& r) { return &r.q.w; }, block_q},
-        {"qx", [](Row& r) { return &r.q.x; }, block_q},
-        {"qy", [](Row& r) { return &r.q.y; }, block_q},
-        {"qz", [](Row& r) { return &r.q.z; }, block_q},
-        {"wx", [](Row& r) { return &r.angular_velocity_W[0]; }, block_w},
-        {"wy", [](Row& r) { return &r.angular_velocity_W[1]; }, block_w},
-        {"wz", [](Row& r) { return &r.angular_velocity_W[2]; }, block_w},
-        {"px", [](Row& r) { return &r.position_W[0]; }, block_p},
-        {"py", [](Row& r) { return &r.position_W[1]; }, block_p},
-        {"pz", [](Row& r) { return &r.position_W[2]; }, block_p},
-        {"ox", [](Row& r) { return &r.position_W[0]; }, block_o},
-        {"oy", [](Row& r) { return &r.position_W[1]; }, block_o},
-        {"oz", [](Row& r) { return &r.position_W[2]; }, block_o},
-        {"vx", [](Row& r) { return &r.velocity_W[0]; }, block_v},
-        {"vy", [](Row& r) { return &r.velocity_W[1]; }, block_v},
-        {"vz", [](Row& r) { return &r.velocity_W[2]; }, block_v},
-        {"bound", nullptr, block_bound},
-        {"body", nullptr, block_body},
-    };
+    static const std::vector<Column> columns = [] {
+        std::vector<Column> all;
+        for (int block = 0; block < blocks; ++block) {
+            std::string_view rest = block_columns[block].names;
+            for (std::size_t slot = block_columns[block].slot; !rest.empty(); ++slot) {
+                const std::size_t end = std::min(rest.find(','), rest.size());
+                all.push_back({std::string(rest.substr(0, end)), slot, static_cast<Block>(block)});
+                rest.remove_prefix(std::min(end + 1, rest.size()));
+            }
+        }
+        return all;
+    }();
     return columns;
+}
+
+bool is_nan(std::string_view cell) {
+    if (cell.starts_with('-') || cell.starts_with('+')) cell.remove_prefix(1);
+    return std::ranges::equal(cell, std::string_view("nan"), {}, [](char c) { return static_cast<char>(c | 0x20); });
 }
 
 // One file, line by line.
 class Reader {
+    struct FileColumn : Column {
+        std::size_t place;  // in the file
+        FileColumn(std::size_t in_file, const Column& column) : Column(column), place(in_file) {}
+    };
+
   public:
-    Reader(std::string_view text, const std::string& file, QuaternionColumns quaternion,
-           std::span<const std::string> bodies)
-        : lines_(text, file),
+    Reader(std::string_view text, const std::string& file, const ForeignColumns& foreign, QuaternionColumns quaternion,
+           std::span<const std::string> bodies, std::vector<std::size_t>* gaps)
+        : text_(text),
+          lines_(text, file),
           file_(file),
+          foreign_(foreign),
           quaternion_(quaternion),
+          gaps_(gaps),
           bodies_known_(!bodies.empty()),
           bodies_(bodies.begin(), bodies.end()) {
         for (std::size_t i = 0; i < bodies_.size(); ++i) index_.emplace(bodies_[i], i);
@@ -72,13 +99,15 @@ class Reader {
     TrajectoryFile read() {
         if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and a line for each sample");
         header();
+        if (gaps_ != nullptr) find_lost_times();
         while (lines_.next()) {
+            if (is_lost()) continue;
             // as many as there are lines of this length
             if (result_.rows.empty()) result_.rows.reserve(lines_.rows_left());
             sample();
         }
         if (result_.rows.empty()) fail("", "has a header and no sample", "give a line for each sample");
-        if (body_column_ != nowhere) end_moment(), leave_out_missing();
+        if (body_place_ != nowhere) end_moment(), leave_out_missing();
         result_.bodies = std::move(bodies_);
         result_.read_past = lines_.read_past();
         return std::move(result_);
@@ -89,24 +118,44 @@ class Reader {
         throw InputError(file_, place, fault, remedy);
     }
     std::string here() const { return fmt::format("line {}", lines_.number()); }
-    std::string at(std::size_t column) const {
-        return fmt::format("line {}, column {}", lines_.number(), columns_[column]->name);
+    std::string at(std::size_t place) const {
+        return fmt::format("line {}, column {}", lines_.number(), one_line(names_[place], 60));
+    }
+
+    // finds the columns that the file has
+    void find_columns() {
+        names_.assign(lines_.cells().begin(), lines_.cells().end());
+        if (foreign_.places.empty()) {
+            std::vector<std::string> known;
+            for (const Column& column : known_columns())
+                if (column.block <= block_body) known.push_back(column.name);
+            for (const std::size_t column : lines_.header(known))
+                columns_.push_back({columns_.size(), known_columns()[column]});
+        }
+        for (const auto& [name, place] : foreign_.places)
+            columns_.push_back({place, *std::ranges::find(known_columns(), name, &Column::name)});
+        std::ranges::stable_sort(columns_, {}, &FileColumn::place);
     }
 
     void header() {
-        std::vector<std::string> names;
-        for (const Column& known : known_columns()) names.emplace_back(known.name);
+        find_columns();
         int seen[blocks] = {};
-        for (const std::size_t place : lines_.header(names)) {
-            columns_.push_back(&known_columns()[place]);
-            ++seen[columns_.back()->block];
+        for (const FileColumn& column : columns_) {
+            ++seen[column.block];
+            if (column.block == block_body) body_place_ = column.place;
+            if (column.block == block_t) time_place_ = column.place;
         }
+        has_matrix_ = seen[block_r] > 0, has_angles_ = seen[block_e] > 0;
+        const bool has_other_rotation = has_matrix_ || has_angles_;
+        if ((seen[block_q] > 0) + has_matrix_ + has_angles_ > 1)
+            fail(here(), "has the rotation in two forms", "give one of quaternion, matrix and Euler angles");
         for (const Column& known : known_columns()) {
-            const bool needed = known.block <= block_q || (seen[known.block] > 0 && known.block < block_bound);
-            if (needed && std::find(columns_.begin(), columns_.end(), &known) == columns_.end())
+            const bool is_required = known.block == block_t || (known.block == block_q && !has_other_rotation);
+            const bool needed = is_required || (seen[known.block] > 0 && known.block < block_bound);
+            if (needed && std::ranges::find(columns_, known.name, &FileColumn::name) == columns_.end())
                 fail(here(), fmt::format("column {} is missing", known.name),
-                     known.block <= block_q ? "give t,qw,qx,qy,qz at least"
-                                            : fmt::format("give all of {}, or none", block_names[known.block]));
+                     is_required ? "give t,qw,qx,qy,qz at least"
+                                 : fmt::format("give all of {}, or none", block_columns[known.block].names));
         }
         if (seen[block_p] > 0 && seen[block_o] > 0)
             fail(here(), "has both px,py,pz and ox,oy,oz",
@@ -115,10 +164,6 @@ class Reader {
             fail(here(), "column body is missing",
                  "give t,body,qw,.. with a line for each of " + one_line(listed(bodies_), 200) +
                      ", or some of them, at each time");
-        for (std::size_t i = 0; i < columns_.size(); ++i) {
-            places_.push_back(columns_[i]->place);
-            if (columns_[i]->block == block_body) body_column_ = i;
-        }
         if (quaternion_ != QuaternionColumns::by_name) take_quaternion_in_order();
         result_.has_angular_velocity = seen[block_w] > 0;
         result_.has_position = seen[block_p] > 0;
@@ -126,75 +171,126 @@ class Reader {
         result_.has_velocity = seen[block_v] > 0;
     }
 
-    // the quaternion's columns as they stand
+    // assigns the quaternion's columns by their order
     void take_quaternion_in_order() {
         std::size_t next = quaternion_ == QuaternionColumns::scalar_first ? 0 : 1;  // of w, x, y, z
-        for (std::size_t i = 0; i < columns_.size(); ++i)
-            if (columns_[i]->block == block_q) places_[i] = known_columns()[1 + next++ % 4].place;
+        for (FileColumn& column : columns_)
+            if (column.block == block_q) column.slot = 1 + next++ % 4;
+    }
+
+    // the times, as they are written, at which a cell is NaN
+    void find_lost_times() {
+        CsvLines lines(text_, file_);
+        lines.next();
+        while (lines.next()) {
+            const auto& cells = lines.cells();
+            const auto is_lost = [&](const FileColumn& c) { return c.place < cells.size() && is_nan(cells[c.place]); };
+            if (time_place_ < cells.size() && std::ranges::any_of(columns_, is_lost)) lost_.emplace(cells[time_place_]);
+        }
+    }
+
+    bool is_lost() {
+        if (lost_.empty() || lines_.cells().size() <= time_place_) return false;
+        const bool lost = lost_.contains(lines_.cells()[time_place_]);
+        in_gap_ = in_gap_ || lost;
+        return lost;
+    }
+
+    void count_time() {
+        if (in_gap_ && times_ > 0) gaps_->push_back(times_);
+        in_gap_ = false, ++times_;
+    }
+
+    Quaternion<double> rotation_in(const LineNumbers& x) const {
+        if (has_angles_) {
+            const double unit = foreign_.degrees ? std::numbers::pi / 180 : 1;
+            return quaternion_from_euler(foreign_.sequence,
+                                         {x[slot_e] * unit, x[slot_e + 1] * unit, x[slot_e + 2] * unit});
+        }
+        Matrix3<double> A;
+        for (std::size_t i = 0; i < 9; ++i) A[i / 3][i % 3] = x[slot_r + i];
+        try {
+            require_rotation(A, 1e-3);
+        } catch (const std::invalid_argument& error) {
+            fail(here(), error.what(), "give a rotation matrix row by row");
+        }
+        return quaternion_from_rotation(A);
+    }
+
+    TrajectoryRow row_of(const LineNumbers& x) const {
+        return {x[0],
+                has_matrix_ || has_angles_ ? rotation_in(x) : Quaternion<double>{x[1], x[2], x[3], x[4]},
+                {x[5], x[6], x[7]},
+                {x[8], x[9], x[10]},
+                {x[11], x[12], x[13]}};
     }
 
     void sample() {
         const auto& cells = lines_.cells();
-        if (cells.size() != columns_.size())
-            fail(here(), fmt::format("has {} cells under {} columns", cells.size(), columns_.size()),
+        if (cells.size() != names_.size())
+            fail(here(), fmt::format("has {} cells under {} columns", cells.size(), names_.size()),
                  "give a number for each column");
-        TrajectoryRow row;
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (i == body_column_) continue;
-            const std::optional<double> value = parse_decimal(cells[i]);
+        LineNumbers numbers{};
+        for (const FileColumn& column : columns_) {
+            if (column.block == block_body) continue;
+            const std::string_view cell = cells[column.place];
+            const std::optional<double> value = parse_decimal(cell);
             if (!value)
-                fail(at(i), cells[i].empty() ? "is empty" : one_line(cells[i], 60) + " is no number",
+                fail(at(column.place), cell.empty() ? "is empty" : one_line(cell, 60) + " is no number",
                      "give a decimal number such as -1.5e-3");
-            if (!std::isfinite(*value)) fail(at(i), one_line(cells[i], 60) + " is not finite", "give a finite number");
-            if (places_[i] != nullptr) *places_[i](row) = *value;
+            if (!std::isfinite(*value))
+                fail(at(column.place), one_line(cell, 60) + " is not finite", "give a finite number");
+            numbers[column.slot] = *value;
         }
-        const std::string time = fmt::format("line {}, column t", lines_.number());
-        if (row.t < 0) fail(time, shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
-        const bool same_moment = body_column_ != nowhere && !result_.rows.empty() && row.t == result_.rows.back().t;
+        const TrajectoryRow row = row_of(numbers);
+        if (row.t < 0)
+            fail(at(time_place_), shortest_decimal(row.t) + " s is before the scene begins", "give times from 0 on");
+        const bool same_moment = body_place_ != nowhere && !result_.rows.empty() && row.t == result_.rows.back().t;
         if (!same_moment && !result_.rows.empty() && !(row.t > result_.rows.back().t))
-            fail(time,
+            fail(at(time_place_),
                  fmt::format("{} s does not come after the {} s of the sample before", shortest_decimal(row.t),
                              shortest_decimal(result_.rows.back().t)),
                  "give each time once, in order");
+        if (!same_moment) count_time();
         const double length = norm(row.q);
         if (!(length >= 1e-100 && length <= 1e100))
             fail(fmt::format("line {}, columns qw,qx,qy,qz", lines_.number()),
                  fmt::format("have length {}, which gives no attitude", shortest_decimal(length)),
                  "give a quaternion w, x, y, z of length about 1");
-        if (body_column_ == nowhere)
+        if (body_place_ == nowhere)
             result_.rows.push_back(row);
         else
-            sample_of_body(row, same_moment, cells[body_column_]);
+            sample_of_body(row, same_moment, cells[body_place_]);
     }
 
-    // Into the place of its body at its time.
+    // Stores a row at the index of its body at this time.
     void sample_of_body(const TrajectoryRow& row, bool same_moment, std::string_view name) {
         if (!same_moment) begin_moment();
         const auto known = index_.find(name);
         const std::size_t body = known == index_.end() ? bodies_.size() : known->second;
         if (body == bodies_.size()) {
-            if (name.empty()) fail(at(body_column_), "is empty", "give the body's name");
+            if (name.empty()) fail(at(body_place_), "is empty", "give the body's name");
             if (bodies_known_) {
                 const std::string meant = did_you_mean(name, bodies_);
-                fail(at(body_column_), fmt::format("\"{}\" is no body of the scene", one_line(name, 60)),
+                fail(at(body_place_), fmt::format("\"{}\" is no body of the scene", one_line(name, 60)),
                      meant.empty() ? "give one of " + one_line(listed(bodies_), 200) : meant);
             }
             if (moment_ > 0)
-                fail(at(body_column_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
+                fail(at(body_place_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
                      "give a line for each body at each time");
             bodies_.emplace_back(name);
             index_.emplace(name, body);
         }
         if (moment_ > 0 && in_file_[body] == 0)
-            fail(at(body_column_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
+            fail(at(body_place_), fmt::format("there is no body \"{}\" at the first time", one_line(name, 60)),
                  "give a line for each of the file's bodies at each time");
         if (body < there_.size() && there_[body] != 0)
-            fail(at(body_column_),
+            fail(at(body_place_),
                  fmt::format("the body \"{}\" is there twice at {} s", one_line(name, 60), shortest_decimal(row.t)),
                  "give a line for each body at each time");
         there_.resize(bodies_.size()), there_[body] = 1;
         last_line_ = lines_.number();
-        // the rows of a moment that are still to come have its time already
+        // rows of this time that are not read yet get its time now
         TrajectoryRow to_come;
         to_come.t = row.t;
         result_.rows.resize(moment_ + bodies_.size(), to_come);
@@ -205,7 +301,7 @@ class Reader {
         moment_ = result_.rows.size();
         there_.assign(bodies_.size(), 0);
     }
-    // The bodies at the first time are those of the file.
+    // The bodies at the first time define the file's bodies.
     void end_moment() {
         if (moment_ == 0) in_file_ = there_;
         for (std::size_t body = 0; body < bodies_.size(); ++body)
@@ -215,7 +311,7 @@ class Reader {
                                  shortest_decimal(result_.rows.back().t)),
                      "give a line for each body at each time");
     }
-    // Takes out the places of bodies that the file does not have.
+    // Removes the rows of bodies that the file does not have.
     void leave_out_missing() {
         const std::size_t count = bodies_.size();
         if (std::ranges::find(in_file_, 0) == in_file_.end()) return;
@@ -229,12 +325,20 @@ class Reader {
         bodies_ = std::move(names);
     }
 
+    std::string_view text_;
     CsvLines lines_;
     const std::string& file_;
+    const ForeignColumns& foreign_;
     QuaternionColumns quaternion_;
-    std::vector<const Column*> columns_;               // in the file's order
-    std::vector<double* (*)(TrajectoryRow&)> places_;  // of each column
-    std::size_t body_column_ = nowhere;
+    std::vector<std::size_t>* gaps_;                // where it is null, NaN is refused
+    std::set<std::string, std::less<>> lost_;       // times at which a cell is NaN
+    bool in_gap_ = false;                           // the last line was at one of them
+    std::size_t times_ = 0;                         // so far
+    std::vector<std::string> names_;                // of the file's columns
+    std::vector<FileColumn> columns_;               // those that are read, in the file's order
+    bool has_matrix_ = false, has_angles_ = false;  // in place of the quaternion
+    std::size_t time_place_ = nowhere;
+    std::size_t body_place_ = nowhere;
     bool bodies_known_;                                      // to the caller
     std::vector<std::string> bodies_;                        // names, in the order of the rows of a moment
     std::map<std::string, std::size_t, std::less<>> index_;  // of a name
@@ -249,7 +353,13 @@ class Reader {
 
 TrajectoryFile parse_trajectory(std::string_view text, const std::string& file, QuaternionColumns quaternion,
                                 std::span<const std::string> bodies) {
-    return Reader(text, file, quaternion, bodies).read();
+    return parse_foreign_trajectory(text, file, {}, quaternion, bodies);
+}
+
+TrajectoryFile parse_foreign_trajectory(std::string_view text, const std::string& file, const ForeignColumns& columns,
+                                        QuaternionColumns quaternion, std::span<const std::string> bodies,
+                                        std::vector<std::size_t>* gaps) {
+    return Reader(text, file, columns, quaternion, bodies, gaps).read();
 }
 
 TrajectoryFile read_trajectory(const std::string& path, QuaternionColumns quaternion,

@@ -1,7 +1,10 @@
-// A mechanism in joint coordinates: the state y = (coordinates, rates) of its links, their motion and its equations by
-// the articulated-body recursion (motion/articulated.h), with loops closed by multipliers on accelerations.
+// A mechanism in joint coordinates: the state y = (coordinates, rates) of its links, their motion, and the equations
+// of motion by the articulated-body recursion (motion/articulated.h). Loops are closed by Lagrange multipliers on the
+// acceleration level.
 //
-// The constants are exact in the scalar P; the equations are a template over the scalar S of the state.
+// Constants are exact in the scalar P; the equations are templates over the scalar S of the state. Main types: Tree
+// (the mechanism), LinkLoads (loads on links), LinkLoop and LoopRow (loop constraints), TreeWork (per-thread memory).
+// Definitions: tree_start.h, tree_equations.h, tree_loops.h, tree_reactions.h, tree_inertia.h, tree_cast.h.
 #pragma once
 
 #include <array>
@@ -17,35 +20,35 @@
 
 namespace polhode {
 
-/// A point of a link, or of the world.
+/// A point of a link or of the world.
 template <class P>
 struct LinkPoint {
     int link = world_link;
-    Vector3<P> point;  ///< from the link's origin, its axes; of the world, world axes
-    int body = -1;     ///< index in scene.bodies; -1 of the world
+    Vector3<P> point;  ///< from the link's origin, in its axes; for the world, in world axes
+    int body = -1;     ///< index in scene.bodies; -1 for the world
 };
 
-/// What acts on the links from the event last entered on.
+/// The loads on the links since the last event.
 template <class P>
 struct LinkLoads {
     struct Constant {
         int link, body;
-        Pair6<P> load;  ///< torque about the origin and force, link axes
+        Pair6<P> load;  ///< torque about the link's origin and force, link axes
     };
     struct InWorld {
         int link, body;
-        Vector3<P> torque_W, force_W, point;  ///< the force acts at a point of the link
+        Vector3<P> torque_W, force_W, point;  ///< the force acts at `point` of the link
     };
     struct AtWorldPoint {
         int link, body;
         Vector3<P> force, point_W;
-        bool in_link;  ///< the force is constant in the link's axes, else in the world's
+        bool in_link;  ///< the force is constant in the link's axes; otherwise in world axes
     };
     struct Drag {
         int link, body;
         Matrix3<P> rotational;  ///< torque -C w, link axes
         P translational;
-        Vector3<P> center;  ///< where the force -c v acts, link axes
+        Vector3<P> center;  ///< point at which the force -c v acts, link axes
     };
     struct Spring {
         int link, body;
@@ -64,7 +67,7 @@ struct LinkLoads {
     std::vector<Drag> drags;
     std::vector<Spring> springs;
     std::vector<Between> between;
-    std::vector<P> motors;  ///< of each link, on its joint
+    std::vector<P> motors;  ///< per link, generalized force on its joint
 
     bool needs_frames() const {
         return !(in_world.empty() && at_world_points.empty() && springs.empty() && between.empty()) ||
@@ -73,56 +76,56 @@ struct LinkLoads {
     bool needs_velocities() const { return !drags.empty(); }
 };
 
-/// The world's view of a link.
+/// The pose of a link in the world.
 template <class S>
 struct LinkFrame {
     Matrix3<S> R;  ///< link axes to world axes
     Vector3<S> x;  ///< its origin, m
 };
 
-/// One scalar condition g = 0 of a loop, g' = sum over its two links of turning . w + linear . v.
+/// One scalar constraint g = 0 of a loop: g' = sum over its two links of turning . w + linear . v.
 template <class S>
 struct LoopRow {
-    Pair6<S> first, second;  ///< the torque about the link's origin and the force of multiplier 1, link axes
+    Pair6<S> first, second;  ///< torque about the link's origin and force for a unit multiplier, link axes
     S value = S(0);          ///< g, m or rad
     S velocity = S(0);       ///< g'
-    S bias = S(0);           ///< g'' less sum turning . alpha + linear . a
+    S bias = S(0);           ///< g'' minus the sum of turning . alpha + linear . a
 };
 
-/// A loop's condition between two links.
+/// A loop constraint between two links.
 template <class P>
 struct LinkLoop {
     LoopType type = LoopType::spherical;
     LinkPoint<P> first, second;
-    Vector3<P> across[2];    ///< revolute: perpendicular to the first axis, the first link's axes
-    Vector3<P> second_axis;  ///< revolute: unit, the second link's axes
+    Vector3<P> across[2];    ///< revolute: unit vectors perpendicular to the first axis, in the first link's axes
+    Vector3<P> second_axis;  ///< revolute: unit, in the second link's axes
     P length = P(0);
 
     int rows() const { return type == LoopType::spherical ? 3 : type == LoopType::revolute ? 5 : 1; }
 };
 
-/// Memory of the recursion, one for each thread and scalar.
+/// Memory of the recursion, one instance per thread and scalar.
 template <class S>
 struct TreeWork {
     std::vector<LinkWork<S>> links;
-    std::vector<LinkFrame<S>> frames;  ///< where the loads or loops ask for them
+    std::vector<LinkFrame<S>> frames;  ///< computed only if loads or loops need them
     std::vector<Vector3<S>> velocity_W;
     std::vector<Quaternion<S>> q;
     std::vector<LoopRow<S>> rows;
-    std::vector<Pair6<S>> wrench;    ///< of a response, link by link
+    std::vector<Pair6<S>> wrench;    ///< input of respond(), per link
     std::vector<Pair6<S>> response;  ///< accelerations by row and link
     std::vector<S> rates;            ///< generalized accelerations by row
     std::vector<S> matrix, multipliers;
 };
 
-/// See above. `P`: the scalar of the constants.
+/// A mechanism in joint coordinates. `P`: the scalar of the constants.
 template <class P>
 class Tree {
   public:
-    /// Of a valid scene of several bodies, with these mass properties. Throws InputError where the loops do not close,
-    /// or where a joint can move without any inertia resisting it: the mass matrix is singular.
+    /// From a valid scene of several bodies and its mass properties. Throws InputError if the loops do not close, or
+    /// if the mass matrix is singular (a joint can move without inertia).
     Tree(const Scene& scene, const std::vector<MassProperties<P>>& properties);
-    /// The constants and the start of another one, each number made by P(theirs).
+    /// Converts the constants and the initial state of another tree by P(number).
     template <class Other>
     explicit Tree(const Tree<Other>& other);
 
@@ -130,20 +133,20 @@ class Tree {
     const Links<P>& links() const { return links_; }
     const LinkLoads<P>& loads() const { return loads_; }
     bool has_loops() const { return !chosen_.empty(); }
-    /// How many scalar conditions the loops pose, and how many of them are independent at the start.
+    /// The number of scalar loop constraints, and the number of independent ones at the start.
     std::size_t loop_rows() const { return all_rows_; }
     std::size_t independent_loop_rows() const { return chosen_.size(); }
 
     /// y at t = 0, before any impulse there.
     void initial(P* y) const { std::copy(start_.begin(), start_.end(), y); }
-    /// Takes up the loads that act from `begin` (s) on.
+    /// Sets the loads that act from `begin` (s) on.
     void set_loads(const Scene& scene, double begin) { loads_ = loads_at(scene, begin); }
-    /// What acts from `begin` (s) on.
+    /// The loads that act from `begin` (s) on.
     LinkLoads<P> loads_at(const Scene& scene, double begin) const;
-    /// Takes over loads, each number made by P(theirs).
+    /// Sets loads converted by P(number).
     template <class Other>
     void take_loads(const LinkLoads<Other>& loads);
-    /// Applies the impulses at that time (s) to y; whether there were any.
+    /// Applies the impulses at time `at` (s) to y. Returns whether there were any.
     bool strike(const Scene& scene, double at, P* y) const;
 
     /// dy/dt.
@@ -153,32 +156,32 @@ class Tree {
         accelerate(y, at, dy);
         coordinate_rates(y, at, dy);
     }
-    /// The accelerations of all links into `at`, and those of the rates into dy.
+    /// Computes the accelerations of all links into `at`, and the derivatives of the rates into dy.
     template <class S>
     void accelerate(const S* y, TreeWork<S>& at, S* dy) const;
-    /// The motion of every body, in the scene's order, with the quaternions as they come.
+    /// The motion of every body, in the scene's order. The quaternions are not normalised.
     template <class S>
     std::vector<BodyMotion<S>> motions(const S* y) const;
-    /// The coordinates of each joint at y, in the scene's order: rad, with all their turns, or m.
+    /// The coordinates of each joint at y, in the scene's order: rad, including full revolutions, or m.
     std::vector<std::array<P, 2>> joint_coordinates(const P* y) const;
-    /// What each joint, then each loop does to its child or its second body, in the scene's order.
+    /// The reactions of the joints, then of the loops, in the scene's order.
     template <class S>
     std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
-    /// Moves y on to what the loops ask for by the smallest step that the masses allow, and its rates likewise.
+    /// Projects y onto the loop constraints by the smallest step in the mass metric, then its rates in the same way.
     void project(P* y) const;
-    /// Of the loops at y: the largest of the conditions and of their rates (m, rad, SI).
+    /// The largest violation of the loop constraints and of their rates at y (m, rad, SI).
     P loop_gap(const P* y) const;
 
-    /// Where links are: R, r, w and what follows from them.
+    /// Computes the relative poses and velocities of the links: R, r, w and the bias accelerations.
     template <class S>
     void move(const S* y, TreeWork<S>& at) const;
-    /// The world's view of them.
+    /// Computes the world poses and velocities of the links.
     template <class S>
     void see(const S* y, TreeWork<S>& at) const;
-    /// The rows of all loops, all_rows_ of them.
+    /// Computes all constraint rows; there are all_rows_ of them.
     template <class S>
     void find_rows(TreeWork<S>& at) const;
-    /// This thread's memory.
+    /// This thread's work memory.
     template <class S>
     TreeWork<S>& work() const;
     const std::vector<LinkLoop<P>>& loops() const { return loops_; }
@@ -193,10 +196,10 @@ class Tree {
     std::vector<LinkLoop<P>> loops_;
     std::vector<int> loop_of_row_;
     std::size_t all_rows_ = 0;
-    std::vector<int> chosen_;  ///< independent rows
+    std::vector<int> chosen_;  ///< indices of independent rows
     std::vector<P> start_;
 
-    /// Whether the accelerations need the world's view of the links.
+    /// Whether the accelerations need the world poses of the links.
     bool sees() const { return has_loops() || loads_.needs_frames(); }
     void find_loops(const Scene& scene);
     void find_start(const Scene& scene);

@@ -1,4 +1,4 @@
-// A mechanism's constants in another scalar, each number made by To(theirs): binary64 ones are rounded once from 113
+// Converts a mechanism's constants to another scalar by To(number). Binary64 constants are rounded once from 113
 // bits.
 #pragma once
 

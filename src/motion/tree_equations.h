@@ -1,4 +1,10 @@
-// The equations of motion/tree.h: which see.
+// Definitions of the equations of motion of Tree (motion/tree.h).
+//
+// accelerate() evaluates the articulated-body recursion (Featherstone 2008, ch. 7; motion/articulated.h): move()
+// computes relative poses, velocities and bias accelerations, see() world poses, load() applied forces, articulate()
+// runs from the leaves to the root, sweep_out() from the root to the leaves. With loops (tree_loops.h), the multipliers
+// lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the accelerations without loops, and then correct them.
+// coordinate_rates() computes the rates of the coordinates.
 #pragma once
 
 #include "motion/tree.h"
@@ -184,7 +190,7 @@ void Tree<P>::load(const S* y, TreeWork<S>& at) const {
         force_at(one.second, Vector3<S>(-pull), at);
     }
     if (loads_.springs.empty()) return;
-    // the attitudes of links, in half the angles of R
+    // attitudes of the links as quaternions, from half-angles
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.q[i] = attitude_of(i, y, at);
     for (const auto& one : loads_.springs) {
         if (one.link < 0) continue;
@@ -232,7 +238,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
         Matrix3<S> B;
         Vector3<S> n, f;
         if (link.kind == LinkJoint::spherical) {
-            // the joint leaves no torque but its own: J and B vanish, M - B^T J^-1 B remains
+            // the joint transmits only its own torque: J and B vanish, M - B^T J^-1 B remains
             w.inverse = inverse(I.J);
             const Vector3<S> torque = w.force;
             w.force = torque - I.n;
@@ -254,7 +260,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
             if (!hangs) continue;
             const Vector3<S> N = per * U_n, F = per * U_f;
             const S step = per * u;
-            // less what the joint gives way to; along its axis nothing is left
+            // subtract what the joint yields to; along its axis nothing remains
             if (turns) {
                 J.xx = I.J.xx - N[0] * U_n[0], J.yy = I.J.yy - N[1] * U_n[1], J.xy = I.J.xy - N[0] * U_n[1];
                 for (std::size_t r = 0; r < 2; ++r)
@@ -294,7 +300,7 @@ void Tree<P>::sweep_out(TreeWork<S>& at, S* rates) const {
             continue;
         }
         if (link.parent < 0) {
-            // gravity is an acceleration of the world
+            // gravity as an acceleration of the world
             alpha = {};
             a = transposed_times(w.R, Vector3<P>(-loads_.gravity_W));
         } else {

@@ -1,7 +1,7 @@
-// Whether a mechanism of motion/tree.h has a regular mass matrix where it starts. With the articulated inertias D_i of
-// the joints, det M = prod D_i (Featherstone 2008, ch. 7), and D_i depends on what hangs on joint i alone: from the
-// leaves to the root, the first D_i that vanishes names the joint whose motion nothing resists. Bodies without mass,
-// point masses and rods are allowed wherever no D_i vanishes.
+// Checks that a mechanism of motion/tree.h has a regular mass matrix at its start. With the articulated inertias D_i
+// of the joints, det M = prod D_i (Featherstone 2008, ch. 7), and D_i depends only on what is attached below joint i.
+// Going from the leaves to the root, the first D_i that vanishes identifies a joint whose motion has no inertia.
+// Massless bodies, point masses and rods are allowed if no D_i vanishes.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,11 +14,12 @@
 
 namespace polhode {
 
-/// A joint has no inertia where its articulated inertia is less than this, relative to the inertia of all that it
-/// carries: mass, or the trace of the tensor about the joint's point. Binary64 has no digit of such a quotient.
+/// A joint has no inertia if its articulated inertia is below this fraction of the rigid inertia of everything it
+/// carries: mass, or trace of the tensor about the joint's point. Such a quotient has no correct digit in binary64.
 inline constexpr double least_joint_inertia = 1e-14;
 
-/// Between a third of the smallest eigenvalue of a symmetric matrix and all of it, relative to the positive `size`.
+/// A value between a third of the smallest eigenvalue of a symmetric matrix and the smallest eigenvalue, divided by
+/// `size` > 0.
 template <class P>
 double least_eigenvalue_share(const Symmetric3<P>& m, const P& size) {
     const P xx = m.xx / size, yy = m.yy / size, zz = m.zz / size, xy = m.xy / size, xz = m.xz / size, yz = m.yz / size;
@@ -27,19 +28,19 @@ double least_eigenvalue_share(const Symmetric3<P>& m, const P& size) {
     return minors > P(0) ? static_cast<double>(P(determinant / minors)) : 0;
 }
 
-/// Whether all principal moments of a tensor are above 1e-12 of their sum, so that its inverse has digits.
+/// Whether all principal moments of a tensor exceed 1e-12 of their sum, so that its inverse is accurate.
 template <class P>
 bool has_three_moments(const Matrix3<P>& inertia) {
     const P sum = inertia[0][0] + inertia[1][1] + inertia[2][2];
     return sum > P(0) && least_eigenvalue_share(symmetric_part(inertia), sum) > 1e-12;
 }
 
-/// What would be one rigid body if no joint gave way: sums over a link and all that hangs on it.
+/// Sums over a link and everything attached below it, as one rigid body.
 template <class P>
 struct RigidSums {
     P mass = P(0);
-    Vector3<P> moment;  ///< of mass about the link's origin, its axes
-    P trace = P(0);     ///< of the inertia tensor about that origin
+    Vector3<P> moment;  ///< sum of mass times position, from the link's origin, in its axes
+    P trace = P(0);     ///< trace of the inertia tensor about that origin
 };
 
 template <class P>
@@ -57,7 +58,7 @@ void Tree<P>::require_inertia(const Scene& scene) const {
         sums.trace = sums.trace + (link.inertia.xx + link.inertia.yy + link.inertia.zz);
         require_inertia(scene, i, w.inertia, sums.mass, sums.trace);
         if (link.parent < 0) continue;
-        // sum m |x + r|^2, twice, is the trace about the parent's origin
+        // the trace about the parent's origin is twice the sum of m |x + r|^2
         RigidSums<P>& parent = carried[static_cast<std::size_t>(link.parent)];
         const Vector3<P> moment = w.R * sums.moment;
         parent.mass = parent.mass + sums.mass;

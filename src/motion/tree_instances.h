@@ -1,5 +1,6 @@
-// The recursion in binary64 and in dual numbers, compiled once, in tree.cpp: elsewhere the compiler would make copies,
-// and the linker would take one at whichever level of optimisation.
+// Declares the instances of the recursion in binary64 and dual numbers, which tree.cpp compiles. Without these
+// declarations each translation unit would compile copies, and the linker would choose one of an arbitrary
+// optimisation level.
 #pragma once
 
 #include "motion/dual.h"

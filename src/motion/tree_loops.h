@@ -1,4 +1,10 @@
-// The loops of motion/tree.h: their conditions, what answers to them, and the way back onto them.
+// Loop constraints of Tree (motion/tree.h): their rows, the response of the tree to them, and the projection onto
+// them.
+//
+// find_rows() evaluates the constraints g, their rates and bias terms. respond() solves M x = f for wrenches on links
+// with the factors of articulate(). respond_to_rows() computes the responses to the independent rows and factorises G
+// M^-1 G^T = L D L^T; solve_rows() solves with it. project() applies Newton's method in the mass metric to the
+// coordinates, then a linear correction to the rates.
 #pragma once
 
 #include "motion/tree.h"
@@ -10,7 +16,7 @@ template <class S>
 void Tree<P>::find_rows(TreeWork<S>& at) const {
     at.rows.resize(all_rows_);
     LoopRow<S>* row = at.rows.data();
-    // a point in the world: where it is, its velocity, and what its acceleration has beside alpha and a
+    // a point in the world: position, velocity, and the part of its acceleration that does not depend on alpha and a
     struct Seen {
         Vector3<S> arm_W, x, v, bias, w;
     };
@@ -105,7 +111,7 @@ void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
     add(loop.second.link, at.rows[row].second);
 }
 
-/// What the wrenches at.wrench bring about: accelerations of links and of rates, after articulate().
+/// Computes the response to the wrenches at.wrench: accelerations of links and of rates. Requires articulate().
 template <class P>
 template <class S>
 void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
@@ -164,7 +170,7 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
     }
 }
 
-/// The responses to the chosen rows, and their matrix G M^-1 G^T as L D L^T.
+/// Computes the responses to the chosen rows, and factorises their matrix G M^-1 G^T as L D L^T.
 template <class P>
 template <class S>
 void Tree<P>::respond_to_rows(TreeWork<S>& at) const {
@@ -176,10 +182,10 @@ void Tree<P>::respond_to_rows(TreeWork<S>& at) const {
         for (std::size_t c = 0; c <= r; ++c)
             at.matrix[r * rows + c] = applied(static_cast<std::size_t>(chosen_[c]), at, at.response.data() + r * n);
     }
-    // below the diagonal L, on it 1 / D
+    // L D below the diagonal, 1 / D on it
     for (std::size_t c = 0; c < rows; ++c) {
         for (std::size_t k = 0; k < c; ++k) {
-            // column k is still L D; row c of L is matrix[c][k] / D_k
+            // column k contains L D; row c of L is matrix[c][k] / D_k
             const S factor = at.matrix[c * rows + k] * at.matrix[k * rows + k];
             for (std::size_t r = c; r < rows; ++r)
                 at.matrix[r * rows + c] = at.matrix[r * rows + c] - factor * at.matrix[r * rows + k];
@@ -253,7 +259,7 @@ void Tree<P>::project(P* y) const {
         for (LinkWork<P>& link : at.links) link.force = {};
         articulate(at), find_rows(at), respond_to_rows(at);
     };
-    // Newton's method, until round-off stops it
+    // Newton's method, until round-off limits it
     P before(-1);
     look();
     for (int step = 0; step < most_steps; ++step) {

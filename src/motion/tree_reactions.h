@@ -1,5 +1,5 @@
-// The reactions of a mechanism of motion/tree.h: what each joint must do to its child for the motion to be what it is,
-// by Newton's and Euler's equations of every body, from the leaves of the tree to its root.
+// Reactions of a mechanism of motion/tree.h: the force and torque that each joint exerts on its child, by the
+// Newton-Euler equations of every body, from the leaves of the tree to its root.
 #pragma once
 
 #include "motion/tree.h"
@@ -13,8 +13,8 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     std::vector<S> dy(static_cast<std::size_t>(dimension()));
     accelerate(y, at, dy.data());
     if (!sees()) see(y, at);
-    // of a body: where its centre of mass is, how it moves, and the force and torque about that centre that the joint
-    // and what hangs on the body have yet to bring about, world axes
+    // For each body: position of its centre of mass, and the force and torque about it, in world axes, that remain to
+    // be exerted by its joint and by the bodies attached to it.
     struct Needed {
         Matrix3<S> R;
         Vector3<S> x, arm, force, torque;
@@ -35,7 +35,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
         own.R = at.frames[i].R;
         own.arm = own.R * body.center;
         own.x = at.frames[i].x + own.arm;
-        // the accelerations are less gravity's
+        // the accelerations do not include gravity
         const Vector3<S> a = link.acceleration.linear + cross(link.acceleration.turning, body.center) +
                              cross(link.w, cross(link.w, body.center));
         own.force = body.mass * (own.R * a);
@@ -93,7 +93,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     std::vector<Reaction<S>> all(scene.joints.size());
     for (std::size_t l = 0, row = 0; l < loops_.size(); ++l) {
         const LinkLoop<P>& loop = loops_[l];
-        Pair6<S> on_second;  // about the second link's origin, its axes
+        Pair6<S> on_second;  // about the second link's origin, in its axes
         for (int k = 0; k < loop.rows(); ++k, ++row)
             for (std::size_t c = 0; c < chosen_.size(); ++c) {
                 if (static_cast<std::size_t>(chosen_[c]) != row) continue;
@@ -107,7 +107,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
             reaction = {R * reaction.force_W, R * reaction.torque_W};
         }
         take(loop.second.body, place(loop.second), reaction.force_W, reaction.torque_W);
-        // along the line between the points of a distance, at the one point of any other
+        // a distance loop acts along the line between its points, any other loop at the common point
         take(loop.first.body, place(loop.first), -reaction.force_W, -reaction.torque_W);
         all.push_back(reaction);
     }
@@ -122,7 +122,8 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
         const Needed& own = bodies[b];
         Reaction<S>& reaction = all[static_cast<std::size_t>(carrier)];
         reaction = {own.force, own.torque + cross(Vector3<S>(own.x - point), own.force)};
-        // the opposite acts on the parent, at the child's point: of a prismatic joint too, which takes the whole force
+        // the opposite acts on the parent at the child's point; this also holds for a prismatic joint, which
+        // transmits the whole force
         take(body_index(scene, joint.parent), point, -reaction.force_W, -reaction.torque_W);
     }
     return all;

@@ -1,4 +1,9 @@
-// How a mechanism of motion/tree.h starts: its loops, its state at t = 0, its loads and impulses at events.
+// Construction of Tree (motion/tree.h): its loops, its state at t = 0, and its loads and impulses at events.
+//
+// find_start() writes the initial state. close_by_dependent() moves the dependent joints by Newton's method until the
+// loops close, with constraints chosen by complete pivoting. require_inertia() (tree_inertia.h) rejects a singular mass
+// matrix. choose_rows() selects independent constraint rows by symmetric pivoting of G M^-1 G^T. project() then refines
+// the state to the precision of P.
 #pragma once
 
 #include <fmt/format.h>
@@ -39,7 +44,7 @@ void Tree<P>::find_loops(const Scene& scene) {
                 const int b = body_index(scene, body);
                 return b < 0 ? diagonal(Vector3<P>(P(1), P(1), P(1))) : links_.bodies[static_cast<std::size_t>(b)].turn;
             };
-            // the axes across the first one are those that z's turn into it makes of x and y
+            // the vectors perpendicular to the first axis are x and y rotated together with z onto that axis
             const Matrix3<P> along = turn(loop.first) * rotation_matrix(from_z<P>(loop.first_axis));
             for (std::size_t k = 0; k < 2; ++k) own.across[k] = {along[0][k], along[1][k], along[2][k]};
             const Matrix3<P> second = turn(loop.second) * rotation_matrix(from_z<P>(loop.second_axis));
@@ -74,7 +79,7 @@ void Tree<P>::find_start(const Scene& scene) {
     const double off = static_cast<double>(loop_gap(start_.data()));
     constexpr double closed = 1e-9;
     if (!(off <= closed)) {
-        // the row that is worst names the loop
+        // the worst row identifies the loop
         const TreeWork<P>& at = work<P>();
         std::size_t worst = 0;
         const auto size = [&](std::size_t row) {
@@ -90,11 +95,11 @@ void Tree<P>::find_start(const Scene& scene) {
     }
     require_inertia(scene);
     choose_rows();
-    // to the last digit of P
+    // refine to the last digit of P
     project(start_.data());
 }
 
-/// The largest entry left of a matrix of `rows` x `columns`, in rows and columns not yet taken.
+/// Index of the largest remaining entry of a matrix, among rows and columns not yet taken.
 template <class P>
 std::pair<std::size_t, std::size_t> largest_left(const std::vector<P>& matrix, std::size_t columns,
                                                  const std::vector<char>& row_taken,
@@ -116,7 +121,7 @@ void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
     const std::size_t m = dependent.size();
     std::vector<P> y = start_;
     TreeWork<P>& at = work<P>();
-    // d g / d x of the dependent joints: the rates of the conditions where only one of them moves
+    // d g / d x of the dependent joints: the rates of the constraints when only one joint moves
     const auto slopes = [&] {
         std::vector<P> matrix(all_rows_ * m), moving = y;
         for (std::size_t c = 0; c < m; ++c) {
@@ -127,7 +132,7 @@ void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
         }
         return matrix;
     };
-    // the least m conditions that determine the joints, by elimination with the largest pivot left
+    // solves the m or fewer constraints that determine the joints, by elimination with complete pivoting
     const auto solved = [&](std::vector<P> matrix, std::vector<P> right) {
         std::vector<char> row_taken(all_rows_, 0), column_taken(m, 0);
         std::vector<std::pair<std::size_t, std::size_t>> pivots;
@@ -188,7 +193,7 @@ void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
 
 template <class P>
 void Tree<P>::choose_rows() {
-    // all rows, then by symmetric elimination those whose pivots do not vanish
+    // start with all rows; symmetric elimination keeps those with nonvanishing pivots
     chosen_.clear();
     for (std::size_t r = 0; r < all_rows_; ++r) chosen_.push_back(static_cast<int>(r));
     TreeWork<P>& at = work<P>();
@@ -203,7 +208,8 @@ void Tree<P>::choose_rows() {
         respond(at, response.data(), response_rates.data());
         for (std::size_t c = 0; c < all_rows_; ++c) matrix[r * all_rows_ + c] = applied(c, at, response.data());
     }
-    // each condition by its own size; what only rounding keeps from zero, as across a plane, is none
+    // scale each constraint by its own size; a constraint that is nonzero only by rounding, as perpendicular to a
+    // plane, is dropped
     std::vector<P> size(all_rows_);
     P most(0);
     for (std::size_t r = 0; r < all_rows_; ++r) {
@@ -217,7 +223,7 @@ void Tree<P>::choose_rows() {
         P largest(1e-8);
         for (std::size_t r = 0; r < all_rows_; ++r) {
             if (taken[r] || !(size[r] > P(1e-20) * most)) continue;
-            // a tie goes to the first
+            // ties go to the first row
             const P left = matrix[r * all_rows_ + r] / size[r];
             if (left > largest + P(1e-6)) largest = left, best = r;
         }
@@ -240,7 +246,7 @@ LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
     LinkLoads<P> loads;
     loads.motors.assign(links_.links.size(), P(0));
     bool motors = false;
-    int b = -1;  // the body that is acted on
+    int b = -1;  // index of the body on which the load acts
     const auto body = [&](const std::string& name) -> const Carried<P>& {
         b = body_index(scene, name);
         return links_.bodies[static_cast<std::size_t>(b)];

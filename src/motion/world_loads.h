@@ -1,7 +1,7 @@
-// The loads of a scene as a game update sums them: force and torque in world axes, by the body's orientation matrix A.
+// A scene's loads as game updates sum them: force and torque in world axes, using the body's orientation matrix A.
 //
-// The torque is about the pivot where there is one, else about the centre of mass x. A may have drifted: it is used as
-// it is, A r for a point of the body and A^T w for the rates in body axes.
+// The torque is about the pivot, or else about the centre of mass x. A may have drifted and is used unchanged: A r
+// for a point of the body, A^T w for the rates in body axes.
 #pragma once
 
 #include <type_traits>
@@ -12,11 +12,11 @@
 
 namespace polhode {
 
-/// S: the scalar in which they are summed.
+/// S: the scalar of the sums.
 template <class S = double>
 class WorldLoads {
   public:
-    /// A problem posed with Formulation::full, whose axes are the body's own.
+    /// The problem must be posed with Formulation::full, whose axes are the body's own.
     explicit WorldLoads(const Problem& problem) { enter(problem.segments.front()); }
 
     void enter(const Segment& segment) {
@@ -25,7 +25,7 @@ class WorldLoads {
         else
             forcing_ = rounded<S>(segment.forcing);
     }
-    /// What acts on the segment entered last.
+    /// The loads of the segment entered last.
     const Forcing<S>& forcing() const {
         if constexpr (as_posed)
             return *forcing_;
@@ -33,7 +33,8 @@ class WorldLoads {
             return forcing_;
     }
 
-    /// `attitude()` gives the quaternion of A, which only springs and a user's torque ask for.
+    /// Torque in world axes. `attitude()` returns the quaternion of A; it is called only for springs and user-defined
+    /// torques.
     template <class Attitude>
     Vector3<S> torque_W(double t, const Matrix3<S>& A, const Attitude& attitude, const Vector3<S>& w,
                         const Vector3<S>& x, const Vector3<S>& v) const {
@@ -65,7 +66,7 @@ class WorldLoads {
         return sum;
     }
 
-    /// dv/dt of the centre of mass of a body that is not held.
+    /// dv/dt of the centre of mass of a body without a pivot, m/s^2.
     Vector3<S> acceleration_W(const Matrix3<S>& A, const Vector3<S>& v) const {
         const Forcing<S>& f = forcing();
         Vector3<S> a = f.acceleration_W;
@@ -74,7 +75,7 @@ class WorldLoads {
         return a;
     }
 
-    /// L += r x J, and v += J / m where the body is not held.
+    /// Applies impulses: L += r x J, and v += J / m for a body without a pivot.
     static void strike(const Problem& problem, const Segment& segment, const Matrix3<S>& A, const Vector3<S>& x,
                        Vector3<S>& L, Vector3<S>& v) {
         const bool held = problem.body.pivoted;
@@ -94,8 +95,8 @@ class WorldLoads {
     std::conditional_t<as_posed, const Forcing<double>*, Forcing<S>> forcing_;
 };
 
-/// The sample at time t (s) of a body whose attitude is q, with w and the velocity v and place x of its centre of mass
-/// in world axes; of a held body place and velocity are where the attitude says.
+/// The sample at time t (s) of a body with attitude q and with w, position x and velocity v of its centre of mass in
+/// world axes. With a pivot, position and velocity follow from the attitude.
 template <class S>
 Sample sample_in_world(const Problem& problem, double t, const Quaternion<double>& q, const Vector3<S>& w,
                        const Vector3<S>& x, const Vector3<S>& v) {

@@ -2,6 +2,8 @@
 #include <thread>
 
 #include "integrators/own/mechanism_ensemble.h"
+#include "motion/ensemble_table.h"
+#include "motion/trajectory_columns.h"
 #include "python/bindings.h"
 #include "text/parallel.h"
 
@@ -77,32 +79,28 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
 py::tuple solve_mechanisms(const ReadScene& read, const std::string& table_text, long samples,
                            const EnsembleSettings& settings) {
     std::vector<MechanismRow> rows;
-    MechanismTable table;
+    EnsembleTable table;
     call_aside([&] {
-        table = parse_mechanism_table(table_text, "the arrays", read.scene());
-        rows = solve_mechanism_ensemble(read.scene(), table, samples, settings);
+        table = parse_ensemble(table_text, "the arrays", read.scene(), BadRows::pass_over);
+        rows = solve_mechanism_ensemble(read.scene(), table.mechanisms, samples, settings);
         return true;
     });
     const std::size_t count = table.rows() + table.refused.size();
+    const std::vector<std::size_t> row_numbers = table.row_numbers(1);
     const std::size_t per_row = static_cast<std::size_t>(samples) * read.scene().bodies.size();
-    std::vector<double> numbers(count * per_row * 14, std::numeric_limits<double>::quiet_NaN());
+    constexpr std::size_t width = std::size(motion_columns);
+    std::vector<double> numbers(count * per_row * width, std::numeric_limits<double>::quiet_NaN());
     std::vector<std::string> statuses(count, name_of(Status::failed)), messages(count);
     for (const RefusedRow& refused : table.refused) messages[refused.row - 1] = refused.fault;
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const std::size_t row = table.row_numbers[k] - 1;
+        const std::size_t row = row_numbers[k] - 1;
         statuses[row] = name_of(rows[k].status), messages[row] = rows[k].message;
-        double* number = numbers.data() + row * per_row * 14;
-        for (const Sample& s : rows[k].samples) {
-            const Vector3<double> w = angular_velocity_W(s);
-            for (const double value :
-                 {s.t, s.q.w, s.q.x, s.q.y, s.q.z, w[0], w[1], w[2], s.position_W[0], s.position_W[1], s.position_W[2],
-                  s.velocity_W[0], s.velocity_W[1], s.velocity_W[2]})
-                *number++ = value;
-        }
+        auto number = numbers.begin() + static_cast<std::ptrdiff_t>(row * per_row * width);
+        for (const Sample& sample : rows[k].samples) number = std::ranges::copy(motion_numbers(sample), number).out;
     }
     const auto n = static_cast<py::ssize_t>(count);
     return py::make_tuple(
-        take(std::move(numbers), {n, samples, static_cast<py::ssize_t>(read.scene().bodies.size()), 14}), statuses,
+        take(std::move(numbers), {n, samples, static_cast<py::ssize_t>(read.scene().bodies.size()), width}), statuses,
         messages);
 }
 

@@ -35,24 +35,20 @@ std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file
         centers.push_back(scene.body.center_of_mass);
     std::vector<Sample> samples = samples_of(file, centers);
     const std::size_t bodies = file.bodies_at_once();
-    if (!file.has_angular_velocity)
-        for (std::size_t i = 0; i < samples.size(); ++i) {
-            const std::size_t before = i >= bodies ? i - bodies : i;
-            const std::size_t after = i + bodies < samples.size() ? i + bodies : i;
-            if (samples[after].t > samples[before].t)
-                samples[i].angular_velocity_B =
-                    mean_rate(samples[before].q, samples[after].q, samples[after].t - samples[before].t);
-        }
-    if (file.has_position || file.has_origin) {
-        if (!file.has_velocity)
-            for (std::size_t i = 0; i < samples.size(); ++i) {
-                const std::size_t before = i >= bodies ? i - bodies : i;
-                const std::size_t after = i + bodies < samples.size() ? i + bodies : i;
-                const double h = samples[after].t - samples[before].t;
-                if (h > 0) samples[i].velocity_W = (1 / h) * (samples[after].position_W - samples[before].position_W);
-            }
-        return samples;
+    // the samples of the same body before and after
+    const auto before = [&](std::size_t i) -> const Sample& { return samples[i >= bodies ? i - bodies : i]; };
+    const auto after = [&](std::size_t i) -> const Sample& {
+        return samples[i + bodies < samples.size() ? i + bodies : i];
+    };
+    const bool has_position = file.has_position || file.has_origin;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const Sample &from = before(i), &to = after(i);
+        const double h = to.t - from.t;
+        if (!(h > 0)) continue;
+        if (!file.has_angular_velocity) samples[i].angular_velocity_B = mean_rate(from.q, to.q, h);
+        if (has_position && !file.has_velocity) samples[i].velocity_W = (1 / h) * (to.position_W - from.position_W);
     }
+    if (has_position) return samples;
     for (Sample& sample : samples) {
         if (scene.pivot) {
             const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
@@ -84,7 +80,7 @@ Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene
         const bool relative = verdict.limit.relative;
         const auto value = relative ? verdict.relative : verdict.error;
         json["blocks"].push_back({{"name", verdict.block->title},
-                                  {"error", value ? number_json(*value, 6) : Json()},
+                                  {"error", number_json(value.value_or(absent), 6)},
                                   {"unit", relative ? "relative" : std::string(verdict.block->unit)},
                                   {"limit", number_json(verdict.limit.value, 6)},
                                   {"passed", verdict.error ? Json(!verdict.failed) : Json()},

@@ -11,13 +11,12 @@ namespace {
 using Key = std::tuple<std::string, std::string, std::string, int, double, std::string>;
 
 Key key_of(const ResultFolder& folder, const FolderRow& row) {
-    const auto name = [](const NameList& list, int place) { return list.names()[static_cast<std::size_t>(place)]; };
     return {folder.experiments[static_cast<std::size_t>(row.experiment)].name,
-            name(folder.scenes, row.scene),
-            name(folder.methods, row.method),
+            folder.scenes[row.scene],
+            folder.methods[row.method],
             static_cast<int>(row.kind),
-            std::isfinite(row.setting) ? row.setting : -1,
-            name(folder.formulations, row.formulation)};
+            std::isfinite(row["setting"]) ? row["setting"] : -1,
+            folder.formulations[row.formulation]};
 }
 
 double mean(const std::vector<double>& values) {
@@ -72,14 +71,14 @@ FolderComparison compared(const ResultFolder& here, const ResultFolder& there) {
         const FolderRow& other = there.rows[found->second];
         comparison.pairs.push_back({r, found->second});
         others.erase(found);
-        if (row.attitude == other.attitude || (std::isnan(row.attitude) && std::isnan(other.attitude)))
+        if (row.attitude() == other.attitude() || (std::isnan(row.attitude()) && std::isnan(other.attitude())))
             ++comparison.same_bits;
-        if (!(row.seconds > 0 && other.seconds > 0)) continue;
+        if (!(row.seconds() > 0 && other.seconds() > 0)) continue;
         ++pairs[row.method];
-        by_method[row.method][row.scene].push_back(other.seconds / row.seconds);
-        by_scene[row.scene].push_back(other.seconds / row.seconds);
-        if (row.attitude > 0 && other.attitude > 0)
-            errors[row.method].push_back(std::log(other.attitude / row.attitude));
+        by_method[row.method][row.scene].push_back(other.seconds() / row.seconds());
+        by_scene[row.scene].push_back(other.seconds() / row.seconds());
+        if (row.attitude() > 0 && other.attitude() > 0)
+            errors[row.method].push_back(std::log(other.attitude() / row.attitude()));
     }
     comparison.only_there = others.size();
     const auto groups = [](const std::map<int, std::vector<double>>& of) {

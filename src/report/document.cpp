@@ -85,15 +85,13 @@ class DocumentWriter {
 
     Json number(double value) const { return number_json(value, detail_.digits); }
 
-    const std::string& scene_name(int place) const { return folder_.scenes.names()[static_cast<std::size_t>(place)]; }
-
     // Which rows stand in the page: all, or of each curve some, and those that others speak of.
     void choose_rows() {
         const auto by_scene = rows_by_scene(folder_);
         std::set<std::size_t> needed;
         for (const auto& rows : by_scene) {
             std::vector<Fastest>& fastest = fastest_.emplace_back();
-            for (const double error : asked_accuracies) {
+            for (const double error : accuracy_levels) {
                 fastest.push_back(fastest_within(folder_, rows, error));
                 for (const auto& row : {fastest.back().row, fastest.back().runner_up})
                     if (row) needed.insert(*row);
@@ -101,13 +99,10 @@ class DocumentWriter {
         }
         const std::size_t total = folder_.rows.size();
         const std::size_t stride = (total + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows);
-        std::map<std::array<int, 5>, std::size_t> counts;
+        std::map<FolderRow::Curve, std::size_t> counts;
         std::vector<std::size_t> kept;
         for (std::size_t r = 0; r < total; ++r) {
-            const FolderRow& row = folder_.rows[r];
-            const std::array<int, 5> curve{row.experiment, row.scene, row.method, static_cast<int>(row.kind),
-                                           row.formulation};
-            if (stride <= 1 || counts[curve]++ % stride == 0 || needed.contains(r)) kept.push_back(r);
+            if (stride <= 1 || counts[folder_.rows[r].curve()]++ % stride == 0 || needed.contains(r)) kept.push_back(r);
         }
         // curves of a row each: of the curves some
         const std::size_t again = 2 * kept.size() > 3 * detail_.rows
@@ -185,7 +180,7 @@ class DocumentWriter {
         std::vector<double> floors(folder_.scenes.names().size(), absent);
         for (const FolderRow& row : folder_.rows) {
             experiments[static_cast<std::size_t>(row.scene)].insert(row.experiment);
-            if (row.floor > 0) floors[static_cast<std::size_t>(row.scene)] = row.floor;
+            if (row.floor() > 0) floors[static_cast<std::size_t>(row.scene)] = row.floor();
         }
         for (const FolderSeries& series : folder_.series)
             experiments[static_cast<std::size_t>(series.scene)].insert(series.experiment);
@@ -198,9 +193,9 @@ class DocumentWriter {
             const auto place = [&](const std::optional<std::size_t>& row) {
                 return row ? Json(place_.at(*row)) : Json();
             };
-            for (std::size_t i = 0; i < std::size(asked_accuracies); ++i)
+            for (std::size_t i = 0; i < std::size(accuracy_levels); ++i)
                 if (fastest_[s][i].row)
-                    fastest.push_back({{"error", asked_accuracies[i]},
+                    fastest.push_back({{"error", accuracy_levels[i]},
                                        {"row", place(fastest_[s][i].row)},
                                        {"runner_up", place(fastest_[s][i].runner_up)}});
             const auto motion = content_.motions.of_scene.find(static_cast<int>(s));
@@ -225,7 +220,7 @@ class DocumentWriter {
 
     Json rows_json() const {
         Json json{{"count", shown_.size()}, {"total", folder_.rows.size()}};
-        const auto column = [&](const char* name, auto value) {
+        const auto column = [&](const std::string& name, const auto& value) {
             Json list = Json::array();
             for (const std::size_t r : shown_) list.push_back(value(folder_.rows[r]));
             json[name] = std::move(list);
@@ -238,22 +233,11 @@ class DocumentWriter {
         column("message", [](const FolderRow& r) { return r.message; });
         column("cut", [](const FolderRow& r) { return r.cut ? 1 : 0; });
         column("formulation", [](const FolderRow& r) { return r.formulation; });
-        for (const auto& [name, member, digits] : {std::tuple{"setting", &FolderRow::setting, 5},
-                                                   {"seconds", &FolderRow::seconds, detail_.digits},
-                                                   {"seconds_min", &FolderRow::seconds_min, detail_.digits},
-                                                   {"steps", &FolderRow::steps, 7},
-                                                   {"evaluations", &FolderRow::evaluations, 7},
-                                                   {"attitude_final", &FolderRow::attitude_final, detail_.digits},
-                                                   {"attitude", &FolderRow::attitude, detail_.digits},
-                                                   {"omega", &FolderRow::omega, detail_.digits - 1},
-                                                   {"energy", &FolderRow::energy, detail_.digits - 1},
-                                                   {"momentum", &FolderRow::momentum, detail_.digits - 1},
-                                                   {"norm", &FolderRow::norm, detail_.digits - 2},
-                                                   {"floor", &FolderRow::floor, 3},
-                                                   {"floor32", &FolderRow::floor32, 3}})
-            column(name, [member = member, digits = digits](const FolderRow& r) {
-                return number_json(r.*member, std::max(2, digits));
-            });
+        for (const ResultColumn& c : result_column_table()) {
+            if (c.page_name.empty()) continue;
+            const int digits = c.page_digits > 0 ? c.page_digits : std::max(2, detail_.digits + c.page_digits);
+            column(c.page_name, [&](const FolderRow& r) { return number_json(r[c.name], digits); });
+        }
         json["messages"] = folder_.messages.names();
         json["formulations"] = folder_.formulations.names();
         return json;
@@ -267,7 +251,7 @@ class DocumentWriter {
                             {"method", o.method},
                             {"setting_kind", static_cast<int>(o.kind)},
                             {"claimed", o.claimed > 0 ? Json(o.claimed) : Json()},
-                            {"observed", o.observed ? number_json(*o.observed, 4) : Json()},
+                            {"observed", number_json(o.observed.value_or(absent), 4)},
                             {"points", o.observed ? Json(o.points) : Json()},
                             {"from", number_json(o.from, 4)},
                             {"to", number_json(o.to, 4)}});
@@ -399,7 +383,7 @@ class DocumentWriter {
     Json comparison_json() const {
         if (!content_.comparison || !content_.other) return nullptr;
         const FolderComparison& c = *content_.comparison;
-        const auto bound = [](const std::optional<double>& value) { return value ? number_json(*value, 4) : Json(); };
+        const auto bound = [](const std::optional<double>& value) { return number_json(value.value_or(absent), 4); };
         Json json{{"folder", content_.other->name}, {"experiments", experiments(*content_.other)},
                   {"same_bits", c.same_bits},       {"matched", c.pairs.size()},
                   {"only_here", c.only_here},       {"only_there", c.only_there},
@@ -415,9 +399,10 @@ class DocumentWriter {
         for (const MatchedPair& pair : c.pairs) {
             const auto shown = place_.find(pair.row);
             const FolderRow& other = content_.other->rows[pair.other];
-            if (shown != place_.end() && other.seconds > 0)
-                json["pairs"].push_back(
-                    {{"row", shown->second}, {"seconds", number(other.seconds)}, {"error", number(other.attitude)}});
+            if (shown != place_.end() && other.seconds() > 0)
+                json["pairs"].push_back({{"row", shown->second},
+                                         {"seconds", number(other.seconds())},
+                                         {"error", number(other.attitude())}});
         }
         json["all"] = {{"ratio", number_json(c.all.ratio, 4)},
                        {"low", bound(c.all.low)},

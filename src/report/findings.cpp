@@ -18,14 +18,6 @@
 namespace polhode {
 namespace {
 
-const std::string& method_name(const ResultFolder& folder, const FolderRow& row) {
-    return folder.methods.names()[static_cast<std::size_t>(row.method)];
-}
-
-const std::string& scene_name(const ResultFolder& folder, const FolderRow& row) {
-    return folder.scenes.names()[static_cast<std::size_t>(row.scene)];
-}
-
 // A value of the page's state: what a fragment does not take as it is becomes %XX.
 std::string in_fragment(std::string_view text) {
     std::string out;
@@ -50,7 +42,7 @@ std::string plain(double value) {
 std::string shown(const std::string& name) { return one_line(name, 60); }
 
 std::string library_of(const ResultFolder& folder, const FolderRow& row) {
-    const Method* const method = find_method(method_name(folder, row));
+    const Method* const method = find_method(folder.methods[row.method]);
     return method ? std::string(method->library) : "";
 }
 
@@ -65,34 +57,35 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
     std::size_t most = 0;
     for (const double error : {1e-9, 1e-6, 1e-3}) {
         std::map<std::string, int> wins;
-        std::map<std::string, std::size_t> example;
+        std::map<std::string, int> example;
         std::vector<double> factors;
-        std::size_t scenes = 0, peers_scene = 0;
+        std::size_t scenes = 0;
+        int peers_scene = 0;
         double largest_factor = 0;
-        for (std::size_t s = 0; s < by_scene.size(); ++s) {
-            const Fastest best = fastest_within(folder, by_scene[s], error);
+        for (const std::vector<std::size_t>& rows : by_scene) {
+            const Fastest best = fastest_within(folder, rows, error);
             if (!best.row || !best.runner_up) continue;
             ++scenes;
             const FolderRow& first = folder.rows[*best.row];
-            const std::string& name = method_name(folder, first);
+            const std::string& name = folder.methods[first.method];
             ++wins[name];
-            example.try_emplace(name, s);
+            example.try_emplace(name, first.scene);
             // against the best of another library
             std::optional<double> other;
-            for (const std::size_t r : by_scene[s]) {
+            for (const std::size_t r : rows) {
                 const FolderRow& row = folder.rows[r];
-                if (row.status != Status::ok || !(row.attitude <= error) || !(row.seconds > 0)) continue;
+                if (!row.is_within(error)) continue;
                 if (library_of(folder, row) == library_of(folder, first)) continue;
-                if (!other || row.seconds < *other) other = row.seconds;
+                if (!other || row.seconds() < *other) other = row.seconds();
             }
             if (!other) continue;
-            factors.push_back(*other / first.seconds);
-            if (factors.back() > largest_factor) largest_factor = factors.back(), peers_scene = s;
+            factors.push_back(*other / first.seconds());
+            if (factors.back() > largest_factor) largest_factor = factors.back(), peers_scene = first.scene;
         }
         if (scenes <= 2 * most) continue;
         most = scenes;
         const auto winner = std::ranges::max_element(wins, {}, [](const auto& w) { return w.second; });
-        const std::string& scene = folder.scenes.names()[example[winner->first]];
+        const std::string& scene = folder.scenes[example[winner->first]];
         Finding one;
         one.title = fmt::format("{} is the fastest to {} rad on {} of {} scenes", shown(winner->first), plain(error),
                                 winner->second, scenes);
@@ -109,7 +102,7 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
                 "The best of another library takes {} times as long in the median of {}, at most {} times "
                 "({}).",
                 plain(median(factors)), counted(factors.size(), "scene", "scenes"), plain(largest_factor),
-                shown(folder.scenes.names()[peers_scene]));
+                shown(folder.scenes[peers_scene]));
         else
             one.text += "Compared are methods of one library.";
         one.link = "#section=work-precision&scene=" + in_fragment(scene);
@@ -124,16 +117,16 @@ std::optional<Finding> hidden_finding(const ResultFolder& folder) {
     const FolderRow* worst = nullptr;
     double plainest = -1;
     for (const FolderRow& row : folder.rows) {
-        if (!(row.attitude > 1 && row.energy < 1e-2) || row.status == Status::unsupported) continue;
+        if (!(row.attitude() > 1 && row["energy_error_max"] < 1e-2) || row.status == Status::unsupported) continue;
         ++runs;
-        methods.insert(method_name(folder, row));
+        methods.insert(folder.methods[row.method]);
         // the plainest: an update as people copy it, and a momentum that is off by as much as can be
-        const Method* const method = find_method(method_name(folder, row));
+        const Method* const method = find_method(folder.methods[row.method]);
         const double plain =
-            std::min(2.0, std::isfinite(row.momentum) ? row.momentum : 0) +
+            std::min(2.0, std::isfinite(row["momentum_error_max"]) ? row["momentum_error_max"] : 0) +
             (method && method->family == Family::published_update && method->precision == Precision::binary64 ? 3 : 0) +
             // families of extremes stand in folders
-            (scene_name(folder, row).find_first_of("/{") == std::string::npos ? 1 : 0);
+            (folder.scenes[row.scene].find_first_of("/{") == std::string::npos ? 1 : 0);
         if (plain > plainest) plainest = plain, worst = &row;
     }
     if (!worst) return std::nullopt;
@@ -141,15 +134,16 @@ std::optional<Finding> hidden_finding(const ResultFolder& folder) {
         fmt::format("Energy hides a lost attitude in {}", counted(runs, "run", "runs")),
         fmt::format("{}: the attitude is more than 1 rad off and the energy less than 1 %. {} on {}{}: attitude {} "
                     "rad, momentum {}, energy {}.",
-                    counted(methods.size(), "method", "methods"), shown(method_name(folder, *worst)),
-                    shown(scene_name(folder, *worst)),
+                    counted(methods.size(), "method", "methods"), shown(folder.methods[worst->method]),
+                    shown(folder.scenes[worst->scene]),
                     worst->kind == SettingKind::none
                         ? ""
-                        : fmt::format(" at a {} of {:.3g}{}", name_of(worst->kind), worst->setting,
+                        : fmt::format(" at a {} of {:.3g}{}", name_of(worst->kind), (*worst)["setting"],
                                       worst->kind == SettingKind::step ? " s" : ""),
-                    plain(worst->attitude), plain(worst->momentum), plain(worst->energy)),
-        fmt::format("#section=motion&scene={}&motion_methods={}", in_fragment(scene_name(folder, *worst)),
-                    in_fragment(method_name(folder, *worst)))};
+                    plain(worst->attitude()), plain((*worst)["momentum_error_max"]),
+                    plain((*worst)["energy_error_max"])),
+        fmt::format("#section=motion&scene={}&motion_methods={}", in_fragment(folder.scenes[worst->scene]),
+                    in_fragment(folder.methods[worst->method]))};
 }
 
 std::optional<Finding> growth_finding(const ResultFolder& folder) {
@@ -160,7 +154,7 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
     for (const FolderSeries& series : folder.series) {
         const auto growth = growth_of(series)[energy];
         if (!growth) continue;
-        const std::string& name = folder.methods.names()[static_cast<std::size_t>(series.method)];
+        const std::string& name = folder.methods[series.method];
         if (growth->first < 0.2) bounded.insert(name);
         if (growth->first > 0.8) growing.insert(name);
         if (growth->first > 0.8 && series.t.back() > longest) example = &series, longest = series.t.back();
@@ -170,7 +164,7 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
     if (bounded.empty()) return std::nullopt;
     std::vector<std::string> kept(bounded.begin(), bounded.end());
     if (kept.size() > 5) kept.resize(5), kept.emplace_back("..");
-    const std::string& scene = folder.scenes.names()[static_cast<std::size_t>(example->scene)];
+    const std::string& scene = folder.scenes[example->scene];
     return Finding{
         fmt::format("{} no drift of energy, {} in proportion to time",
                     counted(bounded.size(), "method shows", "methods show"), counted(growing.size(), "grows", "grow")),
@@ -190,12 +184,11 @@ std::optional<Finding> order_finding(const ResultFolder& folder) {
         if (!worst || difference > std::abs(*worst->observed - worst->claimed)) worst = &order;
     }
     if (told < 3) return std::nullopt;
-    const std::string& scene = folder.scenes.names()[static_cast<std::size_t>(worst->scene)];
+    const std::string& scene = folder.scenes[worst->scene];
     return Finding{off == 0 ? fmt::format("All {} observed orders are those claimed", told)
                             : fmt::format("{} of {} observed orders are those claimed", told - off, told),
                    fmt::format("Within 0.2. The furthest off: {} on {}, {:.2f} where {} is claimed.",
-                               shown(folder.methods.names()[static_cast<std::size_t>(worst->method)]), shown(scene),
-                               *worst->observed, worst->claimed),
+                               shown(folder.methods[worst->method]), shown(scene), *worst->observed, worst->claimed),
                    "#section=convergence&scene=" + in_fragment(scene)};
 }
 
@@ -206,7 +199,7 @@ std::optional<Finding> failure_finding(const ResultFolder& folder) {
     for (const FolderRow& row : folder.rows) {
         ++by_status[static_cast<std::size_t>(row.status)];
         if (row.status == Status::ok || row.status == Status::unsupported) continue;
-        ++by_method[method_name(folder, row)];
+        ++by_method[folder.methods[row.method]];
         if (!example) example = &row;
     }
     if (!example) return std::nullopt;
@@ -217,25 +210,25 @@ std::optional<Finding> failure_finding(const ResultFolder& folder) {
                     of(Status::diverged) + of(Status::tolerance_not_met) + of(Status::failed), folder.rows.size()),
         fmt::format("{} diverged, {} did not meet their tolerance, {} failed; most of {} ({}).", of(Status::diverged),
                     of(Status::tolerance_not_met), of(Status::failed), shown(most->first), most->second),
-        "#section=work-precision&scene=" + in_fragment(scene_name(folder, *example))};
+        "#section=work-precision&scene=" + in_fragment(folder.scenes[example->scene])};
 }
 
 std::optional<Finding> floor_finding(const ResultFolder& folder) {
     std::set<std::string> reached, all;
     const FolderRow* best = nullptr;
     for (const FolderRow& row : folder.rows) {
-        if (row.status != Status::ok || !(row.floor > 0) || !(row.attitude >= 0)) continue;
-        all.insert(method_name(folder, row));
-        if (row.attitude <= 10 * row.floor) reached.insert(method_name(folder, row));
-        if (!best || row.attitude / row.floor < best->attitude / best->floor) best = &row;
+        if (row.status != Status::ok || !(row.floor() > 0) || !(row.attitude() >= 0)) continue;
+        all.insert(folder.methods[row.method]);
+        if (row.attitude() <= 10 * row.floor()) reached.insert(folder.methods[row.method]);
+        if (!best || row.attitude() / row.floor() < best->attitude() / best->floor()) best = &row;
     }
     if (!best) return std::nullopt;
     return Finding{fmt::format("{} of {} methods reach the floor of binary64's rounding", reached.size(), all.size()),
                    fmt::format("Within ten times. The nearest: {} on {}, {} rad where rounding the start costs "
                                "{} rad.",
-                               shown(method_name(folder, *best)), shown(scene_name(folder, *best)),
-                               plain(best->attitude), plain(best->floor)),
-                   "#section=work-precision&scene=" + in_fragment(scene_name(folder, *best))};
+                               shown(folder.methods[best->method]), shown(folder.scenes[best->scene]),
+                               plain(best->attitude()), plain(best->floor())),
+                   "#section=work-precision&scene=" + in_fragment(folder.scenes[best->scene])};
 }
 
 std::optional<Finding> gain_finding(const ResultFolder& folder) {
@@ -280,12 +273,12 @@ Fastest fastest_within(const ResultFolder& folder, const std::vector<std::size_t
     const int reduced = folder.formulations.find("reduced");
     Fastest best;
     const auto faster = [&](std::size_t row, const std::optional<std::size_t>& than) {
-        return !than || folder.rows[row].seconds < folder.rows[*than].seconds;
+        return !than || folder.rows[row].seconds() < folder.rows[*than].seconds();
     };
     for (const bool runner_up : {false, true})
         for (const std::size_t r : rows) {
             const FolderRow& row = folder.rows[r];
-            if (row.status != Status::ok || !(row.attitude <= error) || !(row.seconds > 0)) continue;
+            if (!row.is_within(error)) continue;
             if (row.formulation != reduced && reduced >= 0) continue;
             if (!runner_up) {
                 if (faster(r, best.row)) best.row = r;
@@ -316,22 +309,22 @@ std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
     struct Points {
         std::vector<double> setting, error;
     };
-    std::map<std::array<int, 5>, Points> curves;
+    std::map<FolderRow::Curve, Points> curves;
     for (const FolderRow& row : folder.rows) {
         const FolderExperiment& experiment = folder.experiments[static_cast<std::size_t>(row.experiment)];
         if ((some && experiment.kind != "convergence") || row.kind == SettingKind::none) continue;
-        if (row.status != Status::ok || !std::isfinite(row.attitude_final)) continue;
+        if (row.status != Status::ok || !std::isfinite(row["attitude_error_final"])) continue;
         // what rounding makes of an error has no order
-        if (row.attitude_final < 100 * row.floor_final) continue;
-        Points& points = curves[{row.experiment, row.scene, row.method, static_cast<int>(row.kind), row.formulation}];
-        points.setting.push_back(row.step_taken > 0 ? row.step_taken : row.setting);
-        points.error.push_back(row.attitude_final);
+        if (row["attitude_error_final"] < 100 * row["float64_floor_final"]) continue;
+        Points& points = curves[row.curve()];
+        points.setting.push_back(row["step_taken"] > 0 ? row["step_taken"] : row["setting"]);
+        points.error.push_back(row["attitude_error_final"]);
     }
     std::vector<FittedOrder> orders;
     for (const auto& [key, points] : curves) {
         if (points.setting.size() < 4) continue;
         FittedOrder order{key[0], key[1], key[2], static_cast<SettingKind>(key[3]), 0, {}, 0};
-        const Method* const method = find_method(folder.methods.names()[static_cast<std::size_t>(key[2])]);
+        const Method* const method = find_method(folder.methods[key[2]]);
         if (method && order.kind == SettingKind::step) order.claimed = method->order;
         if (const auto observed = observed_order(points.setting, points.error, 1.0)) {
             order.observed = observed->order, order.points = observed->points;

@@ -61,21 +61,11 @@ std::string text_at(const ordered_json& object, const char* key) {
 
 double number_of(const std::string& field) { return field.empty() ? absent : parse_decimal(field).value_or(absent); }
 
-template <class Enumerator>
-Enumerator enumerator_of(const std::string& word, std::initializer_list<Enumerator> all, Enumerator otherwise) {
-    for (const Enumerator one : all)
-        if (word == name_of(one)) return one;
-    return otherwise;
-}
-
-Status status_of(const std::string& word) {
-    return enumerator_of(word,
-                         {Status::ok, Status::unsupported, Status::diverged, Status::tolerance_not_met, Status::failed},
-                         Status::failed);
-}
-
-SettingKind kind_of(const std::string& word) {
-    return enumerator_of(word, {SettingKind::none, SettingKind::step, SettingKind::tolerance}, SettingKind::none);
+// the number in a cell of a row
+double number_in(const Cell& cell) {
+    const auto* real = std::get_if<double>(&cell);
+    const auto* count = std::get_if<long>(&cell);
+    return real ? *real : count ? static_cast<double>(*count) : absent;
 }
 
 bool has(const std::vector<std::string>& columns, std::string_view name) {
@@ -86,27 +76,6 @@ bool has_all(const std::vector<std::string>& columns, std::initializer_list<std:
     return std::ranges::all_of(names, [&](std::string_view name) { return has(columns, name); });
 }
 
-// Which fields of a record are which numbers of a row.
-struct NumberColumn {
-    std::string_view name;
-    double FolderRow::*number;
-};
-constexpr NumberColumn number_columns[] = {{"setting", &FolderRow::setting},
-                                           {"step_taken", &FolderRow::step_taken},
-                                           {"seconds_median", &FolderRow::seconds},
-                                           {"seconds_min", &FolderRow::seconds_min},
-                                           {"steps", &FolderRow::steps},
-                                           {"rhs_evaluations", &FolderRow::evaluations},
-                                           {"attitude_error_final", &FolderRow::attitude_final},
-                                           {"attitude_error_max", &FolderRow::attitude},
-                                           {"omega_error_max", &FolderRow::omega},
-                                           {"energy_error_max", &FolderRow::energy},
-                                           {"momentum_error_max", &FolderRow::momentum},
-                                           {"norm_error_max", &FolderRow::norm},
-                                           {"float64_floor", &FolderRow::floor},
-                                           {"float32_floor", &FolderRow::floor32},
-                                           {"float64_floor_final", &FolderRow::floor_final}};
-
 class FolderReader {
   public:
     FolderReader(ResultFolder& folder, std::size_t most_rows) : folder_(folder), most_rows_(most_rows) {}
@@ -115,7 +84,7 @@ class FolderReader {
         enum class Kind { unknown, sweep, drift, other } kind = Kind::unknown;
         std::vector<std::string> columns;
         FolderTable other{name, "", "", {}, 0};
-        std::vector<std::pair<std::size_t, double FolderRow::*>> numbers;
+        result_columns_.clear(), result_ = {};
         const std::size_t rows_before = folder_.rows.size(), series_before = folder_.series.size();
         try {
             read_csv(text, [&](std::vector<std::string>& fields) {
@@ -127,15 +96,14 @@ class FolderReader {
                            : has_all(columns, {"scene", "method", "setting", "t", "attitude_error", "experiment"})
                                ? Kind::drift
                                : Kind::other;
-                    for (const NumberColumn& column : number_columns)
-                        if (const auto at = std::ranges::find(columns, column.name); at != columns.end())
-                            numbers.emplace_back(at - columns.begin(), column.number);
+                    for (const ResultColumn& column : result_column_table())
+                        if (const auto at = std::ranges::find(columns, column.name); column.read && at != columns.end())
+                            result_columns_.emplace_back(at - columns.begin(), &column);
                     other.table.columns = columns;
-                    for (const char* cell : {"experiment", "scene", "method", "setting_kind", "setting", "status",
-                                             "message", "cut", "formulation", "t"})
+                    for (const char* cell : {"experiment", "scene", "method", "setting", "t"})
                         places_[cell] = static_cast<std::size_t>(std::ranges::find(columns, cell) - columns.begin());
                 } else if (kind == Kind::sweep) {
-                    add_row(fields, numbers);
+                    add_row(fields);
                 } else if (kind == Kind::drift) {
                     add_series(columns, fields);
                 } else {
@@ -159,21 +127,22 @@ class FolderReader {
     }
 
   private:
-    void add_row(std::vector<std::string>& fields,
-                 const std::vector<std::pair<std::size_t, double FolderRow::*>>& numbers) {
+    void add_row(const std::vector<std::string>& fields) {
+        for (const auto& [at, column] : result_columns_) try {
+                column->read(fields[at], result_);
+            } catch (const std::invalid_argument& fault) {
+                throw std::invalid_argument(fmt::format("column {}: {}", column->name, fault.what()));
+            }
         FolderRow row;
         row.experiment = experiment(fields[places_["experiment"]]);
-        row.scene = folder_.scenes.place(fields[places_["scene"]]);
-        row.method = folder_.methods.place(fields[places_["method"]]);
-        row.message = folder_.messages.place(fields[places_["message"]]);
-        row.kind = kind_of(fields[places_["setting_kind"]]);
-        row.status = status_of(fields[places_["status"]]);
-        if (const std::size_t at = places_["cut"]; at < fields.size()) row.cut = !fields[at].empty();
-        const std::size_t formulation = places_["formulation"];
-        row.formulation =
-            folder_.formulations.place(formulation < fields.size() ? fields[formulation] : std::string("reduced"));
-        for (const auto& [at, number] : numbers) row.*number = number_of(fields[at]);
-        folder_.rows.push_back(row);
+        row.scene = folder_.scenes.place(result_.scene);
+        row.method = folder_.methods.place(result_.method);
+        row.message = folder_.messages.place(result_.message);
+        row.formulation = folder_.formulations.place(name_of(result_.formulation));
+        row.kind = result_.setting_kind, row.status = result_.status, row.cut = result_.cut;
+        for (std::size_t i = 0; i < row.numbers.size(); ++i)
+            row.numbers[i] = number_in(result_column_table()[i].cell(result_));
+        folder_.rows.push_back(std::move(row));
     }
 
     void add_series(const std::vector<std::string>& columns, std::vector<std::string>& fields) {
@@ -207,6 +176,8 @@ class FolderReader {
     std::size_t most_rows_;
     NameList experiments_;
     std::map<std::string, std::size_t> places_;
+    std::vector<std::pair<std::size_t, const ResultColumn*>> result_columns_;  // with their places in the file
+    Result result_;                                                            // of the line at hand
 };
 
 // The facts of an entry of provenance.json, in words for people; the libraries' versions at the end.

@@ -1,6 +1,7 @@
 // A folder of results, read: the rows of its sweeps, errors over time, every other table, where each came from.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "experiment/plan/experiment.h"
+#include "experiment/run/result.h"
 #include "motion/trajectory.h"
 #include "table/table.h"
 
@@ -22,6 +24,8 @@ class NameList {
     int find(const std::string& name) const;
     /// All of them.
     const std::vector<std::string>& names() const { return names_; }
+    /// The name at a place.
+    const std::string& operator[](int place) const { return names_[static_cast<std::size_t>(place)]; }
 
   private:
     std::vector<std::string> names_;
@@ -31,17 +35,31 @@ class NameList {
 /// A number that is not there.
 inline constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 
-/// A row of a result table. Numbers that are not there are NaN; names are places in the folder's lists.
+/// A row of a result table. Names are places in the folder's lists.
 struct FolderRow {
     int experiment = 0, scene = 0, method = 0, message = 0, formulation = 0;
     SettingKind kind = SettingKind::none;
     Status status = Status::ok;
     bool cut = false;  ///< ended by a limit on time, steps or evaluations
-    double setting = absent, step_taken = absent, seconds = absent, seconds_min = absent, steps = absent,
-           evaluations = absent;
-    double attitude_final = absent, attitude = absent, omega = absent, energy = absent, momentum = absent,
-           norm = absent;
-    double floor = absent, floor32 = absent, floor_final = absent;
+    /// The numbers of the columns of result_column_table(); NaN where there is none.
+    std::vector<double> numbers = std::vector<double>(result_column_table().size(), absent);
+
+    /// The number of a column by its name: row["attitude_error_max"].
+    double& operator[](std::string_view column) { return numbers[result_column_index(column)]; }
+    /// The number of a column by its name.
+    double operator[](std::string_view column) const { return numbers[result_column_index(column)]; }
+    /// rad, the largest error over the samples.
+    double attitude() const { return (*this)["attitude_error_max"]; }
+    /// s, the median of the repeats.
+    double seconds() const { return (*this)["seconds_median"]; }
+    /// rad, the rounding floor of binary64.
+    double floor() const { return (*this)["float64_floor"]; }
+    /// Experiment, scene, method, kind of setting and formulation.
+    using Curve = std::array<int, 5>;
+    /// What the rows of one curve share.
+    Curve curve() const { return {experiment, scene, method, static_cast<int>(kind), formulation}; }
+    /// Whether the run ended well within this attitude error (rad) and was timed.
+    bool is_within(double error) const { return status == Status::ok && attitude() <= error && seconds() > 0; }
 };
 
 /// What is told of errors over time, and the columns of drift.csv that tell it.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/elementary.h"
 #include "body/mass_properties.h"
+#include "body/orientation.h"
 
 namespace polhode {
 namespace {
@@ -45,13 +47,6 @@ Grid grid_of(const SampledMotion& motion, int body) {
         grid.v = std::max(grid.v, largest(s.velocity_W) / speed_steps);
     }
     return grid;
-}
-
-double square_length(const Vector3<double>& v) { return dot(v, v); }
-
-double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
-    const Quaternion<double> d = conjugate(a) * b;
-    return 2 * std::atan2(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), std::abs(d.w));
 }
 
 // p and v at both ends, h apart
@@ -128,9 +123,9 @@ Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool 
             for (std::size_t k = from; k <= to; ++k) {
                 const Sample& sample = motion.at(k, b);
                 const double part = (sample.t - begin.t) / (end.t - begin.t);
-                worst.angle = std::max(worst.angle, angle_between(sample.q, attitude_between(begin, end, part)));
-                worst.length = std::max(
-                    worst.length, std::sqrt(square_length(sample.position_W - position_between(begin, end, part))));
+                worst.angle =
+                    std::max(worst.angle, rotation_angle_between(sample.q, attitude_between(begin, end, part)));
+                worst.length = std::max(worst.length, length(sample.position_W - position_between(begin, end, part)));
                 if (!to_the_end && (worst.angle > tolerance.angle || worst.length > tolerance.length)) return worst;
             }
         }

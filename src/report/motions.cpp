@@ -19,6 +19,7 @@
 #include "motion/problem.h"
 #include "report/body_shape.h"
 #include "report/keyframes.h"
+#include "scene/joint_file.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
 #include "text/parallel.h"
@@ -100,26 +101,17 @@ Trajectory rounded(const Reference& truth) {
     return trajectory;
 }
 
-Json points_json(const Vector3<double>& point, const Vector3<double>& center) { return vector_json(point - center); }
-
 Json joints_json(const Scene& scene) {
     Json joints = Json::array();
-    const auto place = [&](const std::string& name) {
-        for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-            if (scene.bodies[i].name == name) return static_cast<int>(i);
-        return -1;
-    };
     const auto from_center = [&](const std::string& name, const Vector3<double>& point) {
-        const int at = place(name);
-        return points_json(point,
-                           at < 0 ? Vector3<double>() : scene.bodies[static_cast<std::size_t>(at)].body.center_of_mass);
+        const int at = body_index(scene, name);
+        return vector_json(at < 0 ? point : point - scene.bodies[static_cast<std::size_t>(at)].body.center_of_mass);
     };
-    constexpr const char* types[] = {"revolute", "prismatic", "spherical", "universal", "fixed"};
     for (const Joint& joint : scene.joints)
         joints.push_back({{"name", joint.name},
-                          {"type", types[static_cast<int>(joint.type)]},
-                          {"parent", place(joint.parent)},
-                          {"child", place(joint.child)},
+                          {"type", name_of(joint.type)},
+                          {"parent", body_index(scene, joint.parent)},
+                          {"child", body_index(scene, joint.child)},
                           {"parent_point", from_center(joint.parent, joint.parent_point)},
                           {"child_point", from_center(joint.child, joint.child_point)},
                           {"axis", joint.type == JointType::revolute || joint.type == JointType::prismatic
@@ -128,8 +120,8 @@ Json joints_json(const Scene& scene) {
     for (const Loop& loop : scene.loops)
         joints.push_back({{"name", loop.name},
                           {"type", loop.type == LoopType::distance ? "distance" : "loop"},
-                          {"parent", place(loop.first)},
-                          {"child", place(loop.second)},
+                          {"parent", body_index(scene, loop.first)},
+                          {"child", body_index(scene, loop.second)},
                           {"parent_point", from_center(loop.first, loop.first_point)},
                           {"child_point", from_center(loop.second, loop.second_point)},
                           {"axis", nullptr}});
@@ -169,11 +161,10 @@ class MotionWriter {
             fault_ = "its numbers are too large to draw";
             return nullptr;
         }
+        const std::vector<NamedBody> bodies =
+            is_mechanism(scene_) ? scene_.bodies : std::vector<NamedBody>{{scene_.name, scene_.body, {}}};
         double size = 0;
-        if (is_mechanism(scene_))
-            for (const NamedBody& body : scene_.bodies) size = std::max(size, size_of(body.body));
-        else
-            size = size_of(scene_.body);
+        for (const NamedBody& body : bodies) size = std::max(size, size_of(body.body));
         // point masses are as far from their joints as they are large
         if (size == 0)
             for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
@@ -187,11 +178,8 @@ class MotionWriter {
                   {"thinning", Json::object()},
                   {"bodies", Json::array()},
                   {"joints", joints_json(scene_)}};
-        if (is_mechanism(scene_))
-            for (const NamedBody& body : scene_.bodies) json["bodies"].push_back(body_shape_json(body.name, body.body));
-        else
-            json["bodies"].push_back(body_shape_json(scene_.name, scene_.body));
-        json["pivot"] = scene_.pivot ? points_json(*scene_.pivot, scene_.body.center_of_mass) : Json();
+        for (const NamedBody& body : bodies) json["bodies"].push_back(body_shape_json(body.name, body.body));
+        json["pivot"] = scene_.pivot ? vector_json(*scene_.pivot - scene_.body.center_of_mass) : Json();
         json["about"] = is_mechanism(scene_) ? Json() : principal_json(scene_.body, scene_.pivot);
         json["planes"] = Json::array();
         for (const Plane& plane : scene_.planes)
@@ -212,9 +200,7 @@ class MotionWriter {
         json["truth"] = track_json(motion, keyframes);
         json["how"] = fmt::format("{}; within {:.1e}", reference.message, reference.bound);
         json["methods"] = Json::array();
-        for (const DrawnRun& run : runs)
-            json["methods"].push_back(
-                run_json(run, folder.methods.names()[static_cast<std::size_t>(run.method)], truth));
+        for (const DrawnRun& run : runs) json["methods"].push_back(run_json(run, folder.methods[run.method], truth));
         for (const DrawnFile* file : files) json["methods"].push_back(file_json(*file, truth));
         json["thinning"] = {{"angle", number_json(worst_.angle, 3)}, {"length", number_json(worst_.length, 3)}};
         return json;
@@ -339,7 +325,7 @@ class MotionWriter {
         const std::size_t count = std::min(trajectory.samples.size(), reference.samples.size());
         for (std::size_t i = 0; i < count; ++i) {
             const Vector3<double> d = trajectory.samples[i].position_W - reference.samples[i].rounded().position_W;
-            if (!(std::sqrt(dot(d, d)) <= tolerance_.length)) return false;
+            if (!(length(d) <= tolerance_.length)) return false;
         }
         return true;
     }
@@ -382,7 +368,7 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
     for (const FolderRow& row : folder.rows) {
         const auto found = of_place.find(row.scene);
         if (found == of_place.end() || row.status == Status::unsupported) continue;
-        const double setting = row.kind == SettingKind::none ? absent : row.setting;
+        const double setting = row.kind == SettingKind::none ? absent : row["setting"];
         if (row.kind != SettingKind::none && !(setting > 0)) continue;
         const DrawnRun run{row.method, row.kind, setting};
         const auto [at, is_new] = found->second->runs.try_emplace(row.method, run);
@@ -410,10 +396,9 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
     motions.of_file.assign(files.size(), -1);
     for (Task* task : order) {
         if (task->json.is_null()) {
-            motions.left_out.push_back(fmt::format(
-                "{} is not drawn: {}.",
-                one_line(folder.scenes.names()[static_cast<std::size_t>(std::ranges::min(task->places))], 100),
-                one_line(task->fault, 300)));
+            motions.left_out.push_back(fmt::format("{} is not drawn: {}.",
+                                                   one_line(folder.scenes[std::ranges::min(task->places)], 100),
+                                                   one_line(task->fault, 300)));
             continue;
         }
         const int place = static_cast<int>(motions.list.size());

@@ -1,3 +1,9 @@
+// Reader and writer of the member "body" of scene files.
+//
+// ways() lists the descriptions of a body (numbers, shape, parts, points, mesh, import) by the key that identifies
+// each; source() requires exactly one of them, checks the keys against scene_keys.h and builds a BodySource,
+// recursively for parts. SourceWriter writes each description back as canonical JSON.
+
 #include "scene/body_file.h"
 
 #include <fmt/format.h>
@@ -152,7 +158,7 @@ MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
     GivenBody b;
     const JsonNode& mass = node.required("mass", "the mass in kg");
     b.mass = mass.number();
-    // a massless body of a mechanism has none
+    // a massless body of a mechanism has no moments
     const JsonNode* moments = node.find("inertia");
     if (!moments && (is_part || b.mass != 0))
         moments = &node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
@@ -182,7 +188,7 @@ MadeOf of_point_masses(const JsonNode& node, const std::string&, bool) {
     return body;
 }
 
-// One factor for all axes, or one for each.
+// One factor for all axes, or one per axis.
 Vector3<double> mesh_scale(const JsonNode& node) {
     const Vector3<double> scale =
         node.is_number() ? Vector3<double>(node.number(), node.number(), node.number()) : vector3(node);
@@ -241,11 +247,11 @@ MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
     return body;
 }
 
-// The ways to say what a body is, by the key that tells each; the first has none of the others' keys.
+// The ways to describe a body, each identified by its key. The first also applies if no key is present.
 struct Way {
     const char* key;
     MadeOf (*read)(const JsonNode&, const std::string& directory, bool is_part);
-    const char* object;  // in the table of keys
+    const char* object;  // object name in the table of keys
 };
 const std::vector<Way>& ways() {
     static const std::vector<Way> all{
@@ -277,7 +283,7 @@ std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string
     return body_source(chosen->read(node, directory, is_part));
 }
 
-// three moments where nothing stands off the diagonal
+// Writes three moments if all off-diagonal entries are zero, else the matrix.
 std::string json_tensor(const Matrix3<double>& m) {
     const bool is_diagonal = m == diagonal(Vector3<double>(m[0][0], m[1][1], m[2][2]));
     if (is_diagonal) return write_json(Vector3<double>(m[0][0], m[1][1], m[2][2]));
@@ -351,7 +357,7 @@ struct SourceWriter {
                                 shortest_decimal(point.position[1]), shortest_decimal(point.position[2]));
         return text + "]";
     }
-    // what is in the file belongs to the scene's identity as much as its name
+    // the file's hash is part of the scene's identity, like its name
     std::string operator()(const MeshBody& b) const {
         const Vector3<double>& s = b.mesh.scale;
         const std::string scale = s == Vector3<double>(1, 1, 1) ? ""

@@ -1,4 +1,4 @@
-// The body of a scene file: given as numbers or by what it is made of.
+// Reader and writer of a body in scene files.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace polhode {
 
-/// The body that the object at `node` describes; the files it names are relative to `directory`. Throws InputError.
+/// Parses the body at `node`. Files named in it are relative to `directory`. Throws InputError.
 Body parse_body(const JsonNode& node, const std::string& directory);
 
-/// The object's members as canonical JSON, "\"key\": value, ..": what parse_body reads back.
+/// The members of the body's object as canonical JSON, "\"key\": value, ..". parse_body() reads them back.
 std::string write_body(const Body& body);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// The convex hull of a body that has a shape.
+// The convex hull of a body with a shape.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// Visits what a body is made of; holes add nothing, and a mass without a shape has no hull.
+/// Visits a body's description. Holes are skipped; a mass without a shape has no hull.
 template <class S>
 struct HullOf {
     std::vector<SupportPiece<S>> operator()(const ShapedBody& body) const {
@@ -34,7 +34,7 @@ struct HullOf {
     }
 };
 
-/// Pieces whose convex hull is the body's, from its own origin in its own axes.
+/// Pieces whose convex hull is that of the body, in its own axes from its origin (m).
 template <class S>
 std::vector<SupportPiece<S>> hull(const BodySource& source) {
     return std::visit(HullOf<S>{}, source.made_of);

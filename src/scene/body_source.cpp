@@ -18,7 +18,7 @@ std::shared_ptr<const BodySource> body_source(MadeOf made_of) {
 }
 
 Body body_of(std::shared_ptr<const BodySource> source) {
-    // one that is only numbers needs no source: they are exact
+    // plain numbers are exact and need no source
     if (const auto* given = std::get_if<GivenBody>(&source->made_of))
         return {given->mass, given->inertia, given->center_of_mass, nullptr};
     const auto [mass, center, inertia] = mass_properties<double>(*source);
@@ -26,7 +26,7 @@ Body body_of(std::shared_ptr<const BodySource> source) {
 }
 
 std::string tensor_fault(const Matrix3<double>& J) {
-    constexpr double tolerance = 1e-12;  // of the largest moment
+    constexpr double tolerance = 1e-12;  // relative to the largest moment
     const Vector3<double> I = principal_frame(cast<Wide>(J)).moments;
     const double largest = std::max({std::abs(I[0]), std::abs(I[1]), std::abs(I[2])});
     if (!std::isfinite(largest)) return "is beyond binary64";

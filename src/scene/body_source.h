@@ -1,4 +1,4 @@
-// What a body is made of, as the scene file has it: data only, from which its mass properties follow exactly.
+// How a body is described in a scene file, as data from which its mass properties follow exactly.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace polhode {
 
-/// Either the mass (kg) or the density (kg/m^3; kg/m^2 of a disc or plate, kg/m of a rod), negative for a hole.
+/// Either the mass (kg) or the density (kg/m^3; kg/m^2 for a disc or plate, kg/m for a rod). Negative for a hole.
 struct Amount {
     double value = 0;
     bool is_density = false;
@@ -26,21 +26,23 @@ struct GivenBody {
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;
 };
+/// A uniform body with a shape.
 struct ShapedBody {
     Shape shape;
     Amount amount;
 };
+/// A body of point masses.
 struct PointsBody {
     std::vector<PointMass<double>> points;
 };
-/// A closed surface, from a file.
+/// A closed surface from a file.
 struct MeshBody {
-    std::string file;  ///< as the scene names it
+    std::string file;  ///< as written in the scene
     std::string hash;  ///< of the file's bytes
     Mesh mesh;
     Amount amount;
 };
-/// Bodies placed by their own origins: turned by the orientation, which stands for its normalised value, then moved.
+/// Bodies placed by their own origins: rotated by the normalised orientation, then translated.
 struct PartsBody {
     struct Part {
         std::shared_ptr<const BodySource> body;
@@ -50,17 +52,17 @@ struct PartsBody {
     std::vector<Part> parts;
 };
 
-/// Three turns about axes of the frame, each an angle in rad or degrees.
+/// Three successive rotations about coordinate axes, each by an angle in rad or degrees.
 struct EulerTurn {
     std::array<int, 3> axes{0, 1, 2};
     Vector3<double> angles;
     bool in_degrees = false;
-    bool about_turned_axes = false;  ///< each about the axes as the ones before left them; else about fixed axes
+    bool about_turned_axes = false;  ///< intrinsic: each axis follows the previous rotations; else fixed axes
 };
-/// The inertial of a robot description. Its frame stands in the link's; the tensor is about the centre of mass in the
-/// axes of that frame.
+/// The inertial of a robot description. Its frame is relative to the link; the tensor is about the centre of mass in
+/// the axes of the inertial's frame.
 struct ImportedBody {
-    std::string file, link;  ///< as the scene names them
+    std::string file, link;  ///< as written in the scene
     std::string hash;        ///< of the file's bytes
     double mass = 0;
     Matrix3<double> inertia;
@@ -70,12 +72,13 @@ struct ImportedBody {
 
 using MadeOf = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
 
+/// The description of a body and its mass properties.
 struct BodySource {
     MadeOf made_of;
-    MassProperties<Wide> wide;  ///< what follows from it, to 113 bits
+    MassProperties<Wide> wide;  ///< the resulting mass properties, to 113 bits
 };
 
-/// The orientation in the scalar S, of unit length.
+/// The orientation as a unit quaternion in the scalar S.
 template <class S>
 Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>& orientation) {
     if (const auto* q = std::get_if<Quaternion<double>>(&orientation)) return normalized(cast<S>(*q));
@@ -94,7 +97,7 @@ Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>&
     return q;
 }
 
-/// The exact real function of the source's binary64 numbers, in the scalar S.
+/// Computes the exact real function of the source's binary64 numbers, in the scalar S.
 template <class S>
 struct MassPropertiesOf {
     MassProperties<S> operator()(const GivenBody& given) const {
@@ -121,7 +124,7 @@ struct MassPropertiesOf {
                 rotated(symmetric(body.inertia), unit_quaternion<S>(body.orientation))};
     }
 
-    // asymmetry within the accepted 1e-12 is rounding of the input: the body has the mean of the two entries
+    // an asymmetry within the accepted 1e-12 is input rounding: use the mean of the two entries
     static Matrix3<S> symmetric(const Matrix3<double>& inertia) {
         Matrix3<S> m = cast<S>(inertia);
         for (int i = 0; i < 3; ++i)
@@ -130,6 +133,7 @@ struct MassPropertiesOf {
     }
 };
 
+/// The mass properties of a source, in the scalar S.
 template <class S>
 MassProperties<S> mass_properties(const BodySource& source) {
     if constexpr (std::is_same_v<S, Wide>) {
@@ -150,30 +154,30 @@ MassProperties<S> MassPropertiesOf<S>::operator()(const PartsBody& body) const {
     return composite(parts);
 }
 
-/// The mass properties of a scene's body, the exact function of its binary64 numbers.
+/// The mass properties of a scene's body: the exact function of its binary64 numbers, in the scalar S.
 template <class S>
 MassProperties<S> mass_properties(const Body& body) {
     if (body.source) return mass_properties<S>(*body.source);
     return MassPropertiesOf<S>{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 
-/// A source made of these, with the mass properties that follow.
+/// Creates a source with its mass properties.
 std::shared_ptr<const BodySource> body_source(MadeOf made_of);
 
-/// A scene's body of this source, each of its numbers rounded once. Says nothing about whether they are those of a
-/// body: see validate().
+/// The scene body of this source, with each number rounded once. Does not check that the numbers are physical: see
+/// validate().
 Body body_of(std::shared_ptr<const BodySource> source);
 
-/// Why the tensor about a centre of mass is that of no distribution of mass, in a few words, or empty: symmetry, sign
-/// and triangle inequality within 1e-12 of the largest moment. Moments may be 0.
+/// Why no mass distribution can have this tensor (kg m^2, about its centre of mass), in a few words; empty if one
+/// can. Checks symmetry, sign and the triangle inequality within 1e-12 of the largest moment. Moments may be 0.
 std::string tensor_fault(const Matrix3<double>& inertia);
 
-/// What is wrong with a quaternion that is not of length 1 within 1e-6, "has norm ..", or an empty text; norm_remedy is
-/// what to give instead.
+/// "has norm .." if the quaternion's length differs from 1 by more than 1e-6, else an empty text. norm_remedy is the
+/// matching remedy.
 std::string norm_fault(const Quaternion<double>& q);
 inline constexpr const char* norm_remedy = "a unit quaternion [w, x, y, z] has norm 1 within 1e-6";
 
-/// Whether the body was read with its shape: it is a shape, a mesh, or parts of such.
+/// Whether the body was described with its shape: by a shape, a mesh, or parts of these.
 bool has_shape(const BodySource& source);
 
 }  // namespace polhode

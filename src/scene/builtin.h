@@ -1,5 +1,5 @@
-// The texts that are built into the program: every experiments/scenes/NAME.json (NAME may be FOLDER/NAME) and
-// experiments/NAME.json, and what scenes import.
+// Texts that are compiled into the program: every experiments/scenes/NAME.json (NAME may be FOLDER/NAME), every
+// experiments/NAME.json, and the robot descriptions that scenes import.
 #pragma once
 
 #include <span>
@@ -9,6 +9,7 @@
 
 namespace polhode {
 
+/// A built-in text and its name.
 struct BuiltinText {
     std::string_view name, text;
 };
@@ -17,23 +18,23 @@ struct BuiltinText {
 std::span<const BuiltinText> builtin_scenes();
 std::span<const BuiltinText> builtin_experiments();
 
-/// Robot descriptions that scenes import: every experiments/scenes/robots/FILE, by the name "robots/FILE".
+/// Robot descriptions imported by scenes: every experiments/scenes/robots/FILE, named "robots/FILE".
 std::span<const BuiltinText> builtin_robots();
 
-/// What the directory of a built-in scene begins with, before the name of its folder: the files that it names are built
+/// Prefix of the directory of a built-in scene, before the name of its folder. Files named by such a scene are built
 /// in as well.
 inline constexpr std::string_view builtin_directory = "builtin:";
 
 /// The names of the built-in robot descriptions, sorted.
 std::vector<std::string> builtin_robot_names();
 
-/// The text of a built-in robot description; empty if there is none of that name.
+/// The text of a built-in robot description; empty if it does not exist.
 std::string_view builtin_robot_text(std::string_view name);
 
 /// The names of the built-in experiments, sorted.
 std::vector<std::string> builtin_experiment_names();
 
-/// The text of a built-in experiment's file; empty if there is none of that name.
+/// The text of a built-in experiment file; empty if it does not exist.
 std::string_view builtin_experiment_text(std::string_view name);
 
 }  // namespace polhode

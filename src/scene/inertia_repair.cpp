@@ -11,18 +11,18 @@
 namespace polhode {
 namespace {
 
-constexpr double tolerance = 1e-12;    // of the largest moment: rounding in binary64
-constexpr double small_excess = 1e-3;  // of the largest moment: rounding of printed digits
+constexpr double tolerance = 1e-12;    // relative to the largest moment: rounding in binary64
+constexpr double small_excess = 1e-3;  // relative to the largest moment: rounding of printed digits
 
-// Projects x1 <= x2 <= x3 onto the cone x1 + x2 >= x3, x1 + x3 >= x2. Its other faces follow from these two: their sum
-// gives x1 >= 0, and x2 + x3 >= x1 holds by the order.
+// Projects x1 <= x2 <= x3 onto the cone x1 + x2 >= x3, x1 + x3 >= x2. These two imply the other conditions: their sum
+// gives x1 >= 0, and x2 + x3 >= x1 follows from the order.
 void project(std::array<Wide, 3>& x) {
     const Wide excess = x[2] - x[0] - x[1];
     if (!(excess > 0)) return;
-    // onto the plane x1 + x2 = x3, whose normal is (1, 1, -1)
+    // project onto the plane x1 + x2 = x3, whose normal is (1, 1, -1)
     x[0] += excess / 3, x[1] += excess / 3, x[2] -= excess / 3;
     if (x[0] < 0) {
-        // onto the edge x1 = 0, x2 = x3, which has both planes
+        // project onto the edge x1 = 0, x2 = x3, the intersection of both planes
         x[0] = 0;
         x[1] = x[2] = (x[1] + x[2]) / 2;
         if (x[1] < 0) x[1] = x[2] = 0;
@@ -47,7 +47,7 @@ InertiaRepair repair_inertia(const Matrix3<Wide>& inertia) {
     std::sort(order.begin(), order.end(), [&](int a, int b) { return frame.moments[a] < frame.moments[b]; });
     std::array<Wide, 3> x{};
     for (std::size_t i = 0; i < 3; ++i) x[i] = frame.moments[order[i]];
-    // negative moments alone count as an excess, too
+    // negative moments also count as an excess
     const Wide size = std::max(square_root(x[0] * x[0]), square_root(x[2] * x[2]));
     const Wide excess = x[2] - x[0] - x[1];
     repair.largest = double(x[2]);
@@ -66,7 +66,7 @@ InertiaRepair repair_inertia(const Matrix3<Wide>& inertia) {
 
 Matrix3<double> round_tensor(const Matrix3<Wide>& inertia) {
     Matrix3<double> rounded;
-    // + 0.0: no negative zeros
+    // + 0.0 removes negative zeros
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j) rounded[i][j] = rounded[j][i] = double(inertia[i][j]) + 0.0;
     return rounded;

@@ -1,3 +1,6 @@
+// Reader and writer of the members "bodies", "joints" and "loops" of scene files. The type of a joint or loop
+// determines its permitted keys (scene_keys.h). A body that is the child of a joint must not have an initial state.
+
 #include "scene/joint_file.h"
 
 #include <fmt/format.h>
@@ -26,7 +29,7 @@ constexpr std::pair<const char*, JointType> joint_types[] = {{"revolute", JointT
 constexpr std::pair<const char*, LoopType> loop_types[] = {
     {"spherical", LoopType::spherical}, {"revolute", LoopType::revolute}, {"distance", LoopType::distance}};
 
-// the type that the object is of, and with it the keys that it may have
+// Parses the type of the object, which determines its permitted keys.
 template <class Type, std::size_t n>
 Type typed(const JsonNode& node, const std::pair<const char*, Type> (&types)[n], const char* object) {
     if (!node.is_object()) node.fail(node.described(), "give an object {\"name\": .., \"type\": .., ..}");
@@ -197,7 +200,7 @@ void parse_joint_start(const JsonNode& node, Joint& j) {
     const auto two = [&](const char* key, std::array<double, 2>& values) {
         if (const JsonNode* given = node.find(key)) values = two_numbers(*given);
     };
-    // each key is one of this type's only
+    // each key is permitted for one joint type only
     one("angle", j.coordinate[0]), one("displacement", j.coordinate[0]);
     one("rate", j.rate[0]), one("speed", j.rate[0]);
     two("angles", j.coordinate), two("rates", j.rate);

@@ -1,4 +1,4 @@
-// Bodies with names, joints and loops, in scene files.
+// Reader and writer of named bodies, joints and loops in scene files.
 #pragma once
 
 #include <string>
@@ -8,21 +8,21 @@
 
 namespace polhode {
 
-/// What the members "bodies" and "joints", or "import", and "loops" of a scene's object say goes into `scene`, whose
-/// directory is that of the files that bodies name. Throws InputError, also at the start of a body that a joint
-/// carries.
+/// Parses the members "bodies" and "joints", or "import", and "loops" of a scene's object into `scene`. Files named
+/// by bodies are relative to the scene's directory. Throws InputError, also if a body that is the child of a joint
+/// has an initial state.
 void parse_mechanism(const JsonNode& root, Scene& scene);
 
-/// The start that the object at `node` gives a joint: coordinate and rate, or orientation and angular velocity of a
-/// spherical one, or `dependent`. Throws InputError.
+/// Parses the initial state of a joint: coordinate and rate, or orientation and angular velocity of a spherical
+/// joint, or `dependent`. Throws InputError.
 void parse_joint_start(const JsonNode& node, Joint& joint);
 
-/// The members "bodies", "joints" and "loops" as canonical JSON: lists in square brackets; empty ones as "".
+/// The members "bodies", "joints" and "loops" as canonical JSON arrays; empty arrays as "".
 std::string write_bodies(const Scene& scene);
 std::string write_joints(const Scene& scene);
 std::string write_loops(const Scene& scene);
 
-/// "revolute", .., "fixed"; "spherical", .., "distance".
+/// The name in scene files: "revolute", .., "fixed" for joints; "spherical", .., "distance" for loops.
 const char* name_of(JointType type);
 const char* name_of(LoopType type);
 

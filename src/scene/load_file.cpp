@@ -1,3 +1,6 @@
+// Reader and writer of the member "loads" of scene files, with one function per load type. The permitted keys of each
+// type are in scene_keys.h; values are checked by validate().
+
 #include "scene/load_file.h"
 
 #include <fmt/format.h>

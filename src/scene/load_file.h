@@ -1,4 +1,4 @@
-// What acts on a body or between bodies, in scene files.
+// Reader and writer of loads in scene files.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace polhode {
 
-/// The load that the object at `node` describes. A motor's key is its joint's matter: "torque" on a revolute one of
-/// `joints`, "force" on a prismatic one. Throws InputError.
+/// Parses the load at `node`. The key of a motor depends on its joint in `joints`: "torque" for a revolute joint,
+/// "force" for a prismatic one. Throws InputError.
 Load parse_load(const JsonNode& node, const std::vector<Joint>& joints);
 
-/// As canonical JSON. Throws std::invalid_argument on a UserTorque.
+/// The load as canonical JSON. Throws std::invalid_argument for a UserTorque.
 std::string write_load(const Load& load, const std::vector<Joint>& joints);
 
 }  // namespace polhode

@@ -1,4 +1,8 @@
-// The rules of several bodies: names, trees of joints, loops, and what acts on them.
+// Validates scenes of several bodies: names, trees of joints, loops and loads.
+//
+// Names maps names to indices and reports unknown ones with suggestions. carriers() finds the joint of which each
+// body is the child and rejects cycles of joints by walking from each body towards the world. Whether the loops close
+// is checked later, by the start of the motion (motion/tree_start.h).
 #include <algorithm>
 #include <map>
 
@@ -8,10 +12,10 @@
 namespace polhode {
 namespace {
 
-// Names with the places in their lists, and what was meant by one that is none of them.
+// Maps names to indices. Reports unknown names with a suggestion.
 class Names {
   public:
-    // "body" and "/bodies": for messages
+    // `what`: "body", "joint or loop"; for messages
     Names(const SceneCheck& check, const char* what) : check_(check), what_(what) {}
 
     void add(const std::string& place, const std::string& name, std::size_t index) {
@@ -92,7 +96,7 @@ void check_numbers(const SceneCheck& check, const std::string& place, const Join
     if (joint.type != JointType::spherical) finite("rest", "rest", joint.rest);
 }
 
-// Each body's own, and none that a joint takes care of.
+// Checks each body. A body that a joint carries must have no initial state.
 void check_bodies(const SceneCheck& check, const Scene& scene, const std::vector<const Joint*>& carrier) {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const NamedBody& one = scene.bodies[i];
@@ -106,7 +110,7 @@ void check_bodies(const SceneCheck& check, const Scene& scene, const std::vector
     }
 }
 
-// The joint that carries each body; none where it is free. They form no circle.
+// The joint of which each body is the child; null for a free body. Rejects cycles.
 std::vector<const Joint*> carriers(const SceneCheck& check, const Scene& scene, const Names& bodies) {
     const std::size_t n = scene.bodies.size(), none = n;
     std::vector<const Joint*> carrier(n, nullptr);
@@ -125,7 +129,7 @@ std::vector<const Joint*> carriers(const SceneCheck& check, const Scene& scene, 
         carrier[child] = &joint;
         if (joint.parent != "world") parent[child] = bodies.find(place + "/parent", joint.parent);
     }
-    // each walk ends at the world, at a free body or where an earlier walk has been
+    // each walk ends at the world, at a free body or at a body visited by an earlier walk
     std::vector<std::size_t> walk(n, none);
     for (std::size_t start = 0; start < n; ++start)
         for (std::size_t at = start; at != none && walk[at] != start; at = parent[at]) {
@@ -202,7 +206,7 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
         bodies.add(fmt::format("/bodies/{}/name", i), scene.bodies[i].name, i);
     for (std::size_t i = 0; i < scene.joints.size(); ++i)
         joints.add(fmt::format("/joints/{}/name", i), scene.joints[i].name, i);
-    // a motor on a loop is on no joint
+    // motors act only on joints, not on loops
     Names moving = joints;
     moving.call("joint");
     for (std::size_t i = 0; i < scene.loops.size(); ++i)

@@ -1,3 +1,7 @@
+// Parsers of OBJ text and of STL, text and binary. Lines splits a text into words and knows the line number for
+// errors. parse_mesh() selects the format, checks the limits of scene_limits.h and the closure of the surface
+// (body/mesh.h), and reverses surfaces that face inward.
+
 #include "scene/mesh_file.h"
 
 #include <fmt/format.h>
@@ -27,12 +31,13 @@ constexpr const char* expected_file = "a surface in OBJ or STL format";
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
-// A text file by lines and words; faults know the line.
+// Splits a text file into lines and words. Errors name the line.
 class Lines {
   public:
     Lines(std::string_view text, const std::string& path) : rest_(text), path_(path) {}
 
-    /// The words of the next line that has any; false at the end. A backslash at the end joins the next line.
+    /// Reads the words of the next non-empty line; returns false at the end. A backslash at the end of a line joins
+    /// the next line.
     bool next(std::vector<std::string_view>& words, char comment) {
         words.clear();
         while (words.empty() && !rest_.empty()) {
@@ -88,7 +93,7 @@ class Lines {
     long line_ = 0;
 };
 
-// Throws where a file has come to hold more than is read.
+// Throws if the mesh exceeds the limits.
 void require_bounded(const Mesh& mesh, const std::string& path) {
     const auto refuse = [&](std::size_t most, const char* what) {
         throw InputError(path, "", fmt::format("has more than {} {}", most, what), "give a coarser surface");
@@ -98,14 +103,14 @@ void require_bounded(const Mesh& mesh, const std::string& path) {
 }
 
 Mesh parse_obj(std::string_view text, const std::string& path) {
-    // what says nothing about the surface
+    // statements that do not describe the surface
     static constexpr std::string_view read_past[] = {"vn", "vt", "vp", "g", "o", "s", "l", "p", "usemtl", "mtllib"};
     Mesh mesh;
     Lines lines(text, path);
     std::vector<std::string_view> words;
     while (lines.next(words, '#')) {
         if (words[0] == "v") {
-            // a fourth is a weight, six are a colour
+            // a fourth number is a weight, six numbers include a colour
             if (words.size() < 4) lines.fail("has a vertex of fewer than 3 coordinates", "give \"v x y z\"");
             mesh.vertices.push_back(lines.point(words));
             require_bounded(mesh, path);
@@ -117,7 +122,7 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
                 long index = 0;
                 const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
                 const long count = static_cast<long>(mesh.vertices.size());
-                // counted from 1, or backward from the last
+                // indices count from 1, or backward from the last vertex
                 const long corner = index < 0 ? count + index : index - 1;
                 if (error != std::errc() || end != word.data() + word.size() || corner < 0 || corner >= count)
                     lines.fail(
@@ -176,7 +181,7 @@ Mesh parse_text_stl(std::string_view text, const std::string& path) {
     return mesh;
 }
 
-// 80 bytes, the number of triangles, for each 12 binary32 (normal, corners) and two bytes; little-endian
+// 80 bytes, the number of triangles, then per triangle 12 binary32 (normal, vertices) and two bytes; little-endian
 constexpr std::size_t stl_header = 84, stl_triangle = 50;
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
@@ -211,7 +216,7 @@ Mesh parse_binary_stl(std::string_view bytes, const std::string& path) {
 }
 
 Mesh parse_stl(std::string_view bytes, const std::string& path) {
-    // a binary file may begin with "solid" as well; its size tells
+    // a binary file may also begin with "solid"; its size identifies it
     const bool binary_by_size =
         bytes.size() >= stl_header && bytes.size() == stl_header + stl_triangle * word_at(bytes, 80);
     if (!binary_by_size && bytes.substr(0, 5) == "solid" && bytes.find('\0') == bytes.npos)

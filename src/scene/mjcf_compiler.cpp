@@ -1,4 +1,4 @@
-// The settings of MJCF's <compiler>.
+// Reads the settings of MJCF's <compiler>.
 #include <fmt/format.h>
 
 #include "scene/mjcf_values.h"
@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-// One of several words: the index of the attribute's value, or `fallback` where there is none.
+// The index of the attribute's value among `words`, or `fallback` if the attribute is missing.
 std::size_t word(const RobotXml& xml, const XMLElement& at, const char* name, const std::vector<std::string>& words,
                  std::size_t fallback) {
     const char* text = at.Attribute(name);
@@ -21,7 +21,7 @@ bool flag_or(const RobotXml& xml, const XMLElement& at, const char* name, bool f
     return at.Attribute(name) ? xml.flag(at, name) : fallback;
 }
 
-// Lower case letters rotate about the axes of the body, upper case letters about fixed axes.
+// Lower-case letters rotate about body axes, upper-case letters about fixed axes.
 void read_sequence(const RobotXml& xml, const XMLElement& at, EulerTurn& euler) {
     const char* sequence = at.Attribute("eulerseq");
     if (!sequence) return;

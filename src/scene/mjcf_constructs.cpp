@@ -1,8 +1,10 @@
-// What the importer does with each element and attribute of MJCF (MuJoCo 2.1 to 3.x; the names of all versions).
+// The table of MJCF elements and attributes, and how the importer treats each (MuJoCo 2.1 to 3.x; names of all
+// versions).
 //
-// Attributes and children of an element that is irrelevant or omitted as a whole share its verdict and are not listed.
-// Elements inside <default> have no attributes when the table is applied: mjcf_defaults.cpp has written them into the
-// elements of their class. <composite> and <flexcomp> that make bodies are refused by name (mjcf_parts.cpp).
+// Attributes and children of an element that is irrelevant or omitted as a whole share its verdict and are not
+// listed. Elements inside <default> have no attributes when the table is applied: mjcf_defaults.cpp has written them
+// into the elements of their class. <composite> and <flexcomp> elements that create bodies are refused by name
+// (mjcf_parts.cpp).
 #include <tinyxml2.h>
 
 #include <string_view>
@@ -19,7 +21,7 @@ bool has_word(const XMLElement& at, const char* attribute, std::string_view word
     return text && text == word;
 }
 
-// Whether an attribute of an element has a number that is not zero.
+// Whether an attribute contains a number that is not zero.
 bool is_set(const XMLElement& at, const char* attribute) {
     const char* text = at.Attribute(attribute);
     return text && std::string_view(text).find_first_of("123456789") != std::string_view::npos;
@@ -31,7 +33,7 @@ const XMLElement* model_of(const XMLElement& at) {
     return node->ToElement();
 }
 
-// limited, with "auto" by autolimits, which is on unless the file turns it off
+// limited="auto" follows autolimits, which is on unless the file disables it
 bool has_limits(const XMLElement& at) {
     if (has_word(at, "type", "free") || has_word(at, "limited", "false")) return false;
     if (has_word(at, "limited", "true")) return true;
@@ -42,7 +44,7 @@ bool has_limits(const XMLElement& at) {
     return automatic;
 }
 
-// a wind acts in a medium
+// wind acts only in a medium
 bool has_wind(const XMLElement& at) {
     if (!is_set(at, "wind")) return false;
     for (const XMLElement* o = model_of(at)->FirstChildElement("option"); o; o = o->NextSiblingElement("option"))

@@ -1,4 +1,4 @@
-// MJCF's <default>: classes of attribute values, written into the elements that have them.
+// Evaluates MJCF's <default>: writes the attribute values of each class into the elements that use it.
 #include <fmt/format.h>
 
 #include <array>
@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-// The kinds of elements whose values matter, by their tags inside <default>.
+// Kinds of elements whose defaults matter, by their tags inside <default>.
 constexpr std::array<std::string_view, 5> kinds{"joint", "geom", "mesh", "equality", "tendon"};
 
 using Attributes = std::map<std::string, std::string>;
@@ -37,7 +37,7 @@ class MjcfDefaults {
 
     void read(XMLElement& root) {
         for (XMLElement* at = root.FirstChildElement("default"); at; at = at->NextSiblingElement("default")) {
-            // a name of the top-level class is another name of "main", to which all these elements add
+            // the name of a top-level class is an alias of "main"; all top-level <default> elements add to it
             const char* name = at->Attribute("class");
             if (name && *name) main_names_.insert(name);
             read_class(*at, "main");
@@ -77,7 +77,7 @@ class MjcfDefaults {
         }
     }
 
-    // MuJoCo holds a quaternion and one alternative orientation, which counts if there is one
+    // MuJoCo stores a quaternion and one alternative orientation; the alternative takes precedence
     static void set(Attributes& values, const std::string& name, const std::string& value) {
         if (is_alternative(name)) std::erase_if(values, [](const auto& one) { return is_alternative(one.first); });
         values[name] = value;
@@ -92,7 +92,7 @@ class MjcfDefaults {
         }
     }
 
-    // An attribute that is missing takes the value of the class.
+    // Sets missing attributes to the values of the class.
     void complete(XMLElement& at, std::string_view kind, const std::string& child_class) const {
         const char* own = at.Attribute("class");
         const std::string name = own ? own : child_class;

@@ -1,10 +1,10 @@
-// Robots of MJCF (MuJoCo XML, versions 2 and 3).
+// Reads robots from MJCF (MuJoCo XML, versions 2 and 3).
 //
-// The reader walks the tree of bodies of a model whose included files and class defaults are written into its elements
-// (mjcf_model.h). Each <body> becomes a link; MjcfCollector expands <frame>, <replicate> and <attach>, MjcfMasses
-// computes masses, and MjcfJoints makes the joints, with links without mass between several joints of one body. A
-// joint's coordinate zero is the pose as written, which is MuJoCo's qpos = ref; keyframes play no part. Bodies without
-// joints are welded to their parents.
+// The reader walks the tree of bodies of a model whose included files and class defaults are already resolved
+// (mjcf_model.h). Each <body> becomes a link. MjcfCollector expands <frame>, <replicate> and <attach>; MjcfMasses
+// computes masses; MjcfJoints creates the joints, with massless links between several joints of one body. Coordinate
+// zero of a joint is the pose as written, which is MuJoCo's qpos = ref. Keyframes are ignored. Bodies without joints
+// are welded to their parents.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace polhode {
 namespace {
 
-// The last value of an attribute of <option> or, with `tag`, of an element in it.
+// The <option> element, or its child `tag`, that last sets an attribute.
 const XMLElement* option_with(const XMLElement& root, const char* attribute, const char* tag = nullptr) {
     const XMLElement* found = nullptr;
     for (const XMLElement* o = root.FirstChildElement("option"); o; o = o->NextSiblingElement("option")) {
@@ -74,7 +74,7 @@ class MjcfReader {
         return std::move(robot_);
     }
 
-    // The mass of one body, by its element.
+    // The mass properties of the body at this element.
     LinkInertial inertial_of(const XMLElement& at) {
         MjcfScope scope;
         scope.model = &model_;
@@ -98,7 +98,7 @@ class MjcfReader {
         for (const MjcfParts::Part& body : parts.bodies) read_body(*body.at, body.scope, parent, moves);
     }
 
-    // `moves`: the parent moves
+    // `moves`: whether the parent moves
     void read_body(const XMLElement& at, const MjcfScope& scope, std::size_t parent, bool moves) {
         const char* given = at.Attribute("name");
         const std::string name = given && *given ? scope.name(given) : fmt::format("body{}", ++unnamed_);
@@ -127,7 +127,7 @@ class MjcfReader {
         read_bodies(parts, link, moves);
     }
 
-    // The mass of a body that does not move counts for settotalmass alone.
+    // The mass of a static body matters only for settotalmass.
     std::optional<MassProperties<Wide>> mass_of(const MjcfMasses::Body& body, bool moves) {
         if (moves || model_.compiler.total_mass > 0) return masses_.of(body);
         try {
@@ -141,7 +141,7 @@ class MjcfReader {
     void scale_masses() {
         const MjcfCompiler& compiler = model_.compiler;
         if (!(compiler.total_mass > 0)) return;
-        std::set<std::size_t> left_out;  // fusestatic removes bodies that are welded to the world before the scaling
+        std::set<std::size_t> left_out;  // fusestatic removes static bodies before the scaling
         for (const auto& [link, is_mocap] : static_)
             if (compiler.fuses_static && !is_mocap) left_out.insert(link);
         Wide total = 0;
@@ -159,7 +159,7 @@ class MjcfReader {
             fmt::format("{} kg in all, factor {:.9g}", compiler.total_mass, double(scale)));
     }
 
-    // Generated names must differ from the given ones.
+    // Gives unnamed bodies names that differ from the given ones.
     void name_bodies() {
         std::set<std::string> taken;
         for (const RobotLink& link : robot_.links) taken.insert(link.name);
@@ -210,7 +210,7 @@ LinkInertial mjcf_body_inertial(const RobotXml& xml, XMLElement& root, const std
         const XMLElement& at = named_element(xml, root, "body", body);
         if (!(model.compiler.total_mass > 0)) return reader.inertial_of(at);
     } catch (const InputError&) {
-        // the body may have its name by <replicate> or <attach>
+        // the body may get its name from <replicate> or <attach>
         if (!root.FirstChildElement("worldbody")) throw;
         const Robot robot = MjcfReader(xml, library, model).read();
         for (const RobotLink& link : robot.links)

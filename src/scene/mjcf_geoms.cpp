@@ -1,4 +1,4 @@
-// Mass of MJCF geoms: primitives, meshes, and primitives fitted to meshes.
+// Masses of MJCF geoms: primitives, meshes, and primitives fitted to meshes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace {
 
 constexpr const char* inertial_remedy = "give the body an <inertial>";
 
-// Half sizes in the order of MuJoCo's "size". Lengths from fromto are rounded to binary64, which shapes are given in.
+// `size` has half sizes in the order of MuJoCo's "size". Lengths computed from fromto are rounded to binary64, the
+// type of shapes.
 Shape primitive(const std::string& type, const std::array<double, 3>& size) {
     if (type == "sphere") return SolidSphere{size[0]};
     if (type == "capsule") return Capsule{size[0], size[1]};
@@ -35,7 +36,7 @@ bool is_primitive(const std::string& type) {
     return type == "sphere" || type == "capsule" || type == "cylinder" || type == "box" || type == "ellipsoid";
 }
 
-// The axes of an extent from its smallest spread to its largest, with the half sizes of the box of that spread.
+// The axes of an extent in order of increasing spread, and the half sizes of the box with the same spread.
 struct InertiaBox {
     std::array<Vector3<Wide>, 3> axes;
     std::array<Wide, 3> half{};
@@ -51,7 +52,7 @@ InertiaBox inertia_box(const Extent<Wide>& e) {
         Vector3<Wide> axis;
         axis[order[k]] = Wide(1);
         box.axes[k] = rotate(frame.q_BP, axis);
-        // the spread along an axis is half the trace less its moment, and a third of the box's squared half size
+        // the spread along an axis is half the trace minus the moment, and one third of the box's squared half size
         const Wide square = Wide(3) * (trace / Wide(2) - frame.moments[order[k]]);
         box.half[k] = square > Wide(0) ? square_root(square) : Wide(0);
     }
@@ -63,7 +64,7 @@ std::vector<double> given_sizes(const RobotXml& xml, const XMLElement& at) {
     return text ? xml.numbers(at, "size", text, 1, 3) : std::vector<double>{};
 }
 
-// Half sizes and pose of a primitive that spans two points.
+// Half sizes and pose of a primitive given by two end points (fromto).
 std::array<double, 3> spanned(const RobotXml& xml, const XMLElement& at, const std::string& type, RobotPose& place) {
     if (type == "sphere")
         xml.fail(at, "is a sphere and has fromto", "fromto is for capsule, cylinder, box and ellipsoid");
@@ -80,7 +81,7 @@ std::array<double, 3> spanned(const RobotXml& xml, const XMLElement& at, const s
 
 }  // namespace
 
-// `place`: of the geom in the frames around it, on entry by its pose
+// `place`: pose of the geom in its surrounding frame; on entry that of its attributes
 Extent<Wide> MjcfMasses::extent(const MjcfPlaced& geom, RobotPose& place, const std::string& body) {
     const XMLElement& at = *geom.at;
     const std::string type = at.Attribute("type") ? at.Attribute("type") : "sphere";
@@ -114,7 +115,7 @@ Extent<Wide> MjcfMasses::extent(const MjcfPlaced& geom, RobotPose& place, const 
     return primitive_extent(type, size, shell);
 }
 
-// A primitive with a mesh takes the place and size of the mesh's equivalent inertia box (MuJoCo's mjCMesh::FitGeom).
+// A primitive with a mesh takes the pose and size of the mesh's equivalent inertia box (MuJoCo's mjCMesh::FitGeom).
 Extent<Wide> MjcfMasses::fitted(const MjcfPlaced& geom, const std::string& type, bool shell) {
     const XMLElement& at = *geom.at;
     if (geom.model->compiler.fits_box)

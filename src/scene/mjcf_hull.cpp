@@ -1,6 +1,6 @@
-// Incremental convex hull (M. Kallay 1984): each point outside replaces the faces that it sees by a cone over their
-// horizon. Signed volumes are computed in binary64 and, near zero, again in 113 bits. The result is checked: no point
-// lies outside the plane of a face.
+// Incremental convex hull (M. Kallay 1984). Each point outside the current hull replaces the faces visible from it by
+// a cone over their horizon. Signed volumes are computed in binary64 and, near zero, again in 113 bits. The result is
+// verified: no point lies outside the plane of a face.
 #include "scene/mjcf_hull.h"
 
 #include <algorithm>
@@ -43,14 +43,14 @@ class Hull {
         return dot(from(t[0]), cross(from(t[1]), from(t[2])));
     }
 
-    // The point sees the face: the tetrahedron from the point to the face has negative volume.
+    // Whether the point sees the face: the tetrahedron from the point to the face has negative volume.
     bool is_outside(const Triangle& t, int p) const {
         const double scale = size_ * size_ * size_, volume = six_volumes<double>(t, p);
         if (std::abs(volume) > 1e-12 * scale) return volume < 0;
         return six_volumes<Wide>(t, p) < Wide(-1e-25) * Wide(scale);
     }
 
-    // A tetrahedron of points that are far apart.
+    // Finds an initial tetrahedron of points that are far apart.
     bool start() {
         const auto farthest = [&](auto&& distance) {
             int best = 0;
@@ -76,7 +76,8 @@ class Hull {
         return true;
     }
 
-    // Extreme points first, so that points on the faces and edges of a polyhedron find them complete.
+    // Extreme points first, so that the faces and edges of a polyhedron are complete before the points on them are
+    // inserted.
     std::vector<int> insertion_order() const {
         std::vector<int> order;
         std::set<int> taken;

@@ -1,4 +1,4 @@
-// The convex hull of points, for meshes whose mass is that of their hull.
+// The convex hull of points, for meshes whose mass is defined by their hull.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace polhode {
 
-/// Triangles of the hull by the indices of their points, counter-clockwise as seen from outside; none where the points
-/// lie in one plane, or are more than the algorithm handles within its limit of work.
+/// The triangles of the hull as indices of points, counter-clockwise as seen from outside. Empty if the points are
+/// coplanar or exceed the algorithm's work limit.
 std::vector<std::array<int, 3>> convex_hull(const std::vector<Vector3<double>>& points);
 
 }  // namespace polhode

@@ -1,8 +1,10 @@
-// Joints of MJCF.
+// Converts joints of MJCF.
 //
-// hinge and slide: revolute and prismatic, with linear springs and dampers. ball: spherical, with a linear damper;
-// MuJoCo's spring of a ball joint pulls with the angle, a scene's with its sine, so that it is omitted. free: free
-// bodies; <joint type="free"> takes the values of <default>, <freejoint> does not; its damping is linear drag.
+// - hinge and slide become revolute and prismatic, with linear springs and dampers.
+// - ball becomes spherical with a linear damper. Its spring is omitted: MuJoCo's torque grows with the angle, a
+//   scene's with its sine.
+// - free becomes a free body; its damping is linear drag. <joint type="free"> takes the values of <default>,
+//   <freejoint> does not.
 #include "scene/mjcf_joints.h"
 
 #include <fmt/format.h>
@@ -99,7 +101,7 @@ void MjcfJoints::add_joint(const MjcfParts::Part& part, const std::string& body,
     if (std::string_view(at.Name()) == "joint") read_forces(at, part.scope.model->compiler, robot_.joints.size() - 1);
 }
 
-// The linear coefficient; MuJoCo 3 takes two more, of the square and the cube.
+// The linear coefficient. MuJoCo 3 accepts two more, for the square and the cube.
 double MjcfJoints::leading(const XMLElement& at, const char* name, const std::string& joint) {
     const char* text = at.Attribute(name);
     if (!text) return 0;

@@ -1,4 +1,4 @@
-// Joints of MJCF bodies with their springs and dampers.
+// Joints of MJCF bodies, with springs and dampers.
 #pragma once
 
 #include <string>
@@ -10,22 +10,25 @@
 
 namespace polhode {
 
+/// Converts the joints of MJCF bodies and adds them to a robot.
 class MjcfJoints {
   public:
     MjcfJoints(const RobotXml& xml, Robot& robot) : xml_(xml), robot_(robot), names_(xml, "joint") {}
 
-    /// Whether springs and dampers act (<flag>).
+    /// Sets whether springs and dampers act (<flag>).
     void set_passive_forces(bool springs, bool dampers) { springs_ = springs, dampers_ = dampers; }
 
-    /// Adds a link for the body, and its joints: each but the last moves a link without mass in the body's own frame.
-    /// A body without joints is welded to its parent; one in the world is a root. Returns the link.
+    /// Adds a link for the body, and its joints. Each joint except the last moves a massless link in the body's own
+    /// frame. A body without joints is welded to its parent; without joints in the world it is a root. Returns the
+    /// link's index.
     std::size_t add_body(const XMLElement& at, const std::string& name, std::size_t parent, const RobotPose& place,
                          const MjcfParts& parts);
     /// Welds a body to the world.
     void hold(const XMLElement& at, const std::string& name, std::size_t link, const RobotPose& place);
     /// Moves the frame of a free link to its centre of mass, where its damping then acts (alignfree).
     void align(std::size_t link);
-    /// To be called when all masses are known: computes springdampers and makes generated names differ from given ones.
+    /// Call this when all masses are known. Computes the springdampers and makes generated names distinct from given
+    /// ones.
     void finish();
 
   private:
@@ -45,10 +48,10 @@ class MjcfJoints {
     RobotNames names_;
     bool springs_ = true, dampers_ = true;
     int unnamed_ = 0;
-    std::vector<std::size_t> generated_;  ///< joints
-    std::vector<double> armature_;        ///< of each joint
+    std::vector<std::size_t> generated_;  ///< indices of joints
+    std::vector<double> armature_;        ///< one per joint
     std::vector<MjcfSpringDamper> springdampers_;
-    std::vector<const MjcfCompiler*> compilers_;  ///< of each springdamper
+    std::vector<const MjcfCompiler*> compilers_;  ///< one per springdamper
 };
 
 }  // namespace polhode

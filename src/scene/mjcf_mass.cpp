@@ -1,4 +1,4 @@
-// Masses of MJCF bodies, by the rules of <compiler>.
+// Masses of MJCF bodies by the rules of <compiler>.
 #include "scene/mjcf_mass.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ std::optional<MassProperties<Wide>> MjcfMasses::of(const Body& body) {
     const MjcfInertia rule = body.model->compiler.inertia;
     std::optional<MassProperties<Wide>> mass;
     if (rule == MjcfInertia::from_geoms || (rule == MjcfInertia::either && !body.inertial)) mass = of_geoms(body);
-    // without a geom that has mass, an <inertial> counts also under inertiafromgeom="true"
+    // if no geom has mass, <inertial> applies even with inertiafromgeom="true"
     if (!mass && body.inertial) {
         const MjcfPlaced& inertial = *body.inertial;
         mass = placed(mjcf_inertial(xml_, *inertial.at, inertial.model->compiler), inertial.pose.position,
@@ -53,12 +53,12 @@ std::optional<MassProperties<Wide>> MjcfMasses::of_geoms(const Body& body) {
     return composite(parts);
 }
 
-// boundmass, boundinertia and balanceinertia act on the principal moments.
+// Applies boundmass, boundinertia and balanceinertia to the principal moments.
 void MjcfMasses::apply_bounds(const Body& body, std::optional<MassProperties<Wide>>& mass) {
     const MjcfCompiler& compiler = body.model->compiler;
     const bool bounded = compiler.least_mass > 0 || compiler.least_moment > 0;
     if (!mass && bounded) {
-        // MuJoCo puts the centre of a body without mass at the body's own pos, in the body's frame
+        // MuJoCo puts the centre of a massless body at the value of the body's pos, interpreted in the body's frame
         mass.emplace();
         if (body.at->Attribute("pos")) mass->center = cast<Wide>(three_of(xml_.attribute(*body.at, "pos", 3)));
     }

@@ -1,4 +1,4 @@
-// Masses of MJCF bodies: <inertial>, geoms of primitives and meshes, and the rules of <compiler>.
+// Masses of MJCF bodies: <inertial>, primitive and mesh geoms, and the rules of <compiler>.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// An element with the pose of the frames around it, in the body's frame.
+/// An element with the pose of its surrounding frames in the body's frame.
 struct MjcfPlaced {
     const XMLElement* at = nullptr;
     const MjcfModel* model = nullptr;
@@ -24,8 +24,8 @@ class MjcfMeshes {
   public:
     MjcfMeshes(const RobotXml& xml, RobotNotes& assumed) : xml_(xml), assumed_(assumed) {}
 
-    /// Of the mesh that a geom names, in the mesh's frame; `shell`: of the surface, whatever the asset says. Throws
-    /// InputError where the mesh cannot be read or has no volume.
+    /// The extent of a geom's mesh in the mesh's frame. `shell`: of the surface, whatever the asset specifies. Throws
+    /// InputError if the mesh cannot be read or has no volume.
     const Extent<Wide>& extent(const MjcfModel& model, const XMLElement& geom, bool shell);
 
   private:
@@ -40,28 +40,29 @@ class MjcfMeshes {
     std::map<Key, Extent<Wide>> extents_;
 };
 
-/// The volume of a mesh asset by its own rule; what the rule changes against MuJoCo is noted. Throws InputError.
+/// The extent of a mesh asset by the asset's own inertia rule. Deviations from MuJoCo are noted in `assumed`. Throws
+/// InputError.
 Extent<Wide> mjcf_mesh_extent(const RobotXml& xml, const MjcfModel& model, const XMLElement& asset, bool shell,
                               RobotNotes& assumed);
 
-/// Area (m^2), mean and spread of the surface of a sphere, capsule, cylinder, box or ellipsoid.
+/// Area (m^2), mean (m) and spread (m^2) of the surface of a sphere, capsule, cylinder, box or ellipsoid.
 Extent<Wide> mjcf_shell(const Shape& shape);
 
-/// Masses of bodies. What was assumed is noted under the names of bodies.
+/// Computes the masses of bodies. Assumptions are noted with the bodies' names.
 class MjcfMasses {
   public:
     MjcfMasses(const RobotXml& xml, RobotNotes& assumed) : xml_(xml), assumed_(assumed), meshes_(xml, assumed) {}
 
     struct Body {
-        std::string name;                  ///< for notes
-        const XMLElement* at = nullptr;    ///< <body>
-        const MjcfModel* model = nullptr;  ///< whose <compiler> counts
+        std::string name;                  ///< name in notes
+        const XMLElement* at = nullptr;    ///< the <body>
+        const MjcfModel* model = nullptr;  ///< the model whose <compiler> applies
         std::optional<MjcfPlaced> inertial;
         std::vector<MjcfPlaced> geoms;
     };
-    /// In the body's frame; none of a body without mass and moments. Throws InputError.
+    /// Mass properties in the body's frame. Returns nothing for a body without mass and moments. Throws InputError.
     std::optional<MassProperties<Wide>> of(const Body& body);
-    /// The numbers of the file, where the body has these; else none.
+    /// The numbers as written in the file, if the body's mass properties are given by them; else nothing.
     std::optional<ImportedBody> given(const Body& body);
 
   private:

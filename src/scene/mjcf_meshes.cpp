@@ -1,10 +1,10 @@
-// Mass of MJCF meshes: exact integrals over the solid or the surface.
+// Masses of MJCF meshes: exact integrals over the solid or the surface.
 //
-// A mesh asset is read from an OBJ or STL file, or from its vertices and faces, then moved by refpos, turned back by
-// refquat and scaled. Solids need only the integrals of the mesh as written: under x' = A (x - r) the volume scales by
-// |det A|, and the spread becomes A spread A^T. MuJoCo's rule "legacy", its default, adds the absolute volumes of the
-// pyramids over the faces, which counts too much where a mesh is not convex; the exact volume is taken and the
-// difference noted.
+// A mesh asset is read from an OBJ or STL file, or from its vertices and faces. It is then translated by refpos,
+// rotated back by refquat and scaled. For solids, the integrals of the mesh as written suffice: under x' = A (x - r)
+// the volume scales by |det A|, and the spread becomes A spread A^T. MuJoCo's default rule "legacy" adds the absolute
+// volumes of the pyramids over the faces, which overestimates the volume of a non-convex mesh. This file uses the
+// exact volume and notes the difference.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* remedy = "give the body an <inertial>";
 
-// x' = scale R^T (x - reference)
+// The map x' = scale R^T (x - reference).
 struct MeshMap {
     Vector3<Wide> reference, scale{Wide(1), Wide(1), Wide(1)};
     Quaternion<Wide> turn;
@@ -67,7 +67,7 @@ void take_hull(const RobotXml& xml, const XMLElement& asset, Mesh& mesh) {
                  remedy);
 }
 
-// The mesh in the file's own numbers.
+// The mesh given inline, in the numbers of the file.
 Mesh inline_mesh(const RobotXml& xml, const XMLElement& asset) {
     Mesh mesh;
     const std::vector<double> v = xml.numbers(asset, "vertex", asset.Attribute("vertex"), 12, 3 * most_vertices);
@@ -150,7 +150,7 @@ Extent<Wide> solid_extent(const Mesh& mesh, const MeshMap& map) {
     return e;
 }
 
-// MuJoCo's legacy volume over the exact one, in binary64.
+// The ratio of MuJoCo's legacy volume to the exact one, in binary64.
 double legacy_ratio(const Mesh& mesh, const MeshMap& map, const Wide& volume) {
     std::vector<Vector3<double>> v;
     for (const Vector3<double>& one : mesh.vertices) v.push_back(cast<double>(map(cast<Wide>(one))));

@@ -15,9 +15,9 @@ namespace {
 
 using tinyxml2::XMLNode;
 
-constexpr std::size_t most_files = 1000;                       // included or attached by one robot
-constexpr std::size_t largest_total = 4 * largest_robot_file;  // bytes of these
-constexpr int deepest = 300;                                   // nesting of elements, included files expanded
+constexpr std::size_t most_files = 1000;                       // files included or attached by one robot
+constexpr std::size_t largest_total = 4 * largest_robot_file;  // bytes in all these files
+constexpr int deepest = 300;                                   // nesting of elements, with included files
 
 std::string normal_path(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
 
@@ -45,7 +45,7 @@ const MjcfModel& MjcfLibrary::main(XMLElement& root) {
 const MjcfModel& MjcfLibrary::attached(const XMLElement& at, const MjcfModel& of, const std::string& name) {
     const auto asset = of.models.find(name);
     if (asset != of.models.end()) return load(*asset->second, of);
-    // without a name of its own, a model has that of its root element
+    // a model asset without a name has that of its root element
     for (const XMLElement* one : of.unnamed_models) {
         const MjcfModel& model = load(*one, of);
         if (const char* own = model.root->Attribute("model"); own && own == name) return model;
@@ -103,8 +103,8 @@ void MjcfLibrary::list_assets(MjcfModel& model) const {
         }
 }
 
-// Replaces an <include> by what it includes, and all <include>s below any other element. `folder`: of the included file
-// that the element comes from; names are looked up in the main file's folder first (MuJoCo's rule), then in this one.
+// Replaces an <include>, or every <include> below another element. `folder`: folder of the included file that
+// contains the element. File names are looked up in the main file's folder first (MuJoCo's rule), then in `folder`.
 void MjcfLibrary::expand(XMLElement& at, int depth, const RobotFiles& files, const std::string& folder,
                          std::set<std::string>& included) {
     if (depth > deepest)
@@ -121,7 +121,7 @@ void MjcfLibrary::expand(XMLElement& at, int depth, const RobotFiles& files, con
     }
 }
 
-// The children of the included file's root, in the place of `include`.
+// Replaces `include` by the children of the included file's root. Returns them.
 std::vector<XMLElement*> MjcfLibrary::splice(XMLElement& include, const RobotFiles& files, const std::string& folder,
                                              std::set<std::string>& included, std::string& inner_folder) {
     if (include.FirstChildElement()) xml_.fail(include, "has elements inside", "an <include> must be empty");
@@ -165,7 +165,7 @@ std::string MjcfLibrary::read(const XMLElement& at, const RobotFiles& files, con
     return text;
 }
 
-// tinyxml2's own copy has neither lines nor user data.
+// Needed because tinyxml2's copy drops line numbers and user data.
 XMLElement* MjcfLibrary::copy(const XMLElement& from, const std::string& path, tinyxml2::XMLDocument& into) {
     XMLElement* element = into.NewElement(from.Name());
     for (const tinyxml2::XMLAttribute* a = from.FirstAttribute(); a; a = a->Next())

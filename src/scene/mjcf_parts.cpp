@@ -20,7 +20,7 @@ MjcfScope inside(const MjcfScope& scope, const RobotPose& pose) {
     return inner;
 }
 
-// "07" of 12 copies
+// Pads the index of a copy: "07" of 12 copies.
 std::string copy_number(int index, int count) {
     std::string text = std::to_string(index);
     const std::size_t digits = std::to_string(count).size();
@@ -78,8 +78,8 @@ void MjcfCollector::collect_one(const XMLElement& at, const MjcfScope& scope, Mj
     }
 }
 
-// Copy i is turned by i times the Euler angles and moved by the offsets of all copies before it, each in the axes of
-// its own copy.
+// Copy i is rotated by i times the Euler angles. It is displaced by the offsets of all previous copies, each in the
+// axes of its copy.
 void MjcfCollector::replicate(const XMLElement& at, const MjcfScope& scope, MjcfParts& parts) {
     const double given = xml_.attribute(at, "count", 1)[0];
     if (!(given >= 0 && given <= static_cast<double>(most_elements) && given == std::floor(given)))

@@ -1,4 +1,4 @@
-// What belongs to one MJCF body, with <frame>, <replicate> and <attach> expanded.
+// Collects the parts of one MJCF body, with <frame>, <replicate> and <attach> expanded.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,18 @@
 
 namespace polhode {
 
-/// Where an element is read: its model, the pose of the frames between it and its body, and what is added to names.
+/// The context in which an element is read: its model, the pose of the frames between it and its body, and the prefix
+/// and suffix of names.
 struct MjcfScope {
     const MjcfModel* model = nullptr;
     RobotPose pose;
     std::string prefix, suffix;
-    int depth = 0;  ///< of bodies, frames, replicates and attached models
+    int depth = 0;  ///< nesting depth of bodies, frames, replicates and attached models
 
     std::string name(const std::string& own) const { return prefix + own + suffix; }
 };
 
+/// The parts of one body.
 struct MjcfParts {
     struct Part {
         const XMLElement* at = nullptr;
@@ -27,10 +29,10 @@ struct MjcfParts {
     std::optional<MjcfPlaced> inertial;
     std::vector<MjcfPlaced> geoms;
     std::vector<Part> joints, bodies;  ///< <joint> and <freejoint>; child bodies
-    bool can_collide = false;          ///< a geom takes part in contact
+    bool can_collide = false;          ///< whether a geom takes part in contact
 };
 
-/// Collects parts. Inputs are untrusted: the depth and number of expanded elements are limited.
+/// Collects the parts of bodies. Inputs are untrusted: the depth and number of expanded elements are limited.
 class MjcfCollector {
   public:
     MjcfCollector(const RobotXml& xml, MjcfLibrary& library) : xml_(xml), library_(library) {}

@@ -1,4 +1,4 @@
-// Surfaces of MJCF's primitives, for shellinertia.
+// Surface integrals of MJCF's primitives, for shellinertia.
 #include <cmath>
 #include <variant>
 
@@ -11,7 +11,7 @@ Extent<Wide> centred(const Wide& area, const Wide& x, const Wide& y, const Wide&
     return {area, {}, diagonal(Vector3<Wide>(x, y, z))};
 }
 
-// Means of x^2, y^2 and z^2 over the surface, as area-weighted sums over its parts.
+// Means of x^2, y^2 and z^2 over the surface: area-weighted sums over its parts.
 struct ShellOf {
     const Wide pi = Elementary<Wide>::pi();
 
@@ -20,7 +20,7 @@ struct ShellOf {
         return centred(Wide(4) * pi * r * r, square, square, square);
     }
     Extent<Wide> operator()(const Capsule& s) const {
-        // tube and sphere, in units of 4 pi r; on a half sphere z - h is uniform from 0 to r
+        // tube and sphere, in units of 4 pi r; on a hemisphere z - h is uniform in [0, r]
         const Wide r(s.radius), h(s.half_height), whole = h + r;
         const Wide across = (h * r * r / Wide(2) + r * r * r / Wide(3)) / whole;
         const Wide along = (h * h * h / Wide(3) + r * (h * h + h * r + r * r / Wide(3))) / whole;
@@ -35,14 +35,14 @@ struct ShellOf {
     }
     Extent<Wide> operator()(const Box& s) const {
         const Vector3<Wide> a = cast<Wide>(s.half_extents);
-        const Vector3<Wide> faces(a[1] * a[2], a[2] * a[0], a[0] * a[1]);  // normal to x, y, z: 8 times each
+        const Vector3<Wide> faces(a[1] * a[2], a[2] * a[0], a[0] * a[1]);  // area / 8 of each pair of faces
         const Wide whole = faces[0] + faces[1] + faces[2];
         Vector3<Wide> mean;
         for (int i = 0; i < 3; ++i) mean[i] = a[i] * a[i] * (faces[i] + (whole - faces[i]) / Wide(3)) / whole;
         return centred(Wide(8) * whole, mean[0], mean[1], mean[2]);
     }
-    // MuJoCo's approximations: Thomsen's formula for the area, and the solid between the ellipsoid and one whose semi
-    // axes are 1e-6 m longer
+    // MuJoCo's approximations: Thomsen's formula for the area, and the solid between the ellipsoid and one with
+    // semi-axes longer by 1e-6 m
     Extent<Wide> operator()(const Ellipsoid& s) const {
         constexpr double p = 1.6075;
         const Vector3<double>& a = s.semi_axes;

@@ -1,9 +1,10 @@
-// The inverse mass matrix of a tree in the pose as written.
+// Inverse mass matrix of a tree in the pose as written.
 //
 // Each degree of freedom k moves a subtree with the angular velocity w_k and the velocity v_k of the point at the
 // world's origin. With the subtree's mass m, first moment s and tensor J about the origin, its momenta are
-// P_k = m v_k + w_k x s and L_k = J w_k + s x v_k, and M_jk = w_j . L_k + v_j . P_k for all j above k (composite rigid
-// bodies: R. Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 6). M = L^T D L keeps the zeros of the tree.
+// P_k = m v_k + w_k x s and L_k = J w_k + s x v_k, and M_jk = w_j . L_k + v_j . P_k for all j above k (composite
+// rigid bodies: R. Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 6). The factorisation M = L^T D L
+// preserves the zeros of the tree.
 #include "scene/mjcf_springs.h"
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ constexpr std::size_t none = static_cast<std::size_t>(-1);
 
 struct Freedom {
     Vector3<Wide> w, v;
-    std::size_t joint, link, above;  // above: the degree of freedom before it in the tree, or none
+    std::size_t joint, link, above;  // above: the previous degree of freedom in the tree, or none
 };
 
 class TreeInertia {
@@ -34,7 +35,7 @@ class TreeInertia {
     std::size_t size() const { return freedoms_.size(); }
     bool is_regular() const { return regular_; }
 
-    // d / trace of the joint's block of the inverse
+    // d / trace of the joint's block of the inverse mass matrix
     Wide mean_inertia(std::size_t joint) const {
         Wide trace = 0;
         int count = 0;
@@ -44,7 +45,7 @@ class TreeInertia {
     }
 
   private:
-    // parents stand before their children in a robot that mjcf_robot() reads
+    // relies on parents preceding their children, as in a robot read by mjcf_robot()
     void place_links() {
         poses_.resize(robot_.links.size());
         for (std::size_t i = 0; i < robot_.links.size(); ++i) {
@@ -88,7 +89,7 @@ class TreeInertia {
         }
     }
 
-    // mass, first moment and tensor about the world's origin, of each link with all links below
+    // mass, first moment and tensor about the world's origin of each link including all links below it
     void add_composites() {
         mass_.assign(robot_.links.size(), Wide(0));
         first_.resize(robot_.links.size()), second_.resize(robot_.links.size());
@@ -132,7 +133,8 @@ class TreeInertia {
         }
     }
 
-    // x_k of M x = e_k: only degrees of freedom above k take part in the first half, and k alone is needed in the last
+    // x_k of M x = e_k. Forward substitution involves only the degrees of freedom above k, and of the solution only
+    // x_k is needed.
     Wide inverse_entry(std::size_t k) const {
         std::vector<Wide> y(freedoms_.size(), Wide(0));
         y[k] = Wide(1);

@@ -14,7 +14,7 @@ Vector3<Wide> unit_vector(const RobotXml& xml, const XMLElement& at, const char*
     return (Wide(1) / length) * v;
 }
 
-// The rotation whose columns are these three, by its largest component (Shepperd).
+// The rotation whose matrix has these columns, from the largest quaternion component (Shepperd 1978).
 Quaternion<Wide> turn_of_columns(const Vector3<Wide>& x, const Vector3<Wide>& y, const Vector3<Wide>& z) {
     const Wide squares[4] = {Wide(1) + x[0] + y[1] + z[2], Wide(1) + x[0] - y[1] - z[2], Wide(1) - x[0] + y[1] - z[2],
                              Wide(1) - x[0] - y[1] + z[2]};
@@ -47,7 +47,7 @@ Quaternion<Wide> turn_about(const RobotXml& xml, const XMLElement& at, const Mjc
 
 Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v) {
     const Vector3<Wide> to = unit_vector(xml, at, what, v);
-    // half way between z and there; a half turn about x where that is nowhere
+    // the unnormalised quaternion to half-way between z and `to`; a half rotation about x if they are opposite
     const Quaternion<Wide> twice{Wide(1) + to[2], -to[1], to[0], Wide(0)};
     return squared_norm(twice) > Wide(1e-60) ? normalized(twice) : Quaternion<Wide>{Wide(0), Wide(1), Wide(0), Wide(0)};
 }
@@ -120,7 +120,7 @@ std::optional<ImportedBody> mjcf_given_inertial(const RobotXml& xml, const XMLEl
     for (const char* name : {"axisangle", "xyaxes", "zaxis"})
         if (inertial.Attribute(name)) return {};
     ImportedBody body = inertial_numbers(xml, inertial);
-    mjcf_turn(xml, inertial, compiler);  // checks it
+    mjcf_turn(xml, inertial, compiler);  // validates the orientation
     if (inertial.Attribute("quat")) {
         const std::vector<double> v = xml.attribute(inertial, "quat", 4);
         body.orientation = Quaternion<double>{v[0], v[1], v[2], v[3]};

@@ -1,4 +1,4 @@
-// Values of MJCF: the settings of <compiler>, orientations and inertials.
+// Values of MJCF: <compiler> settings, orientations and inertials.
 #pragma once
 
 #include <optional>
@@ -9,30 +9,32 @@
 
 namespace polhode {
 
+/// The source of inertia: <compiler inertiafromgeom>.
 enum class MjcfInertia { from_geoms, from_inertials, either };
 
-/// MJCF's <compiler>. Of several elements, each attribute's last value counts.
+/// MJCF's <compiler>. If there are several elements, the last value of each attribute applies.
 struct MjcfCompiler {
-    EulerTurn euler{{0, 1, 2}, {}, true, true};  ///< without its angles
+    EulerTurn euler{{0, 1, 2}, {}, true, true};  ///< sequence and units; the angles are unused
     bool in_degrees = true;
-    MjcfInertia inertia = MjcfInertia::either;  ///< inertiafromgeom; either: geoms where there is no <inertial>
+    MjcfInertia inertia = MjcfInertia::either;  ///< inertiafromgeom; either: geoms unless there is an <inertial>
     double first_group = 0, last_group = 5;     ///< inertiagrouprange: groups of geoms that have mass
     double least_mass = 0, least_moment = 0;    ///< boundmass, boundinertia
     bool balances = false;                      ///< balanceinertia
-    double total_mass = 0;                      ///< settotalmass, where > 0
-    std::string mesh_folder;                    ///< meshdir or assetdir, with its slash, or empty
-    bool strips_path = false;                   ///< strippath: the names of mesh files without their folders
+    double total_mass = 0;                      ///< settotalmass, if > 0
+    std::string mesh_folder;                    ///< meshdir or assetdir, with a final slash, or empty
+    bool strips_path = false;                   ///< strippath: mesh file names lose their folders
     bool fuses_static = false;                  ///< fusestatic
     bool aligns_free = false;                   ///< alignfree
     bool drops_visual = false;                  ///< discardvisual
     bool exact_meshes = false;                  ///< exactmeshinertia
     bool fits_box = false;                      ///< fitaabb
 };
+/// Reads the settings of <compiler> elements. Throws InputError.
 MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root);
 
-/// The orientation that an element gives by quat, axisangle, euler, xyaxes or zaxis; the identity without these.
+/// The orientation of an element by quat, axisangle, euler, xyaxes or zaxis; the identity if it has none of these.
 Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
-/// The shortest rotation that maps z to the direction v, of any length but zero; `what` is named where it is zero.
+/// The shortest rotation that maps z to the direction of v, of any nonzero length. A zero v is reported as `what`.
 Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v);
 /// The rotation by Euler angles in the units and sequence of <compiler>.
 Quaternion<Wide> mjcf_euler(const Vector3<double>& angles, const MjcfCompiler& compiler);
@@ -40,9 +42,10 @@ Quaternion<Wide> mjcf_euler(const Vector3<double>& angles, const MjcfCompiler& c
 /// The pose of an element in its parent element.
 RobotPose mjcf_pose(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
 
-/// The <inertial> of a body.
+/// The mass properties of an <inertial> element.
 MassProperties<Wide> mjcf_inertial(const RobotXml& xml, const XMLElement& inertial, const MjcfCompiler& compiler);
-/// The same with the file's own numbers; none where its orientation is not a quaternion or Euler angles.
+/// An <inertial> with the numbers as written in the file. Returns nothing unless its orientation is a quaternion or
+/// Euler angles.
 std::optional<ImportedBody> mjcf_given_inertial(const RobotXml& xml, const XMLElement& inertial,
                                                 const MjcfCompiler& compiler);
 

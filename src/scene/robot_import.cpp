@@ -28,7 +28,7 @@ NamedBody* free_body(Scene& scene, const std::string& name) {
     return nullptr;
 }
 
-// by the name of a joint, or of a body that none carries
+// Applies an initial state, addressed by the name of a joint or of a free body.
 void parse_start(const JsonNode& node, Scene& scene) {
     NamedBody* body = free_body(scene, node.key());
     for (Joint& joint : scene.joints) {

@@ -21,7 +21,7 @@ MassProperties<Wide> mass_of(const LinkInertial& inertial) {
 
 namespace {
 
-// Elements of that tag and name, with the names of the models around them in front.
+// Collects elements with this tag and name; names are qualified by the surrounding models.
 void find_elements(const XMLElement& within, std::string_view tag, const std::string& wanted, const std::string& scope,
                    std::vector<const XMLElement*>& found, std::vector<std::string>& names) {
     for (const XMLElement* one = within.FirstChildElement(); one; one = one->NextSiblingElement()) {
@@ -72,7 +72,7 @@ std::size_t RobotNames::find(const XMLElement& at, const std::string& name) cons
 
 namespace {
 
-// A file with xacro's macros is not a robot description yet.
+// Refuses files that still contain xacro macros.
 void refuse_xacro(const RobotXml& xml, const XMLElement& at) {
     const char* remedy = "expand the file with xacro first: xacro FILE > robot.urdf";
     if (std::string_view(at.Name()).starts_with("xacro:")) xml.fail(at, "is a macro of xacro", remedy);

@@ -1,4 +1,4 @@
-// The readers of URDF, MJCF and SDFormat, and what they share.
+// The readers of URDF, MJCF and SDFormat, and their shared helpers.
 #pragma once
 
 #include <tinyxml2.h>
@@ -12,12 +12,14 @@
 
 namespace polhode {
 
+/// Reads the robot of a URDF file. Throws InputError.
 Robot urdf_robot(const RobotXml& xml, const XMLElement& root);
-/// Writes included files and the values of <default> into the elements.
+/// Reads the robot of an MJCF file; resolves included files and <default> in the document of `root`. Throws InputError.
 Robot mjcf_robot(const RobotXml& xml, XMLElement& root);
+/// Reads the robot of an SDFormat file. `model`: the model to read; empty: all models. Throws InputError.
 Robot sdf_robot(const RobotXml& xml, const XMLElement& root, const std::string& model);
 
-/// The mass properties of one link: an inertial as the file has it, or properties computed from shapes.
+/// The mass properties of one link: an inertial as written in the file, or properties computed from shapes.
 using LinkInertial = std::variant<ImportedBody, MassProperties<Wide>>;
 LinkInertial urdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link);
 LinkInertial mjcf_body_inertial(const RobotXml& xml, XMLElement& root, const std::string& body);
@@ -26,12 +28,11 @@ LinkInertial sdf_link_inertial(const RobotXml& xml, const XMLElement& root, cons
 /// Mass properties in the link's frame.
 MassProperties<Wide> mass_of(const LinkInertial& inertial);
 
-/// The only element of that tag and name below `root`. `name` may be qualified by the models around it:
+/// The only element with this tag and name below `root`. `name` may be qualified by surrounding models:
 /// "model::link". Throws InputError if there is none or more than one.
 const XMLElement& named_element(const RobotXml& xml, const XMLElement& root, const char* tag, const std::string& name);
 
-/// The names of links or joints with their places in the list. `add` fails at one that is there already, `find` at one
-/// that is not.
+/// Maps names of links or joints to indices. `add` throws for a name that exists, `find` for one that does not.
 class RobotNames {
   public:
     RobotNames(const RobotXml& xml, const char* what) : xml_(xml), what_(what) {}
@@ -46,13 +47,13 @@ class RobotNames {
     std::map<std::string, std::size_t, std::less<>> index_;
 };
 
-/// A named element's own name for messages.
+/// The element's name attribute, or `fallback`.
 inline std::string name_or(const XMLElement& at, const char* fallback) {
     const char* name = at.Attribute("name");
     return name ? name : fallback;
 }
 
-/// A number in degrees or radians, in radians.
+/// Converts an angle to radians.
 inline Wide in_radians(double angle, bool in_degrees) {
     return in_degrees ? Wide(angle) * Elementary<Wide>::pi() / Wide(180) : Wide(angle);
 }

@@ -19,7 +19,7 @@ constexpr RobotFormat formats[] = {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// Whether all words of the text equal `value`, as numbers where both are numbers.
+// Whether every word of the text equals `value`; numbers are compared by value.
 bool all_words_equal(std::string_view text, std::string_view value) {
     const std::optional<double> number = parse_decimal(value);
     bool any = false;
@@ -72,7 +72,7 @@ class Survey {
   private:
     using Key = std::tuple<std::string_view, std::string_view, std::string_view>;
 
-    // the row for this parent, else for any
+    // the row for this parent, or else for any parent
     const RobotConstruct* find(std::string_view parent, std::string_view element, std::string_view attribute) const {
         for (const std::string_view over : {parent, std::string_view("*")})
             if (const auto found = rows_.find(Key{over, element, attribute}); found != rows_.end())
@@ -82,7 +82,7 @@ class Survey {
 
     void walk_attribute(const XMLElement& at, std::string_view parent, const tinyxml2::XMLAttribute& attribute) {
         const std::string_view name = attribute.Name();
-        if (name.starts_with("xmlns")) return;  // declares a prefix
+        if (name.starts_with("xmlns")) return;  // a namespace declaration
         const RobotConstruct* row = find(parent, at.Name(), name);
         if (!row)
             return note(fmt::format("unknown attribute {} of <{}>", one_line(name, 40), one_line(at.Name(), 40)), at);

@@ -1,3 +1,11 @@
+// Converts a Robot (links and joints as read from a file) to bodies and joints of a scene.
+//
+// RobotMerger first gives every root a fixed or free joint. merge() then works from the leaves of the trees to their
+// roots: it moves tensors of links without mass to links that they are fixed to, merges or drops massless links,
+// combines two hinges that meet at a massless link into a universal joint, and merges links whose inertia tensor is
+// impossible with links that they are fixed to. It repairs or refuses the remaining impossible tensors
+// (inertia_repair.h). build() rounds each number once to binary64 and adds gravity, drag and the notes.
+
 #include "scene/robot_tree.h"
 
 #include <fmt/format.h>
@@ -16,8 +24,7 @@
 namespace polhode {
 namespace {
 
-// Turns links and joints of a file into bodies and joints of a scene: adds joints that hold the roots, merges links
-// without mass, merges or repairs impossible inertia tensors, rounds every number to binary64.
+// Merges links and builds the scene; see above.
 class RobotMerger {
   public:
     RobotMerger(const Robot& robot, const RobotOptions& options, const std::string& path)
@@ -33,7 +40,7 @@ class RobotMerger {
         gone_.assign(robot_.links.size(), false);
     }
 
-    // from the ends of the trees to their roots
+    // works from the leaves of the trees to their roots
     void merge() {
         std::vector<std::size_t> order;
         for (std::size_t i = 0; i < robot_.links.size(); ++i)
@@ -46,7 +53,7 @@ class RobotMerger {
         for (std::size_t k = order.size(); k-- > 0;) pass_on_tensor(order[k]);
         for (std::size_t k = order.size(); k-- > 0;)
             if (!robot_.links[order[k]].mass) merge_link(order[k]);
-        // a link that is fixed to its parent needs no possible tensor of its own
+        // a link that is fixed to another link does not need a possible tensor of its own
         for (std::size_t k = order.size(); k-- > 0;)
             if (!gone_[order[k]] && has_impossible_tensor(order[k])) merge_impossible(order[k]);
         for (const std::size_t i : order)
@@ -85,7 +92,7 @@ class RobotMerger {
         throw InputError(path_, place, fault, remedy);
     }
 
-    // With the file; of what the file does not state, empty.
+    // The place with the file's name; empty if the file does not state it.
     std::string full_place(const std::string& place) const {
         return place.empty() ? "" : fmt::format("{}: {}", one_line(path_, 200), place);
     }
@@ -119,7 +126,7 @@ class RobotMerger {
         gone_[i] = true;
         if (children.empty()) {
             if (joint.parent != RobotJoint::world) std::erase(children_[joint.parent], carrier_[i]);
-            // nothing determines its motion, and it moves nothing
+            // a massless leaf moves nothing, and its own motion is undetermined
             if (joint.motion != RobotMotion::fixed && joint.motion != RobotMotion::free)
                 note("links without mass at moving joints, dropped with their joints", link.name);
             else if (joint.parent != RobotJoint::world || robot_.links.size() > 1)
@@ -131,14 +138,14 @@ class RobotMerger {
         } else if (is_universal(joint, children)) {
             make_universal(i, joint, children[0]);
         } else {
-            // a massless body between moving joints: the scene's mass matrix shows whether it can move
+            // keep it as a massless body; the scene's mass matrix determines whether it can move
             gone_[i] = false;
             robot_.links[i].mass = MassProperties<Wide>{};
             note_assumed("links without mass between moving joints", link.name);
         }
     }
 
-    // what hangs on it hangs on its parent
+    // attaches the children of link i to its parent
     void merge_up(std::size_t i, const RobotJoint& joint, const char* heading) {
         if (joint.parent != RobotJoint::world) std::erase(children_[joint.parent], carrier_[i]);
         for (const std::size_t j : children_[i]) {
@@ -150,7 +157,7 @@ class RobotMerger {
         note_assumed(heading, robot_.links[i].name);
     }
 
-    // the link that is fixed to it takes its place, with its own frame
+    // replaces link i by the child that is fixed to it, with the child's frame
     void merge_down(std::size_t i, RobotJoint& joint, std::size_t fixed, const char* heading) {
         const RobotJoint tie = robot_.joints[fixed];
         const std::size_t c = tie.child;
@@ -168,7 +175,7 @@ class RobotMerger {
         note_assumed(heading, robot_.links[i].name);
     }
 
-    // Two hinges whose lines meet in one point, in the frame of the link between.
+    // Two hinge axes and their distance, in the frame of the link between them.
     struct Meeting {
         Vector3<Wide> p, a, b, n, d;
         Wide across = 0;
@@ -207,7 +214,7 @@ class RobotMerger {
         note_assumed("hinges that are one universal joint", joint.name);
     }
 
-    // A tensor without mass is added to the link that a fixed joint ties its own to.
+    // Adds the tensor of a link with mass 0 to a link that is fixed to it.
     void pass_on_tensor(std::size_t i) {
         RobotLink& link = robot_.links[i];
         if (!link.mass || link.mass->mass > Wide(0)) return;
@@ -233,7 +240,7 @@ class RobotMerger {
         return mass && repair_inertia(mass->inertia).excess > 0;
     }
 
-    // With the link that a fixed joint ties it to, or with the world, where its mass does not matter.
+    // Merges the link with one that is fixed to it, or with the world, where its mass has no effect.
     void merge_impossible(std::size_t i) {
         RobotLink& link = robot_.links[i];
         const RobotJoint joint = joint_of(i);
@@ -256,7 +263,7 @@ class RobotMerger {
         }
     }
 
-    // `place`: of the added mass's frame in the link
+    // `place`: pose of the added mass's frame in the link
     void add_mass(std::size_t link, const MassProperties<Wide>& mass, const RobotPose& place) {
         std::optional<MassProperties<Wide>>& whole = robot_.links[link].mass;
         const MassProperties<Wide> added = placed(mass, place.position, place.turn);
@@ -277,7 +284,7 @@ class RobotMerger {
                         one_line(link.name, 60), repair.excess, repair.largest, repair.change));
     }
 
-    // Something must move, or there is nothing to solve.
+    // Throws if no link can move.
     void require_motion() const {
         const RobotLink* first = nullptr;
         for (std::size_t i = 0; i < robot_.links.size(); ++i) {
@@ -290,7 +297,7 @@ class RobotMerger {
              "free the robot by \"base\": \"free\" in the import, or give it a joint that moves");
     }
 
-    // A drag load acts at the centre of mass, damping of a free joint at the origin of its link.
+    // A drag load acts at the centre of mass; damping of a free joint acts at the origin of its link.
     void add_drag(const Robot::FreeDamping& damping, Scene& scene) {
         const RobotLink& link = robot_.links[damping.link];
         const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
@@ -302,7 +309,7 @@ class RobotMerger {
         scene.loads.push_back(Drag{{c, c, c}, damping.translational, {}, link.name});
     }
 
-    // binary64 without negative zeros
+    // rounds to binary64 without negative zeros
     static double round_to_double(const Wide& x) { return double(x) + 0.0; }
     static Vector3<double> round_to_double(const Vector3<Wide>& v) {
         return {round_to_double(v[0]), round_to_double(v[1]), round_to_double(v[2])};
@@ -311,7 +318,7 @@ class RobotMerger {
         return {round_to_double(q.w), round_to_double(q.x), round_to_double(q.y), round_to_double(q.z)};
     }
 
-    // Where a free joint leaves its child in the world: below links that do not move.
+    // World pose of the child of a free joint. Returns nothing if a link above it moves.
     std::optional<RobotPose> free_place(const RobotJoint& joint) const {
         RobotPose place = joint.placement;
         for (std::size_t at = joint.parent; at != RobotJoint::world;) {
@@ -373,7 +380,7 @@ class RobotMerger {
         return joint;
     }
 
-    // "limits of joints: a, b, c"; the names of many are counted
+    // "limits of joints: a, b, c"; long lists end with their number of entries
     static std::string phrase(const std::string& what, const std::vector<std::string>& names) {
         constexpr std::size_t most = 8;
         std::vector<std::string> listed_names;
@@ -388,8 +395,8 @@ class RobotMerger {
     Robot robot_;
     const RobotOptions options_;
     const std::string& path_;
-    std::vector<std::size_t> carrier_;                // the joint of each link
-    std::vector<std::vector<std::size_t>> children_;  // the joints that hang on each
+    std::vector<std::size_t> carrier_;                // index of the joint that carries each link
+    std::vector<std::vector<std::size_t>> children_;  // indices of the joints whose parent is this link
     std::vector<bool> gone_;
 };
 

@@ -1,6 +1,6 @@
-// A whole robot: what URDF, MJCF and SDFormat files say of links and joints, and the bodies and joints that it makes.
+// A whole robot: links and joints as read from URDF, MJCF or SDFormat, and their conversion to bodies and joints.
 //
-// Numbers are carried to 113 bits, so that what comes out is rounded once.
+// Numbers are carried to 113 bits, so that results are rounded once.
 #pragma once
 
 #include <array>
@@ -16,54 +16,60 @@
 
 namespace polhode {
 
-/// How a robot is held where its file leaves that open.
+/// Whether root links are fixed or free if the file does not specify it.
 enum class RobotBase { as_usual, fixed, free };
 
-/// Where one frame is in another: v_there = rotate(turn, v_here) + position.
+/// The pose of one frame in another: v_outer = rotate(turn, v_inner) + position.
 struct RobotPose {
     Vector3<Wide> position;  ///< m
-    Quaternion<Wide> turn;   ///< of unit length
+    Quaternion<Wide> turn;   ///< unit quaternion
 };
+/// The product of poses, the inverse pose, and a pose applied to a point (m).
 RobotPose operator*(const RobotPose& outer, const RobotPose& inner);
 RobotPose inverse(const RobotPose& pose);
 Vector3<Wide> operator*(const RobotPose& pose, const Vector3<Wide>& point);
 
+/// A link as read from a file.
 struct RobotLink {
     std::string name;
     std::string place;                         ///< in the file, for messages: "line 12"
     std::optional<MassProperties<Wide>> mass;  ///< in the link's frame
 };
 
+/// How a joint lets its child move.
 enum class RobotMotion { revolute, prismatic, spherical, universal, fixed, free };
 
+/// A joint as read from a file.
 struct RobotJoint {
     static constexpr std::size_t world = static_cast<std::size_t>(-1);
 
     std::string name;
     std::string place;  ///< in the file, for messages
     RobotMotion motion = RobotMotion::fixed;
-    std::size_t parent = world;         ///< a link, or the world
-    std::size_t child = 0;              ///< a link; each is the child of one joint at most
-    RobotPose placement;                ///< of the child in the parent, at coordinate zero
-    Vector3<Wide> point;                ///< that the joint holds, in the child's frame
-    std::array<Vector3<Wide>, 2> axes;  ///< in the child's frame, at coordinate zero
+    std::size_t parent = world;         ///< index of a link, or the world
+    std::size_t child = 0;              ///< index of a link; each is the child of at most one joint
+    RobotPose placement;                ///< pose of the child in the parent at coordinate zero
+    Vector3<Wide> point;                ///< the joint's point, in the child's frame
+    std::array<Vector3<Wide>, 2> axes;  ///< in the child's frame at coordinate zero
     std::array<Wide, 2> stiffness{}, rest{}, damping{};
 };
 
-/// Constructs of a file under headings, each with names: "limits of joints" -> the joints that have them.
+/// Constructs of a file: heading -> names, such as "limits of joints" -> the joints that have limits.
 using RobotNotes = std::map<std::string, std::vector<std::string>>;
 
+/// A robot as read from a file.
 struct Robot {
     std::vector<RobotLink> links;
-    std::vector<RobotJoint> joints;  ///< trees; a link without one is a root
-    bool roots_are_free = false;     ///< the format's rule for roots that no joint holds: free bodies, or held in place
-    std::vector<RobotPose> places;   ///< of each link in the world, where the file says; of roots alone
-    RobotNotes omitted;              ///< what may change the motion and is not modelled
+    std::vector<RobotJoint> joints;  ///< form trees; a link without a joint is a root
+    bool roots_are_free = false;     ///< the format's rule for roots without a joint: free, or fixed to the world
+    std::vector<RobotPose> places;   ///< per link: pose in the world, if given; used for roots only
+    RobotNotes omitted;              ///< constructs that may change the motion but are not modelled
     RobotNotes assumed;              ///< values that the file does not state, or that were repaired
-    /// Gravity by the file or its format (m/s^2, world axes); none: the file says nothing (URDF, SDFormat models).
+    /// Gravity given by the file or its format (m/s^2, world axes). Empty if the file does not state it (URDF,
+    /// SDFormat models).
     std::optional<Vector3<double>> gravity_W;
     std::string gravity_source;  ///< "MuJoCo's default", "<option gravity>", ..
-    /// Linear drag of free links: link, c of the torque -c w (N m s) and of the force -c v (N s/m) at its origin.
+    /// Linear drag of free links: c of the torque -c w (N m s) and of the force -c v at the link's origin (N s/m).
     struct FreeDamping {
         std::size_t link = 0;
         double rotational = 0, translational = 0;
@@ -73,19 +79,21 @@ struct Robot {
 
 /// Which robot to read from a file, and how.
 struct RobotOptions {
-    std::string model;  ///< SDFormat: the model to take, "outer::inner" if nested; empty: all together
+    std::string model;  ///< SDFormat: the model to read, "outer::inner" if nested; empty: all models
     RobotBase base = RobotBase::as_usual;
     bool balance_inertia = false;    ///< accept tensors that break the triangle inequality by any amount
-    bool scene_has_gravity = false;  ///< the scene has a gravity load of its own, which takes precedence
+    bool scene_has_gravity = false;  ///< the scene has its own gravity load, which takes precedence
 };
 
-/// The robot in a file's text; the root element tells the format. Errors name `path`. Throws InputError.
+/// Reads the robot from the text of a file. The root element selects the format; errors name `path`. Throws
+/// InputError.
 Robot parse_robot(std::string_view text, const std::string& path, const RobotOptions& options = {},
                   const RobotFiles& files = {});
 
-/// Adds the robot's bodies, joints and loads to the scene, and the notes on what was omitted or assumed. Links without
-/// mass are merged with the links that fixed joints tie them to, or dropped at the ends of the tree; one between two
-/// hinges that meet makes these a universal joint. Throws InputError where a scene cannot express the tree.
+/// Adds the robot's bodies, joints and loads to the scene, with notes on what was omitted or assumed. A massless link
+/// is merged with a link that a fixed joint connects to it, or dropped at the end of the tree. A massless link
+/// between two hinges whose axes intersect turns them into a universal joint. Throws InputError if a scene cannot
+/// represent the tree.
 void add_robot(const Robot& robot, const RobotOptions& options, const std::string& path, Scene& scene);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// What the rules of a scene's values are checked by: faults at places inside one scene.
+// Helpers for validating the values of a scene, with errors located inside it.
 #pragma once
 
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ class SceneCheck {
         for (int i = 0; i < 4; ++i) finite(fmt::format("{}/{}", place, i), component[i]);
         if (const std::string fault = norm_fault(q); !fault.empty()) fail(place, fault, norm_remedy);
     }
-    /// Of a direction, which has any length but zero.
+    /// Checks a direction: finite, of any nonzero length.
     void direction(const std::string& place, const Vector3<double>& v) const {
         finite(place, v);
         const Wide length = square_root(dot(cast<Wide>(v), cast<Wide>(v)));
@@ -56,7 +56,7 @@ class SceneCheck {
     void count(const std::string& place, std::size_t count, std::size_t most, const char* what) const {
         if (count > most) fail(place, fmt::format("has {} {}", count, what), fmt::format("give {} at the most", most));
     }
-    /// Of a name that goes into tables: a spreadsheet takes a text that begins so for a formula.
+    /// Checks a name that appears in tables. A spreadsheet interprets text with these first characters as a formula.
     void name(const std::string& place, const std::string& value) const {
         if (value.size() > longest_scene_name)
             fail(place, fmt::format("is a name of {} bytes", value.size()),
@@ -65,7 +65,7 @@ class SceneCheck {
             fail(place, fmt::format("begins with \"{}\"", value[0]),
                  "give a name that no spreadsheet takes for a formula");
     }
-    /// Of a text that is shown to people.
+    /// Checks a text that is shown to readers.
     void shown(const std::string& place, const std::string& value) const {
         text(place, value);
         if (value.size() > longest_about)
@@ -84,20 +84,20 @@ class SceneCheck {
 /// Which mass properties a body may have.
 enum class BodyRole {
     single,     ///< the only body of a scene: mass and principal moments > 0
-    mechanism,  ///< one of several: mass and principal moments >= 0, and without mass no moments
+    mechanism,  ///< one of several bodies: mass and principal moments >= 0; a massless body has no moments
 };
 
-/// Checks the mass properties at a place such as "/body". Whether joints leave a body of a mechanism a motion without
-/// inertia depends on its joints: Tree (motion/tree.h) checks it at the start.
+/// Checks the mass properties at a place such as "/body". For several bodies, whether every motion has inertia
+/// depends on the joints: Tree (motion/tree.h) checks it at the start.
 void check_body(const SceneCheck& check, const std::string& place, const Body& body, BodyRole role = BodyRole::single);
 
-/// A start of its own at a place, "/initial".
+/// Checks an initial state at a place such as "/initial".
 void check_initial(const SceneCheck& check, const std::string& place, const Initial& initial);
 
-/// Of several bodies: their names and joints, loops, and what acts on them.
+/// Checks several bodies: names, joints, loops and loads.
 void check_mechanism(const SceneCheck& check, const Scene& scene);
 
-/// The names in the loads of a scene of one body: none.
+/// Checks that the loads of a scene of one body name no bodies.
 void check_names_of_one(const SceneCheck& check, const Scene& scene);
 
 }  // namespace polhode

@@ -29,7 +29,7 @@ Plane plane(const JsonNode& node) {
     return p;
 }
 
-// Whether it is one of several bodies; never one of both kinds.
+// Whether the scene has several bodies. Throws if it mixes members of both kinds.
 bool has_several(const JsonNode& root) {
     const JsonNode* several = nullptr;
     for (const char* key : {"bodies", "joints", "import", "loops"})
@@ -74,8 +74,8 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     return s;
 }
 
-// A place in the bodies or joints of an imported robot in that robot's file: "/bodies/3/body/mass" ->
-// "/import: arm.urdf: line 5, body \"arm\", mass".
+// Converts a place in the bodies or joints of an imported robot to a place in the robot's file: "/bodies/3/body/mass"
+// -> "/import: arm.urdf: line 5, body \"arm\", mass".
 std::string place_in_robot(const Scene& scene, const std::string& place) {
     const auto named = [&](const char* list, const char* what, const auto& all) -> std::string {
         const std::string_view prefix = list;
@@ -100,7 +100,7 @@ bool is_file(const std::string& path) {
     return ::stat(path.c_str(), &status) == 0;
 }
 
-// Whether it begins with a folder of built-in scenes.
+// Whether the name begins with a folder of built-in scenes.
 bool in_builtin_folder(std::string_view name) {
     const std::size_t slash = name.find('/');
     if (slash == name.npos) return false;
@@ -109,13 +109,13 @@ bool in_builtin_folder(std::string_view name) {
     return false;
 }
 
-// Where the files that a built-in scene names are.
+// The directory for files that a built-in scene names.
 std::string builtin_folder_of(const std::string& name) {
     const std::size_t slash = name.rfind('/');
     return std::string(builtin_directory) + (slash == name.npos ? "" : name.substr(0, slash));
 }
 
-// The built-in scenes meant by a name that is none: first the one that is called so in a folder.
+// Suggestion for an unknown scene name: preferably the built-in scene with this name in a folder.
 std::string scenes_meant(const std::string& name) {
     for (const BuiltinText& scene : builtin_scenes())
         if (scene.name.ends_with("/" + name)) return fmt::format("did you mean {}?", scene.name);

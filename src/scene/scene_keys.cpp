@@ -1,3 +1,6 @@
+// The table of all keys of scene files: object, key, type, unit, default, example, meaning. Readers check keys
+// against it, and the reference pages are generated from it.
+
 #include "scene/scene_keys.h"
 
 namespace polhode {

@@ -1,4 +1,4 @@
-// A scene as canonical JSON.
+// Writes a scene as canonical JSON.
 #include <fmt/format.h>
 
 #include "scene/body_file.h"

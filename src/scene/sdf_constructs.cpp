@@ -1,7 +1,7 @@
-// What the importer does with each element and attribute of SDFormat 1.3 to 1.12.
+// The table of the elements and attributes of SDFormat 1.3 to 1.12, and how the importer treats each.
 //
-// The rules that depend on the version, and the shapes that are refused where inertia is computed, are in the reader.
-// Elements below an irrelevant or omitted one share its verdict.
+// Rules that depend on the version, and the shapes refused for computed inertia, are in the reader. Elements below an
+// irrelevant or omitted one share its verdict.
 #include <tinyxml2.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 using enum RobotVerdict;
 
-// <lower>, <upper> of joints: a bound of 1e16 or more is none, and only some types have limits
+// <lower>, <upper> of joints: only some joint types have limits, and 1e16 or more means no limit
 bool bounds_a_joint(const XMLElement& at) {
     const XMLElement* joint = &at;
     while (joint && std::string_view(joint->Name()) != "joint")
@@ -32,7 +32,7 @@ bool bounds_a_joint(const XMLElement& at) {
     const std::optional<double> bound = parse_decimal(word);
     return !bound || std::abs(*bound) < 1e16;
 }
-// <velocity> of limits: negative is none
+// <velocity> of limits: a negative value means no limit
 bool bounds_a_rate(const XMLElement& at) {
     const std::string_view text = at.GetText() ? at.GetText() : "";
     return text.find('-') == std::string_view::npos && bounds_a_joint(at);

@@ -1,7 +1,7 @@
-// Whole robots of SDFormat: the links and joints of the models that are taken, gravity, and the import of one link.
+// Reads whole robots from SDFormat: the links and joints of the selected models, gravity, and the import of one link.
 //
-// Frames and names are those of SdfTree. Links of static models are part of the world. With one model that moves, names
-// are as written in it; with several, each is preceded by its model's name.
+// SdfTree provides frames and names. Links of static models are part of the world. If a single model moves, names are
+// as written in it; if several do, each name is qualified by its model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace polhode {
 namespace {
 
-// The mass properties of a link, and what of them is by default.
+// The mass properties of a link. Default values are noted in `assumed`.
 LinkInertial inertial_of(const RobotXml& xml, SdfTree& tree, std::size_t index, const std::string& name,
                          RobotNotes& assumed) {
     const SdfEntity& entity = tree.entities()[index];
@@ -87,7 +87,7 @@ class SdfReader {
 
     bool is_static(const SdfEntity& entity) const { return tree_.scope_of(entity).is_static; }
 
-    // a prefix that all names have is not written
+    // omits a prefix that all names share
     void choose_prefix() {
         if (chosen_ != SdfTree::world) prefix_ = tree_.entities()[chosen_].name + "::";
         std::set<std::size_t> moving;
@@ -137,7 +137,7 @@ class SdfReader {
                   has_static ? "remove <static> from one" : "give a model with a link");
     }
 
-    // The link that a joint's <parent> or <child> names, by itself, a frame or a model; or the world.
+    // The link that a joint's <parent> or <child> names, directly or by a frame or a model; or the world.
     std::size_t end_of(const SdfEntity& joint, const char* tag) {
         const std::string name = sdf_child_text(xml_, *joint.at, tag, "the name of a link or frame");
         const XMLElement& at = xml_.child(*joint.at, tag);
@@ -155,7 +155,7 @@ class SdfReader {
     void read_joint(const SdfEntity& entity) {
         const std::size_t parent = end_of(entity, "parent"), child = end_of(entity, "child");
         const std::string name = unique_name(written(entity.name));
-        if (parent == child && parent == SdfTree::world) return;  // within what is static
+        if (parent == child && parent == SdfTree::world) return;  // inside a static model
         if (parent == child)
             xml_.fail(*entity.at, fmt::format("joint \"{}\" has one link as parent and child", one_line(name, 60)),
                       "give two links");
@@ -172,13 +172,13 @@ class SdfReader {
         joints_.push_back(std::move(one));
     }
 
-    // a joint of the world may be named as one of the model
+    // a joint of the world may have the same name as one of a model
     std::string unique_name(std::string name) const {
         while (joint_names_.contains(name)) name.insert(0, "world::");
         return name;
     }
 
-    // of <world>, up to 1.5 of its <physics>
+    // from <world>; up to SDFormat 1.5 from its <physics>
     void read_gravity() {
         const XMLElement& world = tree_.top();
         if (std::string_view(world.Name()) != "world") return;
@@ -201,16 +201,16 @@ class SdfReader {
 
     const RobotXml& xml_;
     SdfTree tree_;
-    std::size_t chosen_;                   // the model that is taken, or the world: all
-    std::string prefix_;                   // of names, not written
+    std::size_t chosen_;                   // the selected model, or the world for all
+    std::string prefix_;                   // omitted from names
     std::set<std::string> still_;          // static models
-    std::vector<std::size_t> link_index_;  // in the robot, of entities
+    std::vector<std::size_t> link_index_;  // index in the robot of each entity
     std::set<std::string> joint_names_;
     std::vector<SdfJoint> joints_;
     Robot robot_;
 };
 
-// Links of that name, alone or qualified by models.
+// All links with this name, alone or qualified by models.
 std::vector<std::size_t> links_named(const SdfTree& tree, const std::string& name, std::vector<std::string>& names) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < tree.entities().size(); ++i) {
@@ -237,7 +237,7 @@ LinkInertial inertial_in(const RobotXml& xml, SdfTree& tree, const std::string& 
                  "give \"model::link\", or a different name to each");
     RobotNotes assumed;
     LinkInertial inertial = inertial_of(xml, tree, found[0], link, assumed);
-    // numbers of another file are not those of the file that the scene names
+    // the link is from an included file, so its numbers are not those of the file that the scene names
     if (tree.entities()[found[0]].at->GetUserData()) return mass_of(inertial);
     return inertial;
 }

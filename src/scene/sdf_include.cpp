@@ -1,4 +1,4 @@
-// Models that an SDFormat file includes: which file an <include> means, and its elements with their origin.
+// Included models of SDFormat: resolves the file of an <include> and reads its elements with their origin.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -25,7 +25,7 @@ bool is_folder(const std::string& name) {
     return ending != ".sdf" && ending != ".xml" && ending != ".world" && ending != ".model" && ending != ".urdf";
 }
 
-// The file of the newest supported version that a model.config lists.
+// The file of the newest supported version listed in a model.config.
 std::string listed_model(const std::string& text, const std::string& path) {
     tinyxml2::XMLDocument document;
     const XMLElement& root = parse_robot_xml(document, text, path);
@@ -41,7 +41,7 @@ std::string listed_model(const std::string& text, const std::string& path) {
     return best;
 }
 
-// The model in a folder, or nothing where there is none.
+// The model file in a folder, or nothing if there is none.
 std::string model_in(const std::string& folder, const RobotFiles& files) {
     for (const char* config : {"model.config", "manifest.xml"}) {
         const std::string name = fmt::format("{}/{}", folder, config);
@@ -89,7 +89,7 @@ std::optional<SdfTree::Included> SdfTree::read_include(const XMLElement& at, std
     try {
         name = find_sdf_include(xml_, uri, wanted, files);
     } catch (const InputError&) {
-        // scenery beside other models, most often; a joint that refers to the model is still refused
+        // most often scenery beside other models; a joint that refers to the missing model is still refused
         const XMLElement& around = *at.Parent()->ToElement();
         const XMLElement* first = around.FirstChildElement("include");
         const bool is_alone = !around.FirstChildElement("model") && first == &at && !at.NextSiblingElement("include");

@@ -1,7 +1,7 @@
-// Mass properties of SDFormat links: given in <inertial>, by SDFormat's defaults, or computed from the collisions.
+// Mass properties of SDFormat links: from <inertial>, from SDFormat's defaults, or computed from the collisions.
 //
-// Computed: each collision is a uniform solid of its own <density>, else of that of <inertial>, else of 1000 kg/m^3.
-// A <mass> beside `auto` scales the sum to it, as libsdformat does since 14.7; <pose> and <inertia> are replaced.
+// Computed: each collision is a uniform solid with its own <density>, else that of <inertial>, else 1000 kg/m^3. A
+// <mass> with `auto` scales the sum to that mass, as libsdformat does since 14.7; <pose> and <inertia> are replaced.
 #include <fmt/format.h>
 
 #include "scene/sdf_values.h"
@@ -26,7 +26,7 @@ Vector3<double> three_positive(const RobotXml& xml, const XMLElement& of, const 
     return v;
 }
 
-// diag(s) applied to all points: means and spreads scale, the volume by |s_x s_y s_z|
+// Applies diag(s) to all points: scales means and spreads, and the volume by |s_x s_y s_z|.
 Extent<Wide> scaled(const Extent<Wide>& e, const Vector3<double>& by) {
     const Vector3<Wide> s = cast<Wide>(by);
     const Wide volume = s[0] * s[1] * s[2];
@@ -67,7 +67,7 @@ Extent<Wide> mesh_solid(const RobotXml& xml, const XMLElement& mesh, const Robot
     }
 }
 
-// in the frame of the collision
+// The extent of the solid in the frame of the collision.
 Extent<Wide> solid_extent(const RobotXml& xml, const SdfSolid& solid) {
     const XMLElement& geometry = xml.child(*solid.collision, "geometry");
     const XMLElement* at = geometry.FirstChildElement();
@@ -81,7 +81,7 @@ Extent<Wide> solid_extent(const RobotXml& xml, const SdfSolid& solid) {
     if (kind == "ellipsoid") return extent<Wide>(Ellipsoid{three_positive(xml, *at, "radii")});
     if (kind == "mesh") return mesh_solid(xml, *at, solid.meshes);
     if (kind == "cone") {
-        // the middle of its height is the origin, its centre of mass a quarter of the height above the base
+        // the origin is at half height, the centre of mass a quarter of the height above the base
         Extent<Wide> cone = extent<Wide>(Cone{number("radius"), number("length")});
         cone.mean[2] = cone.mean[2] - Wide(number("length")) / Wide(4);
         return cone;

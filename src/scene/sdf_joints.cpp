@@ -1,3 +1,9 @@
+// Reads SDFormat joints and directs them as a forest.
+//
+// read_sdf_joint() computes the joint's frames from SdfTree and its axes by the rules of the file's version.
+// SdfForest walks breadth-first from the world and then from the remaining roots, reverses joints that point towards
+// the root, and rejects loops.
+
 #include "scene/sdf_joints.h"
 
 #include <fmt/format.h>
@@ -43,7 +49,8 @@ struct JointFrames {
     RobotPose child, joint;  // in the world
 };
 
-// up to 1.4 in the model's frame; 1.5 and 1.6 in the joint's unless use_parent_model_frame; from 1.7 by expressed_in
+// Orientation of the frame of <xyz>. Up to 1.4: the model's frame. 1.5 and 1.6: the joint's, unless
+// use_parent_model_frame. From 1.7: by expressed_in.
 Quaternion<Wide> axis_frame(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const XMLElement& axis,
                             const XMLElement* xyz, const JointFrames& frames, Robot& robot) {
     const SdfScope& scope = tree.scope_of(entity);
@@ -77,7 +84,7 @@ void read_axis(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, cons
     if (joint.stiffness[i] != 0) joint.rest[i] = Wide(rest);
 }
 
-// of ball and fixed joints, which have no coordinate that an axis describes
+// Notes axes of ball and fixed joints, which have no coordinate along an axis.
 void note_unused_axes(const RobotXml& xml, const XMLElement& at, const SdfJointType& type, const std::string& name,
                       Robot& robot) {
     const XMLElement* first = at.FirstChildElement("axis");
@@ -89,8 +96,8 @@ void note_unused_axes(const RobotXml& xml, const XMLElement& at, const SdfJointT
     if (type.axes == 1 && at.FirstChildElement("axis2")) robot.omitted["axis2 of joints with one axis"].push_back(name);
 }
 
-// The same motion of the parent as seen from the child: R(a, q) read backwards is R(-a, q), and the order of two axes
-// changes.
+// The joint with parent and child exchanged: the inverse of R(a, q) is R(-a, q), and the order of two axes is
+// reversed.
 RobotJoint reversed(const RobotJoint& from) {
     RobotJoint to = from;
     to.parent = from.child, to.child = from.parent;
@@ -108,7 +115,7 @@ RobotJoint reversed(const RobotJoint& from) {
     return to;
 }
 
-// Walks each tree from its root. Nodes are links; the world is the node after the last.
+// Walks each tree from its root. Nodes are links; the last node is the world.
 class SdfForest {
   public:
     SdfForest(const RobotXml& xml, std::vector<SdfJoint> joints, Robot& robot)

@@ -1,3 +1,9 @@
+// Builds the entities and scopes of an SDFormat file and resolves names, poses and attachments.
+//
+// add_contents() adds entities recursively, including those of included files. place() resolves poses on demand; the
+// state `sought` detects poses that are relative to themselves. link_of() follows attachments to a link, with a depth
+// limit.
+
 #include "scene/sdf_tree.h"
 
 #include <fmt/format.h>
@@ -58,7 +64,7 @@ std::size_t SdfTree::add_entity(SdfKind kind, const XMLElement& at, std::size_t 
     return entities_.size() - 1;
 }
 
-// links first, then models, joints and frames: a shared name means the first of these
+// Adds links first, then models, joints and frames: a shared name refers to the first of these.
 void SdfTree::add_contents(const XMLElement& of, std::size_t scope) {
     const auto each = [&](const char* tag, auto&& visit) {
         for (const XMLElement* at = of.FirstChildElement(tag); at; at = at->NextSiblingElement(tag)) visit(*at);
@@ -68,7 +74,7 @@ void SdfTree::add_contents(const XMLElement& of, std::size_t scope) {
             xml_.fail(*at, fmt::format("\"{}\" is a joint of an extension of SDFormat", name_or(*at, "")),
                       "give a joint of SDFormat, or delete it and add it to the scene");
         const std::string_view tag = at->Name();
-        if (tag == "link" && scope == world) continue;  // no element of a world: the table names it
+        if (tag == "link" && scope == world) continue;  // not allowed in a world; the table of constructs reports it
         if (tag == "link") scopes_[scope].links.push_back(add_entity(SdfKind::link, *at, scope));
         if (tag == "include" && sdf_flag_attribute(xml_, *at, "merge")) add_include(*at, scope, true);
     }
@@ -190,7 +196,7 @@ void SdfTree::place(SdfEntity& entity) {
     entity.state = SdfEntity::State::known;
 }
 
-// The <pose> places the model's frame, or the frame that placement_frame names.
+// The <pose> places the model's frame, or the frame named by placement_frame.
 RobotPose SdfTree::place_model(const SdfEntity& entity) {
     const XMLElement* pose = xml_.optional_child(*entity.at, "pose");
     int version = scopes_[entity.own].version;

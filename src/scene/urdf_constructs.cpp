@@ -1,5 +1,5 @@
-// What the importer does with each element and attribute of URDF (ROS 1 and 2, urdfdom's schema, and the tags of
-// Gazebo, Drake and MoveIt that are found in such files).
+// The table of the elements and attributes of URDF, and how the importer treats each (ROS 1 and 2, urdfdom's schema,
+// and tags of Gazebo, Drake and MoveIt found in such files).
 #include <tinyxml2.h>
 
 #include "scene/robot_schema.h"

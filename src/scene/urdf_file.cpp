@@ -1,4 +1,4 @@
-// URDF: links and joints of a robot.
+// Reads the links and joints of a URDF file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ Vector3<Wide> urdf_axis(const RobotXml& xml, const XMLElement& joint) {
     return axis;
 }
 
-// <gazebo> holds elements of many kinds: the kinds are named, but for looks.
+// Notes the kinds of elements inside <gazebo>, except those that affect only the appearance.
 void note_gazebo(const XMLElement& gazebo, RobotNotes& omitted) {
     static constexpr std::string_view looks[] = {"material", "visual"};
     for (const XMLElement* one = gazebo.FirstChildElement(); one; one = one->NextSiblingElement())
@@ -55,7 +55,7 @@ void note_gazebo(const XMLElement& gazebo, RobotNotes& omitted) {
             omitted["<gazebo>"].push_back(one_line(one->Name(), 40));
 }
 
-// Exporters write a mass of zero for links without one, often without a tensor.
+// Exporters write a mass of zero for massless links, often without a tensor.
 std::optional<MassProperties<Wide>> urdf_mass(const RobotXml& xml, const XMLElement& link) {
     const XMLElement* inertial = xml.optional_child(link, "inertial");
     if (!inertial) return {};
@@ -77,7 +77,7 @@ class UrdfReader {
         for (const XMLElement* at = root.FirstChildElement(); at; at = at->NextSiblingElement()) {
             const std::string_view tag = at->Name();
             if (tag == "gazebo") note_gazebo(*at, robot_.omitted);
-            // its child would be fixed to the world, or free
+            // without this joint its child would be fixed to the world, or free
             if (tag.ends_with(":joint"))
                 xml_.fail(*at, fmt::format("\"{}\" is a joint outside the format", name_or(*at, "")),
                           "give a joint of a type that URDF has, or write the scene with \"bodies\" and \"joints\"");
@@ -127,7 +127,7 @@ class UrdfReader {
             const double damping = xml_.attribute_or(*dynamics, "damping", 0);
             const double friction = xml_.attribute_or(*dynamics, "friction", 0);
             if (has_axis) joint.damping[0] = Wide(damping);
-            // the format does not say what they mean for six degrees of freedom
+            // the format does not define them for six degrees of freedom
             if (joint.motion == RobotMotion::free && (damping != 0 || friction != 0))
                 robot_.omitted["damping and friction of floating joints"].push_back(joint.name);
         }

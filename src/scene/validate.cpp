@@ -1,4 +1,8 @@
-// The rules that a scene's values keep, however the scene was made.
+// Checks the rules for the values of a scene, whether read from a file or built in memory.
+//
+// validate() checks limits, body, initial state, pivot, loads, planes and error limits, and delegates scenes of
+// several bodies to mechanism_check.cpp. Principal moments come from the 113-bit principal frame (body/rigid_body.h).
+// Errors name a JSON pointer.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,9 +18,9 @@
 namespace polhode {
 namespace {
 
-constexpr double shape_tolerance = 1e-12;  // of the largest moment: triangle inequality, symmetry
-constexpr double least_moment = 1e-30;     // of the largest, where they are found by diagonalisation
-constexpr double start_tolerance = 1e-12;  // of the body's reach: how deep in a plane rounding may put its start
+constexpr double shape_tolerance = 1e-12;  // relative to the largest moment: triangle inequality, symmetry
+constexpr double least_moment = 1e-30;     // relative to the largest moment, for moments found by diagonalisation
+constexpr double start_tolerance = 1e-12;  // relative to the body's reach: initial penetration due to rounding
 
 template <class S>
 bool is_diagonal(const Matrix3<S>& J) {
@@ -27,7 +31,7 @@ bool is_diagonal(const Matrix3<S>& J) {
     return all_vanish;
 }
 
-// The three moments of a body exist for some distribution of mass: each positive, none above the sum of the others.
+// Checks the triangle inequality: no moment exceeds the sum of the others.
 void check_moments(const SceneCheck& check, const Vector3<double>& I, const std::string& place, bool single_places) {
     const double largest = std::max({I[0], I[1], I[2]});
     for (int i = 0; i < 3; ++i) {
@@ -43,7 +47,7 @@ void check_moments(const SceneCheck& check, const Vector3<double>& I, const std:
 }
 
 void check_inertia(const SceneCheck& check, const std::string& body_place, const Body& body, BodyRole role) {
-    // what a source makes is wrong as a whole
+    // an error in a body that was computed from a source is reported for the body as a whole
     const bool given = !body.source;
     const std::string place = given ? body_place + "/inertia" : body_place;
     const Matrix3<double>& J = body.inertia_B;
@@ -89,7 +93,7 @@ void check_inertia(const SceneCheck& check, const std::string& body_place, const
                            "every principal moment must be >= 0");
             continue;
         }
-        // what is smaller is a zero left over by the diagonalisation's 113 bits
+        // a smaller value is a zero within the 113 bits of the diagonalisation
         if (!(I[i] > least_moment * largest) || !std::isfinite(1 / I[i]))
             check.fail(place, "has the principal moment " + shortest_decimal(I[i]),
                        "every principal moment must be > 0");
@@ -107,8 +111,8 @@ void check_pivot(const SceneCheck& check, const Scene& scene) {
     if (!std::isfinite(I[0] + I[1] + I[2]))
         check.fail("/pivot", "makes the inertia about it infinite as binary64",
                    "give a nearer pivot or a lighter body");
-    // Of a tensor that vanishes in 113 bits beside the mass times the squared distance nothing is left. A lesser moment
-    // alone is lost only where the axes have to be found.
+    // The tensor is lost if it vanishes in 113 bits next to mass times squared distance. A single small moment is
+    // lost only if the axes must be computed.
     const double largest = std::max({I[0], I[1], I[2]}), least = std::min({I[0], I[1], I[2]});
     const Matrix3<double>& own = scene.body.inertia_B;
     const double size = own[0][0] + own[1][1] + own[2][2];
@@ -163,7 +167,7 @@ struct LoadCheck {
     void operator()(const UserTorque& load) const {
         if (!load.torque_B) check.fail(place, "is a torque without a function", "give a callable");
     }
-    void operator()(const Motor&) const {}  // by its joint
+    void operator()(const Motor&) const {}  // checked with its joint
     void operator()(const PointSpring& load) const {
         check.finite(place + "/first_point", load.first_point);
         check.finite(place + "/second_point", load.second_point);
@@ -174,7 +178,7 @@ struct LoadCheck {
     }
 };
 
-// Each plane by itself, then against the body: a shape, no pivot, and a start above it.
+// Checks each plane, then against the body: it needs a shape, no pivot, and must start above the plane.
 void check_planes(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.planes.size(); ++i) {
         const Plane& plane = scene.planes[i];
@@ -199,7 +203,7 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
                        "give the body by \"shape\", \"parts\" with shapes, or \"mesh\"");
         const std::vector<SupportPiece<Wide>> pieces = hull<Wide>(*scene.body.source);
         if (pieces.empty()) check.fail(place, "stands beside a body that is all holes", "give it a part of its own");
-        // the lowest point along the plane's normal
+        // the lowest point of the body along the plane's normal
         const Quaternion<Wide> q = normalized(cast<Wide>(scene.initial.orientation));
         const Vector3<Wide> normal_W = (1 / length) * cast<Wide>(plane.normal_W), n = rotate_back(q, normal_W);
         Wide lowest = pieces.front().lowest(n), reach = 0;

@@ -1,4 +1,4 @@
-// What the writers for people have in common.
+// Functions shared by the Markdown and LaTeX writers.
 #pragma once
 
 #include <string>
@@ -8,14 +8,13 @@
 
 namespace polhode {
 
-/// Three significant digits: "0.0333", "5.9e-5"; "nan", "inf", "-inf".
+/// Formats a number to three significant digits: "0.0333", "5.9e-5"; "nan", "inf", "-inf".
 std::string number_for_people(double value);
 
-/// Columns with at least one number and no text: they are aligned to the right.
+/// For each column, whether it has at least one number and no text. Such columns are aligned to the right.
 std::vector<bool> number_columns(const Table& table);
 
-/// A text in which the characters that GitHub's Markdown may take as markup are escaped; an underscore within a word
-/// is none.
+/// Escapes the characters that GitHub's Markdown may interpret as markup. An underscore within a word is not markup.
 std::string markdown_text(const std::string& text);
 
 }  // namespace polhode

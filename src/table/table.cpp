@@ -1,3 +1,7 @@
+// Table: CSV writer and reader (RFC 4180), JSON writer, selection of columns. The Markdown and LaTeX writers are in
+// table_markup.cpp and table_latex.cpp. CsvReader scans the whole text and counts lines for
+// its errors; read_csv() passes on its records one at a time.
+
 #include "table/table.h"
 
 #include <fmt/format.h>
@@ -16,7 +20,7 @@ namespace polhode {
 
 namespace {
 
-/// A text of the file's own, fit for a message of one line.
+/// Quotes input text in a one-line message.
 std::string shown(std::string_view text) {
     std::string line(text.substr(0, 60));
     for (char& c : line)
@@ -24,7 +28,7 @@ std::string shown(std::string_view text) {
     return text.size() > 60 ? line + "..." : line;
 }
 
-/// The name that stands twice, if any.
+/// The first name that occurs twice, if any.
 std::optional<std::string> repeated_name(const std::vector<std::string>& columns) {
     std::set<std::string_view> seen;
     for (const std::string& name : columns) {
@@ -52,7 +56,7 @@ void append_csv_field(std::string& out, const std::string& field) {
     out += '"';
 }
 
-/// Reads fields and records from CSV text and counts its lines.
+/// Parses fields and records of CSV text and counts lines.
 class CsvReader {
   public:
     explicit CsvReader(std::string_view text) : text_(text) {}
@@ -60,7 +64,7 @@ class CsvReader {
     bool at_end() const { return place_ == text_.size(); }
     int line() const { return line_; }
 
-    /// The fields up to the end of the record, which is consumed.
+    /// Consumes a record and returns its fields.
     std::vector<std::string> record() {
         std::vector<std::string> fields;
         do {
@@ -85,7 +89,7 @@ class CsvReader {
     std::string plain_field() {
         const std::size_t begin = place_;
         place_ = std::min(text_.find_first_of(",\n", begin), text_.size());
-        // a carriage return belongs to the end of the line
+        // a carriage return is part of the line end
         if (!at_end() && text_[place_] == '\n' && place_ > begin && text_[place_ - 1] == '\r') --place_;
         std::string field(text_.substr(begin, place_ - begin));
         if (field.find('"') != std::string::npos) {
@@ -134,7 +138,7 @@ std::string text_of(const Cell& cell) {
             } else if constexpr (std::is_same_v<Value, std::string>) {
                 return value;
             } else if constexpr (std::is_same_v<Value, double>) {
-                return std::isnan(value) ? "nan" : shortest_decimal(value);  // a NaN's sign carries no meaning
+                return std::isnan(value) ? "nan" : shortest_decimal(value);  // the sign of a NaN has no meaning
             } else {
                 return std::to_string(value);
             }

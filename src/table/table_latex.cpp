@@ -1,4 +1,9 @@
-// LaTeX: a longtable that fits the text width of a plain article.
+// Writes a table as a LaTeX longtable that fits the text width of a plain article.
+//
+// latex() estimates the width of each column in points from its widest cell and its heading, which is broken into
+// lines. While the table is too wide, it moves constant columns to the caption, switches to a smaller type, drops the
+// columns of `lesser` in order, and finally drops columns from the right. Text is escaped and gets break points
+// inside long names.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,18 +19,18 @@
 namespace polhode {
 namespace {
 
-// In points, of a plain article at 10 pt.
+// Points, for a plain article at 10 pt.
 constexpr double text_width = 345, between = 6;
 
-// A size of type: what a digit takes, letters being narrower on the average, and what a text may take before it is
-// broken.
+// A type size: the width of a digit (letters are narrower on average) and the maximum width of a text column before
+// lines break, in points.
 struct TypeSize {
     const char* command;
     double digit, widest_text;
 };
 constexpr TypeSize script_size{"scriptsize", 4.2, 72}, tiny_size{"tiny", 3.55, 48};
 
-/// What pdfLaTeX's standard set-up cannot take as a character, though captions and messages of this field use it.
+/// Characters used in captions and messages that pdfLaTeX's standard setup cannot process.
 const std::map<std::string_view, std::string_view>& latex_signs() {
     static const std::map<std::string_view, std::string_view> signs = {
         {"α", "\\alpha"},  {"β", "\\beta"},    {"γ", "\\gamma"},   {"δ", "\\delta"},  {"ε", "\\varepsilon"},
@@ -77,7 +82,7 @@ std::string_view latex_special(char c) {
             return "''";
         case '`':
             return "\\textasciigrave{}";
-        // after \\ these two would be read as its arguments
+        // after \\ these two would be parsed as its arguments
         case '[':
             return "{[}";
         case '*':
@@ -118,14 +123,14 @@ std::string latex_text(const std::string& text) {
     return out;
 }
 
-// A number as siunitx takes it.
+// A number in a form that siunitx accepts.
 std::string latex_number(double value) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return value > 0 ? "$\\infty$" : "$-\\infty$";
     return fmt::format("\\num{{{}}}", number_for_people(value));
 }
 
-// aLongNameOfAProgram may be broken where its words begin.
+// Allows line breaks before the capitals in aLongNameOfAProgram.
 std::string with_breaks_in_long_names(const std::string& text) {
     constexpr std::size_t long_name = 14;
     const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
@@ -148,7 +153,7 @@ std::string with_breaks_in_long_names(const std::string& text) {
 std::string latex_cell_text(const Cell& cell) {
     if (const double* real = std::get_if<double>(&cell)) return latex_number(*real);
     if (const long* count = std::get_if<long>(&cell)) return fmt::format("\\num{{{}}}", *count);
-    // long names may be broken where their words end
+    // allow line breaks in long names after these characters
     std::string text = latex_text(text_of(cell));
     for (const std::string_view end : {"\\_", "\\{", "/", "=", ":"})
         for (std::size_t at = text.find(end); at != text.npos; at = text.find(end, at + end.size()))
@@ -158,7 +163,7 @@ std::string latex_cell_text(const Cell& cell) {
 
 std::size_t printed_characters(const Cell& cell) {
     if (const double* real = std::get_if<double>(&cell)) {
-        // a minus sign takes two digits' width
+        // a minus sign is as wide as two digits
         const std::string number = number_for_people(*real);
         return number.size() + static_cast<std::size_t>(std::ranges::count(number, '-'));
     }
@@ -167,7 +172,7 @@ std::size_t printed_characters(const Cell& cell) {
         std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-// The heading's words in as many lines as it takes to be no wider than `most` characters, if no word is longer.
+// Breaks the heading into lines of at most `most` characters; a longer word stays on its own line.
 std::vector<std::string> lines_of(const std::string& heading, std::size_t most) {
     std::vector<std::string> lines;
     for (std::size_t begin = 0; begin < heading.size();) {
@@ -182,7 +187,7 @@ std::vector<std::string> lines_of(const std::string& heading, std::size_t most) 
     return lines;
 }
 
-// A column of the page.
+// A column of the printed table.
 struct Column {
     std::size_t index = 0;
     bool number = false;
@@ -194,10 +199,10 @@ Column column_of(const Table& table, std::size_t index, bool number, const TypeS
     Column column{index, number, 0, {}};
     std::size_t widest = 3;
     for (const std::vector<Cell>& row : table.rows) widest = std::max(widest, printed_characters(row[index]));
-    // names for programs are words too
+    // treat underscores as word breaks
     std::string heading = table.columns[index];
     std::ranges::replace(heading, '_', ' ');
-    // a text is broken at its widest, and so is its heading, if no word is longer
+    // text and headings break at the widest text, unless a word is longer
     const double most = number ? text_width : type.widest_text;
     const auto fitting = static_cast<std::size_t>(most / type.digit);
     column.heading = lines_of(heading, std::clamp<std::size_t>(widest, 8, fitting));
@@ -207,14 +212,14 @@ Column column_of(const Table& table, std::size_t index, bool number, const TypeS
     return column;
 }
 
-// Every row has the same: it is told once.
+// All rows have the same value, which the caption can state once.
 bool is_constant(const Table& table, std::size_t index) {
     return table.rows.size() > 1 && std::ranges::all_of(table.rows, [&](const std::vector<Cell>& row) {
                return row[index] == table.rows.front()[index];
            });
 }
 
-// What a page can do without, in this order, before the columns at the right go.
+// Less important columns, in the order in which they are dropped before the columns at the right.
 constexpr std::array<std::string_view, 10> lesser{"message",
                                                   "described as",
                                                   "float32 floor (rad)",

@@ -1,4 +1,4 @@
-// Markdown.
+// The Markdown writer.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace polhode {
 
 namespace {
 
-/// A number rounded to three significant digits, mantissa times 10^exponent, with no zeros at the mantissa's end.
+/// A number rounded to three significant digits, mantissa times 10^exponent, without trailing zeros in the mantissa.
 struct Rounded {
     std::string mantissa;
     int exponent = 0;
@@ -33,7 +33,7 @@ Rounded rounded(double value) {
     return result;
 }
 
-/// The rounded number in plain decimals where it is in [1e-3, 1e3) or zero, else empty.
+/// Plain decimals if the rounded number is in [1e-3, 1e3) or zero, else empty.
 std::string plain_decimals(double value, const Rounded& number) {
     if (value == 0) return "0";
     if (number.exponent < -3 || number.exponent >= 3) return "";
@@ -45,7 +45,7 @@ std::string plain_decimals(double value, const Rounded& number) {
 bool is_alphanumeric(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
-/// A table of finished text: the heading first, then the rows.
+/// Formats all cells: first the header, then the rows.
 template <typename TextWriter, typename NumberWriter>
 std::vector<std::vector<std::string>> written(const Table& table, TextWriter text, NumberWriter number) {
     std::vector<std::vector<std::string>> lines(1);

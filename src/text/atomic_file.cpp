@@ -1,3 +1,7 @@
+// Atomic replacement of files on POSIX: write a temporary file beside the target, fsync() it, rename() it, fsync()
+// the folder. Names of temporaries identify host, process, process start time and a counter, so that
+// remove_abandoned() can tell whether the writer still runs.
+
 #include "text/atomic_file.h"
 
 #include <fcntl.h>
@@ -26,7 +30,7 @@
 namespace polhode {
 namespace {
 
-// What a symbolic link points at, so that the link stays one.
+// Resolves symbolic links, so that the target is replaced and not the link.
 std::string target_of(const std::string& path) {
     const std::unique_ptr<char, void (*)(void*)> resolved(::realpath(path.c_str(), nullptr), &std::free);
     return resolved ? std::string(resolved.get()) : path;
@@ -37,14 +41,15 @@ std::string directory_of(const std::string& path) {
     return parent.empty() ? "." : parent;
 }
 
-// When the process began, in the kernel's ticks since it booted: with the number it tells processes apart. Nothing
-// where there is no such process, or what it is cannot be read. One that has ended and waits to be noticed has begun
-// never.
+// Start time of a process in kernel ticks since boot. Together with the process number it identifies the process.
+// Returns nothing if there is no such process or its state cannot be read. Returns `never` for a process that has
+// ended but is not reaped yet.
 constexpr unsigned long long never = std::numeric_limits<unsigned long long>::max();
 std::optional<unsigned long long> start_of(long process) {
     std::ifstream file("/proc/" + std::to_string(process) + "/stat");
     const std::string text(std::istreambuf_iterator<char>(file), {});
-    // the program's name stands in brackets and may hold anything; what follows are words: the state, .., the start
+    // the program's name is in parentheses and may contain anything; the fields after it are words: state, .., start
+    // time
     std::size_t at = text.rfind(')');
     const bool has_ended = at != text.npos && at + 2 < text.size() && (text[at + 2] == 'Z' || text[at + 2] == 'X');
     for (int word = 0; word < 20 && at != text.npos; ++word) at = text.find(' ', at + 1);
@@ -55,7 +60,8 @@ std::optional<unsigned long long> start_of(long process) {
     return start;
 }
 
-// The host, and where processes have their numbers from: two containers may share a name. Without dots.
+// The host name and an identifier of the process-number namespace, since two containers may share a name. Contains no
+// dots.
 std::string this_host() {
     std::array<char, 256> name{};
     if (::gethostname(name.data(), name.size() - 1) != 0) name = {'h', 'o', 's', 't'};
@@ -70,17 +76,17 @@ std::string this_host() {
 
 constexpr std::string_view temporary_ending = ".new";
 
-// HOST.PROCESS.START of this process
+// HOST.PROCESS.START for this process
 std::string writer() {
     static const std::string host = this_host();
-    // not kept: after a fork it is another
+    // not cached: a fork changes it
     const long process = ::getpid();
     return host + "." + std::to_string(process) + "." + std::to_string(start_of(process).value_or(0));
 }
 
 }  // namespace
 
-// TARGET.HOST.PROCESS.START.NUMBER.new
+// Name pattern: TARGET.HOST.PROCESS.START.NUMBER.new
 int create_temporary(const std::string& target, std::string& name) {
     static std::atomic<unsigned> counter{0};
     constexpr std::size_t longest_name = 255;
@@ -105,10 +111,10 @@ std::optional<unsigned long long> number(const std::string& text) {
     return value;
 }
 
-// Whether the file of this name is a temporary that nobody will finish; `age` in seconds.
+// Whether a file with this name is a temporary whose writer has ended; `age` in seconds.
 bool is_abandoned(const std::string& name, double age) {
     constexpr double day = 86400;
-    // from behind, since a target's name may hold dots: NUMBER, START, PROCESS, HOST
+    // parsed from the end, since a target's name may contain dots: NUMBER, START, PROCESS, HOST
     if (!name.ends_with(temporary_ending)) return false;
     std::string rest = name.substr(0, name.size() - temporary_ending.size());
     std::vector<std::string> words;
@@ -143,8 +149,8 @@ void write_atomically(const std::string& path, std::string_view text) {
         if (error != 0) fail_of_file(path, "cannot be written", error);
         return;
     }
-    // the new name lasts through a power failure once its directory is on disk. What may be written to but not read
-    // cannot be synced; any other fault is known before something has changed
+    // The new name survives a power failure once its directory is synced. A directory that is writable but not
+    // readable cannot be synced. Opening it first detects any other error before anything has changed.
     const int directory =
         uncut([&] { return ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0 && errno != EACCES) fail_of_file(path, "cannot be created", errno);

@@ -1,4 +1,4 @@
-// Files that are there whole or not at all.
+// Writes files atomically: a reader sees either the old file or the complete new one.
 #pragma once
 
 #include <string>
@@ -6,23 +6,26 @@
 
 namespace polhode {
 
-/// Writes `text` to a temporary file beside `path`, syncs it and renames it to `path`: at any moment `path` is the old
-/// file or the new one, whatever happens to the process or the machine. A symbolic link is followed; what is no
-/// regular file (a terminal, a pipe) is written directly. Throws std::runtime_error (one line, with the path and the
-/// system's reason) and leaves the old file as it was, and no temporary; only where the folder cannot be synced at the
-/// end is the new file there. A process that is killed leaves its temporary: remove_abandoned().
+/// Writes `text` to a temporary file beside `path`, syncs it and renames it to `path`. At any moment `path` is either
+/// the old file or the complete new one, even if the process is killed or the machine loses power. Symbolic links are
+/// followed. Terminals, pipes and other files that are not regular are written directly. Throws std::runtime_error
+/// (one line with the path and the system's reason); the old file is then unchanged and the temporary removed, unless
+/// only the final sync of the folder failed, in which case the new file is in place. A killed process leaves its
+/// temporary file behind: see remove_abandoned().
 void write_atomically(const std::string& path, std::string_view text);
 
-/// Removes the temporaries that write_atomically() has left in this folder, not in those within: of processes of this
-/// host that are no more, and of other hosts where they are older than a day. What cannot be removed stays.
+/// Removes the temporary files that write_atomically() has left in this folder (not in its subfolders): those whose
+/// process on this host has ended, and those from other hosts that are older than a day. Files that cannot be removed
+/// are skipped.
 void remove_abandoned(const std::string& directory);
 
-/// Throws std::runtime_error where write_atomically(path, ..) could not even begin: a missing or read-only directory,
-/// or `path` a directory.
+/// Throws std::runtime_error if write_atomically(path, ..) could not start: the directory is missing or read-only, or
+/// `path` is a directory.
 void require_writable(const std::string& path);
 
-/// A new temporary file beside `target`, under a name that no other thread or process has and that tells who writes it;
-/// the process's mask gives its mode. Its descriptor, for writing, and `name`; or -1 with errno set.
+/// Creates a temporary file beside `target`. Its name is unique among threads and processes and identifies the
+/// writing process; its mode follows the umask. Returns a descriptor open for writing and sets `name`; returns -1
+/// with errno set on failure.
 int create_temporary(const std::string& target, std::string& name);
 
 }  // namespace polhode

@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-// as many temporaries as one that is killed may leave
+// the largest number of temporary files that a killed process may leave
 constexpr std::size_t most_at_once = 1024;
 
 }  // namespace
@@ -49,7 +49,8 @@ void AtomicFiles::commit() {
     if (batch_.empty()) return;
     const int directory = uncut([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0) fail_of_file(folder_, "cannot be opened", errno);
-    // all of the file system, and so the batch: one by one each file waits for the disk to empty its own memory
+    // syncs the whole file system and thus the batch; with fsync() each file would wait for a flush of the disk's
+    // cache
     int error = uncut([&] { return ::syncfs(directory); }) != 0 ? errno : 0;
     const char* what = "cannot be synced";
     std::size_t renamed = 0;

@@ -1,4 +1,4 @@
-// Many files of one folder, each there whole or not at all.
+// Writes many files of one folder, each of them atomically.
 #pragma once
 
 #include <cstddef>
@@ -8,21 +8,21 @@
 
 namespace polhode {
 
-/// What write_atomically() (text/atomic_file.h) does for each of many files, in a fraction of the time: the disk is
-/// waited for once for a batch of them. Files that were added are there, each of them whole, when commit() has
-/// returned; before that any of them may be. All members throw std::runtime_error (one line, with the path and the
-/// system's reason); what was not written by then is as it was, and no temporary is left.
+/// Writes many files with the guarantees of write_atomically() (text/atomic_file.h) in a fraction of the time,
+/// because the disk is synced once per batch. After commit() has returned, every added file is in place and complete;
+/// before that, any of them may be. All members throw std::runtime_error (one line with the path and the system's
+/// reason). Files not written by then are unchanged, and no temporary file is left.
 class AtomicFiles {
   public:
-    /// Of an existing folder.
+    /// The folder must exist.
     explicit AtomicFiles(std::string folder);
     ~AtomicFiles();
     AtomicFiles(const AtomicFiles&) = delete;
     AtomicFiles& operator=(const AtomicFiles&) = delete;
 
-    /// Adds a file of this name, or replaces one; what is no regular file is refused.
+    /// Adds or replaces the file with this name. Refuses to replace anything but a regular file.
     void add(const std::string& name, std::string_view text);
-    /// Puts all that was added into its place.
+    /// Puts all added files in place.
     void commit();
 
   private:

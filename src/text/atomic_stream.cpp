@@ -17,7 +17,7 @@
 namespace polhode {
 
 AtomicStream::AtomicStream(std::string path) : path_(std::move(path)) {
-    // what a symbolic link points at, so that the link stays one
+    // resolve symbolic links, so that the target is replaced and not the link
     const std::unique_ptr<char, void (*)(void*)> resolved(::realpath(path_.c_str(), nullptr), &std::free);
     target_ = resolved ? resolved.get() : path_;
     struct stat old {};
@@ -28,7 +28,7 @@ AtomicStream::AtomicStream(std::string path) : path_(std::move(path)) {
         if (file_ < 0) fail("cannot be opened", errno);
         return;
     }
-    // what runs that were killed have left of it
+    // remove temporary files left by killed runs
     remove_abandoned(folder());
     file_ = create_temporary(target_, temporary_);
     if (file_ < 0) fail("cannot be created", errno);
@@ -57,7 +57,7 @@ void AtomicStream::write_at(std::string_view bytes, std::size_t* offset) {
             return offset ? ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(*offset))
                           : ::write(file_, bytes.data(), bytes.size());
         });
-        // a file that takes nothing does not say why
+        // a write of 0 bytes gives no reason
         if (count <= 0) fail("cannot be written", count < 0 ? errno : EIO);
         bytes.remove_prefix(static_cast<std::size_t>(count));
         if (offset) *offset += static_cast<std::size_t>(count);
@@ -67,7 +67,7 @@ void AtomicStream::write_at(std::string_view bytes, std::size_t* offset) {
 void AtomicStream::write(std::string_view bytes) {
     write_at(bytes, nullptr);
     written_ += bytes.size();
-    // the disk begins now what commit() would wait for
+    // start now the writing that commit() would wait for
     constexpr std::size_t step = std::size_t{16} << 20;
     if (!is_regular() || written_ - started_ < step) return;
     ::sync_file_range(file_, static_cast<off_t>(started_), static_cast<off_t>(written_ - started_),
@@ -90,7 +90,7 @@ void AtomicStream::commit() {
     committed_ = true;
     if (!is_regular()) return;
     const int directory = uncut([&] { return ::open(folder().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
-    if (directory < 0) return;  // it may be written to but not read
+    if (directory < 0) return;  // a directory may be writable but not readable
     error = sync_folder(directory);
     ::close(directory);
     if (error != 0) fail("is written, but its folder cannot be synced", error);

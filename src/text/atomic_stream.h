@@ -1,4 +1,4 @@
-// Files that are there whole or not at all, written piece by piece.
+// Writes a file atomically in pieces.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace polhode {
 
-/// What write_atomically (text/atomic_file.h) does, for a content that is never held whole: it grows in a temporary
-/// file beside `path`, which is synced and renamed by commit(). Without commit() the old file stays, and nothing is
-/// left behind. What is no regular file (a terminal, a pipe) is written directly. All members throw std::runtime_error
-/// (one line, with the path and the system's reason).
+/// Provides the guarantees of write_atomically() (text/atomic_file.h) for content that is never in memory as a whole.
+/// The content goes to a temporary file beside `path`, which commit() syncs and renames. Without commit() the old
+/// file is unchanged and no temporary file is left. Terminals, pipes and other files that are not regular are written
+/// directly. All members throw std::runtime_error (one line with the path and the system's reason).
 class AtomicStream {
   public:
     /// Creates the temporary file.
@@ -19,13 +19,13 @@ class AtomicStream {
     AtomicStream(const AtomicStream&) = delete;
     AtomicStream& operator=(const AtomicStream&) = delete;
 
-    /// Whether what was written can be written over: false for a terminal or a pipe.
+    /// Whether written bytes can be overwritten: false for a terminal or a pipe.
     bool is_regular() const { return !temporary_.empty(); }
-    /// Appends.
+    /// Appends `bytes`.
     void write(std::string_view bytes);
-    /// Writes over the first bytes of a regular file, as many as were written at least.
+    /// Overwrites the first bytes of a regular file. At least as many bytes must have been written before.
     void write_over_beginning(std::string_view bytes);
-    /// Puts the file into its place; nothing may be written any more.
+    /// Puts the file in place. No further writes are allowed.
     void commit();
 
   private:
@@ -36,7 +36,7 @@ class AtomicStream {
     std::string path_, target_, temporary_;
     int file_ = -1;
     bool committed_ = false;
-    std::size_t started_ = 0, written_ = 0;  // in bytes: handed to the disk, and in all
+    std::size_t started_ = 0, written_ = 0;  // bytes: passed to the disk so far, and in total
 };
 
 }  // namespace polhode

@@ -22,12 +22,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct CloseFile {
-    void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }  // temporary
+    void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }  // a temporary file
 };
-/// An unlinked temporary file. Unlike a pipe it needs no reader beside the writer, and nobody can hold it open.
+/// An unlinked temporary file. Unlike a pipe it needs no concurrent reader, and no other process can hold it open.
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-// In memory where the system has such files, so that no full or read-only folder is in the way.
+// In memory (memfd) if supported, so that full or read-only folders do not matter.
 File temporary_file() {
     const int memory = ::memfd_create("polhode", MFD_CLOEXEC);
     if (memory < 0) return File(std::tmpfile());
@@ -49,10 +49,10 @@ std::size_t size_of(std::FILE* file) {
     return fstat(fileno(file), &properties) == 0 ? static_cast<std::size_t>(properties.st_size) : 0;
 }
 
-// posix_spawnp() with the three files as its standard streams, in a process group of its own; its error number.
+// posix_spawnp() with the three files as standard streams and a new process group. Returns 0 or the error number.
 int start(const std::vector<std::string>& arguments, const File (&streams)[3], pid_t& process) {
     std::vector<char*> pointers;
-    // posix_spawnp() takes them as not const and leaves them alone
+    // posix_spawnp() takes pointers to non-const but does not modify the strings
     for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
     pointers.push_back(nullptr);
     posix_spawn_file_actions_t actions;
@@ -68,7 +68,7 @@ int start(const std::vector<std::string>& arguments, const File (&streams)[3], p
     return refused;
 }
 
-// Whether the process has ended; it is not reaped yet, so that its group's number stays its own.
+// Whether the process has ended. It is not reaped yet, so that its group number is not reused.
 bool has_ended(pid_t process) {
     siginfo_t information{};
     if (waitid(P_PID, static_cast<id_t>(process), &information, WEXITED | WNOHANG | WNOWAIT) == 0)
@@ -118,7 +118,7 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
         return run;
     }
     const std::string running = program_name(arguments.front());
-    // short programs are waited for closely, long ones seldom looked at
+    // poll short programs often and long ones rarely
     auto pause = std::chrono::microseconds(50);
     while (!has_ended(process)) {
         run.was_out_of_time = Clock::now() - begin >= limits.time;

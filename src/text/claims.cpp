@@ -17,7 +17,8 @@
 namespace polhode {
 namespace {
 
-// A lock of the open file, not of the process: threads and other openings in this process do not lose it.
+// Open file description lock (F_OFD_SETLK), not a process lock: other openings of the file in this process do not
+// drop it.
 int lock_byte(int file, short type, long long byte) {
     struct flock lock {};
     lock.l_type = type, lock.l_whence = SEEK_SET;
@@ -32,7 +33,7 @@ int lock_byte(int file, short type, long long byte) {
 Claims::Claim::Claim(Claim&& other) noexcept : file_(std::exchange(other.file_, -1)), byte_(other.byte_) {}
 
 Claims::Claim& Claims::Claim::operator=(Claim&& other) noexcept {
-    // what this one had goes with the other
+    // the previous claim is released with `other`
     std::swap(file_, other.file_), std::swap(byte_, other.byte_);
     return *this;
 }
@@ -50,7 +51,7 @@ Claims::~Claims() {
 
 std::optional<Claims::Claim> Claims::take(std::string_view key) const {
     if (file_ < 0) return Claim(-1, 0);
-    constexpr std::size_t digits = 15;  // the byte's number stays below 2^60
+    constexpr std::size_t digits = 15;  // keeps the byte number below 2^60
     const long long byte = std::strtoll(content_hash(key).substr(0, digits).c_str(), nullptr, 16);
     if (lock_byte(file_, F_WRLCK, byte) == 0) return Claim(file_, byte);
     if (errno == EAGAIN || errno == EACCES) return {};
@@ -65,7 +66,7 @@ void tell_unlocked(const std::string& path, int error) {
     if (!told.insert(path).second) return;
     const std::string line = "polhode: " + one_line(path, 500) + ": cannot be locked: " + std::strerror(error) +
                              "; goes on as if no other run were at work here\n";
-    static_cast<void>(std::fputs(line.c_str(), stderr));  // nobody could be told
+    static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere
 }
 
 }  // namespace polhode

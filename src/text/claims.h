@@ -1,4 +1,4 @@
-// Work that several processes could do, each piece of it by one at a time.
+// Divides work among processes so that each piece is done by one process at a time.
 #pragma once
 
 #include <optional>
@@ -7,13 +7,14 @@
 
 namespace polhode {
 
-/// Claims on pieces of work, by key, among the processes that name the same file: an advisory lock on one byte of it a
-/// key, which ends with the claim or with the process, however that ends. Within one process a key is nobody else's.
-/// Where the file system has no locks, or the file cannot be opened, every claim is granted: work is then done twice
-/// at worst. Of missing locks one line on standard error tells, once in a process.
+/// Claims on pieces of work, by key, among the processes that use the same lock file. Each key is an advisory lock on
+/// one byte of the file. The lock is released with the claim or when the process ends for any reason. Claims within
+/// one process do not exclude each other. If the file system has no locks or the file cannot be opened, every claim
+/// is granted; at worst, work is then done twice. Missing locks are reported once per process by one line on standard
+/// error.
 class Claims {
   public:
-    /// What take() gives; it must not outlive the Claims.
+    /// The result of take(). It must not outlive the Claims.
     class Claim {
       public:
         Claim(int file, long long byte) : file_(file), byte_(byte) {}
@@ -22,17 +23,17 @@ class Claims {
         ~Claim();
 
       private:
-        int file_;  // -1: nothing to give back
+        int file_;  // -1: nothing to release
         long long byte_;
     };
 
-    /// Creates the file where there is none, in a folder that is there.
+    /// Creates the file if it does not exist. Its folder must exist.
     explicit Claims(const std::string& path);
     ~Claims();
     Claims(const Claims&) = delete;
     Claims& operator=(const Claims&) = delete;
 
-    /// The claim on this key, or nothing while another process has it. Does not wait. For any thread.
+    /// Returns the claim on this key, or nothing while another process holds it. Does not wait. Thread-safe.
     std::optional<Claim> take(std::string_view key) const;
 
   private:
@@ -40,7 +41,7 @@ class Claims {
     int file_;
 };
 
-/// Says on standard error that the file cannot be locked and that the work goes on without; once in a process.
+/// Reports on standard error, once per process, that the file cannot be locked and that work continues without locks.
 void tell_unlocked(const std::string& path, int error);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// A name for a content: 32 hexadecimal digits.
+// Content hash: 32 hexadecimal digits.
 #pragma once
 
 #include <string>
@@ -6,15 +6,15 @@
 
 namespace polhode {
 
-/// FNV-1a over 128 bits (Fowler, Noll & Vo): for telling contents apart, not against an adversary.
+/// 128-bit FNV-1a (Fowler, Noll & Vo). It tells contents apart but is not cryptographic.
 std::string content_hash(std::string_view content);
 
-/// The same of a content that comes piece by piece.
+/// Computes content_hash() incrementally.
 class ContentHash {
   public:
-    /// Goes on by a piece.
+    /// Appends a piece.
     void add(std::string_view piece);
-    /// The name of what was added so far.
+    /// The hash of all pieces added so far.
     std::string text() const;
 
   private:

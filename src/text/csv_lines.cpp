@@ -25,7 +25,7 @@ CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text)
 
 CsvLines::CsvLines(Source source, const std::string& file)
     : source_(std::move(source)), held_(longest_line + 2 + block, '\0'), file_(file) {
-    // a pipe may give a byte at a time
+    // a pipe may return one byte at a time
     while (rest_.size() < 3 && refill()) continue;
     read_past_mark();
 }
@@ -36,7 +36,7 @@ void CsvLines::read_past_mark() {
     note("line 1 begins with a byte order mark");
 }
 
-// More of the text behind what is left of it; false at the end.
+// Reads more text behind the unread rest. Returns false at the end.
 bool CsvLines::refill() {
     if (!source_) return false;
     const std::size_t kept = rest_.size();
@@ -47,7 +47,7 @@ bool CsvLines::refill() {
     return count > 0;
 }
 
-// Whether only blank lines follow.
+// Whether the remaining lines are all blank.
 bool CsvLines::nothing_is_left() {
     do {
         if (rest_.find_first_not_of(" \t\r\n") != rest_.npos) return false;
@@ -61,7 +61,7 @@ bool CsvLines::next() {
     for (;;) {
         if (rest_.empty() && !refill()) return false;
         std::size_t end = rest_.find('\n');
-        // a line that is too long is refused by its beginning
+        // a line that is too long is refused once its start exceeds the limit
         while (end == rest_.npos && rest_.size() <= longest_line + 1 && refill()) end = rest_.find('\n');
         line_ = rest_.substr(0, end);
         rest_ = end == rest_.npos ? std::string_view() : rest_.substr(end + 1);
@@ -78,7 +78,7 @@ bool CsvLines::next() {
                              "give a text file");
         if (line_.starts_with('#')) continue;
         if (!trimmed(line_).empty()) break;
-        // blank lines may stand at the end alone
+        // blank lines are allowed only at the end
         if (nothing_is_left()) return false;
         throw InputError(file_, place(), "is blank", "leave the line out");
     }

@@ -1,4 +1,4 @@
-// The lines and cells of a CSV file, read strictly: what trajectory files and ensemble tables share.
+// Strict reader of the lines and cells of a CSV file, shared by trajectory files and ensemble tables.
 #pragma once
 
 #include <cstddef>
@@ -9,35 +9,36 @@
 
 namespace polhode {
 
-/// A text line by line, each cut into cells at its commas, spaces around a cell left out. Lines may end in \r\n, a byte
-/// order mark may stand in front, `#` begins a comment line. Throws InputError: a blank line between others, a zero
-/// byte, a line of more than 64 KiB.
+/// Reads a text line by line and splits each line into cells at its commas; spaces around cells are stripped. Lines
+/// may end in \r\n, the text may begin with a byte order mark, and `#` begins a comment line. Throws InputError for a
+/// blank line between others, a zero byte, or a line longer than 64 KiB.
 class CsvLines {
   public:
-    /// Writes the text's next bytes, at most `count`, to `bytes`: how many there were, 0 at the end alone.
+    /// Writes the text's next bytes, at most `count`, to `bytes` and returns their number; 0 only at the end.
     using Source = std::function<std::size_t(char* bytes, std::size_t count)>;
 
-    /// Both outlive this; `file` is named in errors.
+    /// Both arguments must outlive this object; `file` is named in errors.
     CsvLines(std::string_view text, const std::string& file);
-    /// A text of any length, of which some hundred KiB are held at a time.
+    /// For a text of any length; only some hundred KiB are held in memory at a time.
     CsvLines(Source source, const std::string& file);
     CsvLines(const CsvLines&) = delete;
     CsvLines& operator=(const CsvLines&) = delete;
 
-    /// The next line that is no comment; false at the end.
+    /// Moves to the next line that is not a comment. Returns false at the end.
     bool next();
 
-    /// The number of the line at hand, from 1.
+    /// The number of the current line, from 1.
     long number() const { return number_; }
-    /// The cells of the line at hand, good until next() is called again.
+    /// The cells of the current line, valid until the next call of next().
     const std::vector<std::string_view>& cells() const { return cells_; }
-    /// About how many lines are left with this one, of the text that is held, if all are as long.
+    /// Estimated number of remaining lines in the text held in memory, the current line included, assuming equal
+    /// lengths.
     std::size_t rows_left() const { return rest_.size() / (line_.size() + 1) + 2; }
-    /// What was read past, "line 1 begins with a byte order mark", or an empty text.
+    /// What was tolerated and skipped ("line 1 begins with a byte order mark"), or an empty text.
     const std::string& read_past() const { return read_past_; }
 
-    /// Takes the line at hand for a header and gives the place in `names` of each cell. Throws InputError: semicolons
-    /// or tabs for commas, a name that is none of them, or one given twice.
+    /// Parses the current line as a header and returns the index in `names` of each cell. Throws InputError for
+    /// semicolons or tabs in place of commas, an unknown name, or a name given twice.
     std::vector<std::size_t> header(const std::vector<std::string>& names) const;
 
   private:
@@ -49,7 +50,7 @@ class CsvLines {
     void split();
 
     Source source_;
-    std::string held_;  // what the source has given last, and the beginning of a line before it
+    std::string held_;  // the unread part of the last block, and the next block
     std::string_view rest_, line_;
     const std::string& file_;
     long number_ = 0;

@@ -6,9 +6,9 @@
 namespace polhode {
 namespace {
 
-// A decimal beyond binary64: below it nearest to zero, above it not finite.
+// A decimal beyond the range of binary64: returns zero if it is too small and infinity if it is too large.
 double beyond_binary64(std::string_view decimal) {
-    // further than the digits of any text reach, and far from the ends of long
+    // larger than the number of digits of any text, and far from the limits of long
     constexpr long furthest = 1'000'000'000'000;
     const bool negative = decimal[0] == '-';
     const std::size_t mark = std::min(decimal.find_first_of("eE"), decimal.size());
@@ -20,7 +20,7 @@ double beyond_binary64(std::string_view decimal) {
             exponent = digits[0] == '-' ? -furthest : furthest;
         exponent = std::clamp(exponent, -furthest, furthest);
     }
-    // the place of the first digit that is not zero
+    // the place of the first nonzero digit
     const std::size_t point = std::min(decimal.find('.'), mark);
     const std::size_t first = decimal.substr(0, mark).find_first_of("123456789");
     if (first == decimal.npos) return negative ? -0.0 : 0.0;

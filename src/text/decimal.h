@@ -1,4 +1,4 @@
-// Numbers as text that reads back to the same bits.
+// Conversion of numbers to text and back without loss of bits.
 #pragma once
 
 #include <charconv>
@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// The shortest decimal that reads back to the same binary64 ("-0.0" for minus zero, so that JSON keeps its sign).
+/// The shortest decimal that reads back to the same binary64. Minus zero is "-0.0", so that JSON keeps its sign.
 inline std::string shortest_decimal(double value) {
     char buffer[32];
     const std::to_chars_result end = std::to_chars(buffer, buffer + sizeof buffer, value);
@@ -16,8 +16,9 @@ inline std::string shortest_decimal(double value) {
     return text == "-0" ? "-0.0" : text;
 }
 
-/// The binary64 nearest to a decimal such as "-1.5e-3", one leading "+" allowed: zero for one too small for binary64,
-/// infinite for one too large; also "inf" and "nan", in any case. Nothing where the whole text is no number.
+/// The binary64 nearest to a decimal such as "-1.5e-3"; one leading "+" is allowed. Returns zero or infinity if the
+/// magnitude is below or beyond the range of binary64. Accepts "inf" and "nan" in any case. Returns nothing unless
+/// the whole text is a number.
 std::optional<double> parse_decimal(std::string_view text);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// The keys of files that people write, as data: what a reader knows and what its reference says are the same table.
+// The keys of input files as data. The reader and the reference page use the same table.
 #pragma once
 
 #include <span>
@@ -7,18 +7,18 @@
 
 namespace polhode {
 
-/// A key of an object in a file.
+/// A key of an object in an input file.
 struct FileKey {
-    std::string_view object;    ///< which object it stands in: "scene", "load force"
+    std::string_view object;    ///< the object it belongs to: "scene", "load force"
     std::string_view key;       ///< its name
     std::string_view type;      ///< "number", "[x, y, z]", ..
-    std::string_view unit;      ///< of its numbers; empty where they have none
-    std::string_view fallback;  ///< what it is when it is left out, or "required"
-    std::string_view example;   ///< as it stands in a file
-    std::string_view meaning;   ///< for people, without a full stop
+    std::string_view unit;      ///< unit of its numbers; empty if dimensionless
+    std::string_view fallback;  ///< default value, or "required"
+    std::string_view example;   ///< as written in a file
+    std::string_view meaning;   ///< description for readers, without a full stop
 };
 
-/// The names of an object's keys, in the table's order: what JsonNode::only takes.
+/// The names of an object's keys in table order, as JsonNode::only expects them.
 inline std::vector<std::string_view> keys_of(std::span<const FileKey> table, std::string_view object) {
     std::vector<std::string_view> names;
     for (const FileKey& key : table)

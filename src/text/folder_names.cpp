@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-// Not by std::filesystem::directory_iterator: GCC's ends the program where memory is short, since what it allocates in
-// may throw nothing.
+// Avoids std::filesystem::directory_iterator: GCC's version terminates the program when memory is short, because it
+// allocates in a noexcept function.
 std::vector<std::string> names_in(const std::string& folder, std::error_code& fault) {
     std::vector<std::string> names;
     fault.clear();

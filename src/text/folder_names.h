@@ -1,4 +1,4 @@
-// What stands in a folder.
+// Lists the entries of a folder.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// The names of a folder's entries, in order; as many as could be read, and `fault` set, where it cannot be read
-/// through.
+/// The sorted names of the folder's entries. If the folder cannot be read to its end, returns the names read so far
+/// and sets `fault`.
 std::vector<std::string> names_in(const std::string& folder, std::error_code& fault);
 
 }  // namespace polhode

@@ -15,8 +15,8 @@
 namespace polhode {
 namespace {
 
-// What a file is that is none to be read; empty where it may be. A shell hands over pipes and terminals in /dev and
-// /proc, and /dev/null, which ends at once; another device may go on for ever.
+// Why the file cannot be read, or an empty string if it can. A shell passes pipes and terminals in /dev and /proc,
+// and /dev/null, which ends at once. Other devices may never end.
 std::string unfit(const struct stat& status, const std::string& path, FileKinds kinds, int descriptor) {
     const bool handed = kinds == FileKinds::streamed && (path.starts_with("/dev/") || path.starts_with("/proc/"));
     if (S_ISREG(status.st_mode)) return "";
@@ -31,10 +31,10 @@ std::string unfit(const struct stat& status, const std::string& path, FileKinds 
 
 InputFile::InputFile(const std::string& path, std::string called, std::string expected, FileKinds kinds)
     : called_(std::move(called)), expected_(std::move(expected)) {
-    // a device may do something when it is opened: it is looked at first, and what was opened once more
+    // opening a device may have side effects: check the path first, and the opened file again below
     struct stat status {};
     if (::stat(path.c_str(), &status) == 0 && S_ISBLK(status.st_mode)) refuse("is a device and no regular file");
-    // a FIFO that nobody writes to, or a line without a carrier, is not waited for
+    // O_NONBLOCK: do not wait for the writer of a FIFO or the carrier of a serial line
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor_ < 0) {
         const int reason = errno;
@@ -47,7 +47,7 @@ InputFile::InputFile(const std::string& path, std::string called, std::string ex
         ::close(descriptor_);
         refuse(fault);
     }
-    // what is read from now on is waited for
+    // from here on, reads block
     if (const int flags = ::fcntl(descriptor_, F_GETFL); flags >= 0) ::fcntl(descriptor_, F_SETFL, flags & ~O_NONBLOCK);
     if (S_ISREG(status.st_mode)) size_ = static_cast<std::size_t>(status.st_size);
 }
@@ -60,6 +60,12 @@ std::size_t InputFile::read(char* bytes, std::size_t count) {
         if (got >= 0) return static_cast<std::size_t>(got);
         if (errno != EINTR) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
     }
+}
+
+std::size_t InputFile::read_fully(char* bytes, std::size_t count) {
+    std::size_t got = 0;
+    while (const std::size_t more = got < count ? read(bytes + got, count - got) : 0) got += more;
+    return got;
 }
 
 void InputFile::seek(std::size_t offset) {

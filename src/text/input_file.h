@@ -1,4 +1,4 @@
-// A file that is read piece by piece, opened only where it is one to be read.
+// A file that is read piece by piece. Unsuitable files (devices, sockets, directories) are refused at opening.
 #pragma once
 
 #include <cstddef>
@@ -9,22 +9,24 @@
 
 namespace polhode {
 
-/// An open file. Whatever is wrong with it is an InputError that calls it `called` and asks for what was `expected`.
+/// An open file. Errors are InputError, name the file as `called` and ask for what was `expected`.
 class InputFile {
   public:
-    /// Opens `path`: a device, a socket, a directory or a FIFO is refused without waiting for it.
+    /// Opens `path`. Refuses a device, a socket, a directory or a FIFO without blocking on it.
     InputFile(const std::string& path, std::string called, std::string expected, FileKinds kinds);
     ~InputFile();
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
 
-    /// In bytes; nothing where it is no regular file.
+    /// Size in bytes; nothing for a file that is not regular.
     const std::optional<std::size_t>& size() const { return size_; }
-    /// The next bytes, at most `count`: how many there were, 0 at the end alone. Throws InputError.
+    /// Reads the next bytes, at most `count`. Returns their number, 0 only at the end. Throws InputError.
     std::size_t read(char* bytes, std::size_t count);
+    /// The next `count` bytes: how many there were, fewer at the end alone. Throws InputError.
+    std::size_t read_fully(char* bytes, std::size_t count);
     /// Goes on at an offset from the beginning of a regular file. Throws InputError.
     void seek(std::size_t offset);
-    /// Throws InputError: what is wrong with the file.
+    /// Throws InputError with this fault of the file.
     [[noreturn]] void refuse(const std::string& fault) const;
 
   private:

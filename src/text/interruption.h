@@ -1,4 +1,4 @@
-// Whether the work at hand is still wanted: asked now and then by whatever may take long.
+// Cooperative interruption: long computations poll whether to stop.
 #pragma once
 
 #include <functional>
@@ -6,24 +6,24 @@
 
 namespace polhode {
 
-/// While it lives, what this thread does asks `asked` every some 10 ms whether it is to stop, and stops as if a limit
-/// of time were reached. Threads that help this one ask too, so `asked` is called from several at once.
+/// While this object lives, this thread's long computations call `asked` about every 10 ms. If it returns true, they
+/// stop as if a time limit were reached. Helper threads of this one call it too, so `asked` must be thread-safe.
 class Interruption {
   public:
-    /// What a thread asks.
+    /// Returns true if the work should stop.
     using Question = std::function<bool()>;
 
-    /// For the thread that whoever wants the work speaks to.
+    /// For the thread that was asked to do the work.
     explicit Interruption(Question asked) : own_(std::move(asked)), former_(std::exchange(current_, &own_)) {}
-    /// For a thread that helps another: it asks what is current() there, which outlives this.
+    /// For a helper thread: it uses current() of the thread that it helps, which must outlive this object.
     explicit Interruption(const Question* of_another) : former_(std::exchange(current_, of_another)) {}
     ~Interruption() { current_ = former_; }
     Interruption(const Interruption&) = delete;
     Interruption& operator=(const Interruption&) = delete;
 
-    /// What this thread asks; null where nobody will interrupt it.
+    /// What this thread polls; null if it cannot be interrupted.
     static const Question* current() { return current_; }
-    /// Whether the work is to stop.
+    /// Whether the work should stop.
     static bool is_wanted() { return current_ && (*current_)(); }
 
   private:

@@ -1,3 +1,9 @@
+// Builds JsonDocument from the events of nlohmann::json's SAX parser (sax_parse, comments enabled).
+//
+// JsonBuilder stores the nodes in one deque, so that their addresses are stable, and enforces the limits of
+// json_limits.h and the ban on duplicate keys while it parses. JsonNode::pointer() walks up the parents, so that only
+// errors pay for it. Zero bytes, unprintable characters and invalid UTF-8 are refused before parsing.
+
 #include "text/json_document.h"
 
 #include <fmt/format.h>
@@ -17,7 +23,7 @@
 namespace polhode {
 namespace {
 
-// RFC 6901: ~ and / are escaped; a long key is shortened, since pointers go into messages
+// RFC 6901: ~ and / are escaped. A long key is shortened, since pointers appear in messages.
 std::string pointer_token(std::string_view key) {
     std::string token;
     for (const char c : one_line(key, 60)) token += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
@@ -49,7 +55,7 @@ std::string line_and_column(std::string_view text, std::size_t offset) {
     return fmt::format("line {}, column {}", line, before.size() - (newline == before.npos ? 0 : newline + 1) + 1);
 }
 
-// The word around `offset` that a literal such as -Infinity makes.
+// The word around `offset`, for literals such as -Infinity.
 std::string_view word_at(std::string_view text, std::size_t offset) {
     const auto part = [](char c) { return c == '-' || c == '+' || ((c | 32) >= 'a' && (c | 32) <= 'z'); };
     std::size_t begin = std::min(offset, text.size()), end = begin;
@@ -67,7 +73,7 @@ bool names_no_number(std::string_view word) {
 
 }  // namespace
 
-// Builds the tree from the parser's events.
+// Builds the tree from the events of the parser.
 class JsonBuilder {
   public:
     using Json = nlohmann::json;
@@ -101,7 +107,7 @@ class JsonBuilder {
         return true;
     }
     bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) {
-        if (error.id == 406)  // a number beyond binary64
+        if (error.id == 406)  // nlohmann::json out_of_range.406: a number beyond binary64
             throw InputError(file_, place(), "is infinite as binary64", "give a finite number");
         const std::size_t offset = position > 0 ? position - 1 : 0;
         if (const std::string_view word = word_at(text_, offset); names_no_number(word))
@@ -135,7 +141,7 @@ class JsonBuilder {
                              "nest less deeply");
         open_.push_back(&add(kind));
     }
-    // the pointer of the value that is about to come
+    // JSON pointer of the value that comes next
     std::string place() const {
         if (open_.empty()) return "";
         const JsonNode& node = *open_.back();
@@ -147,7 +153,7 @@ class JsonBuilder {
     const std::string& file_;
     std::deque<JsonNode>& nodes_;
     std::vector<JsonNode*> open_;
-    std::vector<std::unordered_set<std::string>> keys_;  // of each open object
+    std::vector<std::unordered_set<std::string>> keys_;  // keys seen in each open object
     std::string key_;
     bool has_key_ = false;
 };
@@ -160,7 +166,7 @@ JsonDocument::JsonDocument(std::string_view text, const std::string& file)
         throw InputError(file, line_and_column(text, bad), "is not UTF-8", "save the file as UTF-8");
     if (const std::size_t zero = text.find('\0'); zero != text.npos)
         throw InputError(file, line_and_column(text, zero), "is a zero byte", "give JSON text");
-    // a comment is shown to people as well: `polhode show`
+    // also applies to comments, since `polhode show` prints them
     if (const std::size_t bad = first_unprintable(text); bad != text.npos)
         throw InputError(file, line_and_column(text, bad),
                          fmt::format("is the control character {}", one_line(text.substr(bad, 4), 16)),
@@ -264,7 +270,7 @@ std::string json_string(std::string_view text) {
     std::string quoted = "\"";
     while (!text.empty()) {
         std::uint32_t point = 0;
-        // what is no UTF-8 is left to those that look for it
+        // bytes that are not UTF-8 are copied; other checks report them
         const std::size_t sequence = sequence_length(text, point), length = std::max<std::size_t>(sequence, 1);
         const char c = text[0];
         if (c == '"' || c == '\\')

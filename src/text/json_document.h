@@ -1,8 +1,8 @@
-// A strict reader of JSON with comments, for scene files and experiment files alike.
+// A strict reader of JSON with comments, for scene files and experiment files.
 //
-// Every value knows its JSON pointer (RFC 6901), so that a fault can be told by its place. Stricter than JSON: no
-// duplicate keys, no numbers beyond binary64, no nesting deeper than 64, UTF-8 throughout. `//` and `/* */` comments
-// are allowed. Getters throw InputError where the value is not what is asked for.
+// Every value knows its JSON pointer (RFC 6901), so that errors name their place. Stricter than JSON: no duplicate
+// keys, no numbers beyond binary64, nesting of at most 64, valid UTF-8. `//` and `/* */` comments are allowed.
+// Getters throw InputError if the value has another type than requested.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,10 @@
 
 namespace polhode {
 
+/// The type of a JSON value.
 enum class JsonKind { null, boolean, number, string, array, object };
 
-/// One value. Lives in its document and must not outlive it.
+/// One value. It belongs to its document and must not outlive it.
 class JsonNode {
   public:
     JsonKind kind() const { return kind_; }
@@ -27,34 +28,34 @@ class JsonNode {
     bool is_string() const { return kind_ == JsonKind::string; }
     bool is_number() const { return kind_ == JsonKind::number; }
 
-    /// The key it stands under in its object; empty in an array and at the root.
+    /// Its key in the enclosing object; empty in an array and at the root.
     const std::string& key() const { return key_; }
-    /// RFC 6901; empty for the whole document.
+    /// JSON pointer (RFC 6901); empty for the whole document.
     std::string pointer() const;
 
     /// The binary64 nearest to the decimal written; finite.
     double number() const;
-    /// A number that is whole and of magnitude at most 2^53.
+    /// An integer of magnitude at most 2^53.
     long whole_number() const;
     bool boolean() const;
     const std::string& string() const;
     /// The elements of an array.
     const std::vector<const JsonNode*>& elements() const;
-    /// The members of an object in the order of the file; each has its key().
+    /// The members of an object in file order; each has its key().
     const std::vector<const JsonNode*>& members() const;
 
-    /// The member of an object, nullptr if there is none. Throws if this is no object.
+    /// The member of an object, or nullptr if there is none. Throws if this is not an object.
     const JsonNode* find(std::string_view key) const;
-    /// The member of an object; `expected` says in the message what to give where it is missing.
+    /// The member of an object. If it is missing, throws an error that tells the user to give `expected`.
     const JsonNode& required(std::string_view key, std::string_view expected) const;
-    /// Throws at the first member whose key is not among `known`: the message lists them and the near miss.
+    /// Throws at the first member whose key is not among `known`. The message lists the known keys and the near miss.
     void only(const std::vector<std::string_view>& known) const;
 
     /// Throws InputError at this value.
     [[noreturn]] void fail(const std::string& fault, const std::string& remedy) const;
-    /// Throws InputError at this value: a fault in what it brings in.
+    /// Throws InputError at this value for an error in a file that it refers to.
     [[noreturn]] void fail(const InputError& inner) const;
-    /// "is a string", "is -1", "has 2 elements": the beginning of a fault.
+    /// "is a string", "is -1", "has 2 elements": the first words of an error message.
     std::string described() const;
 
   private:
@@ -72,11 +73,11 @@ class JsonNode {
     std::vector<const JsonNode*> children_;
 };
 
-/// A document read whole. `root()` stays where it is when the document is moved.
+/// A whole parsed document. `root()` keeps its address when the document is moved.
 class JsonDocument {
   public:
-    /// Parses `text`; `file` is named in errors. Throws InputError: syntax errors by line and column (and the
-    /// pointer they are in), others by pointer.
+    /// Parses `text`; `file` is named in errors. Throws InputError. Syntax errors are located by line, column and
+    /// enclosing pointer, all others by pointer.
     JsonDocument(std::string_view text, const std::string& file);
 
     const JsonNode& root() const { return *root_; }
@@ -87,12 +88,12 @@ class JsonDocument {
     const JsonNode* root_ = nullptr;
 };
 
-/// The text of a file of at most `largest` bytes. Throws InputError where it cannot be read (missing, a directory, too
-/// big): the remedy names what was `expected`.
+/// The text of a file of at most `largest` bytes. Throws InputError if it cannot be read (missing, a directory, too
+/// large); the remedy names what was `expected`.
 std::string read_text(const std::string& path, std::size_t largest = std::size_t{16} << 20,
                       const char* expected = "a readable JSON file");
 
-/// `text` as a JSON string, quotes included.
+/// `text` as a JSON string with its quotes.
 std::string json_string(std::string_view text);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// How much a JSON text may hold: scene files, experiment files, files of engines.
+// Limits on JSON texts: scene files, experiment files, files of engines.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 namespace polhode {
 
 inline constexpr std::size_t largest_json = 16 << 20;       ///< bytes
-inline constexpr std::size_t most_json_values = 1'000'000;  ///< numbers, texts, lists and objects
-inline constexpr std::size_t deepest_json = 64;             ///< objects and lists in one another
+inline constexpr std::size_t most_json_values = 1'000'000;  ///< numbers, strings, arrays and objects
+inline constexpr std::size_t deepest_json = 64;             ///< nested objects and arrays
 
 }  // namespace polhode

@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t longest_answer = std::size_t(1) << 30;
 constexpr int answers_descriptor = 3;
 
-// poll() counts in ms; a moment longer than that of a day is as good as none
+// poll() takes ms; the upper limit of 1e8 ms is about a day
 int milliseconds_until(Clock::time_point until) {
     const double left = std::chrono::duration<double>(until - Clock::now()).count();
     return static_cast<int>(std::clamp(left * 1e3 + 1, 0.0, 1e8));
@@ -35,7 +35,7 @@ Clock::time_point after(std::chrono::duration<double> time) {
                               std::min(time, std::chrono::duration<double>(std::chrono::hours(24))));
 }
 
-// A pair of connected descriptors that no other child inherits; -1 where there are none left.
+// A pair of connected sockets that are not inherited by other children; -1 if the system has none left.
 void connect(int (&ends)[2]) {
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) ends[0] = ends[1] = -1;
 }
@@ -51,10 +51,10 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
                                      : fmt::format("{} could not be started: {}", name_, std::strerror(errno));
     } else {
         std::vector<char*> pointers;
-        // posix_spawnp() takes them as not const and leaves them alone
+        // posix_spawnp() takes pointers to non-const but does not modify the strings
         for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
         pointers.push_back(nullptr);
-        // a copy beyond the descriptors that are written over, whatever numbers these have
+        // a copy numbered above the descriptors that the dup2 actions overwrite
         const int answers = fcntl(output[1], F_DUPFD_CLOEXEC, answers_descriptor + 1);
         posix_spawn_file_actions_t actions;
         posix_spawn_file_actions_init(&actions);
@@ -150,11 +150,11 @@ LineAnswer LineProcess::read_line(Clock::time_point until, std::chrono::duration
     }
 }
 
-// Kills it, and tells how it ended where that was not by our own doing (`what` is empty).
+// Kills the process group. If `what` is empty, the process ended by itself, and the fault reports how.
 LineAnswer LineProcess::die(std::string what, bool out_of_time) {
     int status = 0;
     if (what.empty()) {
-        // it has closed its end, and is about to go if it is not gone
+        // it has closed its end of the socket; wait up to 1 s for it to exit
         for (int i = 0; i < 200 && waitpid(process_, &status, WNOHANG) == 0; ++i) usleep(5000);
     }
     siginfo_t information{};

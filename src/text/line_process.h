@@ -1,4 +1,4 @@
-// A program that is asked line by line: it answers a line with a line, and is kept for the next one.
+// A persistent child process with a line protocol: it answers each request line with one line.
 #pragma once
 
 #include <chrono>
@@ -10,31 +10,31 @@
 
 namespace polhode {
 
-/// What came of a question.
+/// The result of a request.
 struct LineAnswer {
-    std::string line;              ///< without its end
-    std::string fault;             ///< why there is none, in one line; else empty
-    bool was_not_found = false;    ///< there is no such program
-    bool was_out_of_time = false;  ///< none came within the time
+    std::string line;              ///< without its line end
+    std::string fault;             ///< why there is no line, in one line; else empty
+    bool was_not_found = false;    ///< the program does not exist
+    bool was_out_of_time = false;  ///< no answer within the time limit
 };
 
-/// A child process in a process group of its own. What it reads comes on its standard input, what it answers goes to
-/// its file descriptor 3; its standard output and error are its own, and only their last line is ever quoted. After a
-/// fault it is dead, with all of its group, and every further question is answered by that fault.
+/// A child process in its own process group. It reads requests from its standard input and writes answers to its file
+/// descriptor 3. Its standard output and error are captured; at most their last line is quoted in errors. After a
+/// fault the whole group has been killed, and every further request returns that fault.
 class LineProcess {
   public:
-    /// Starts the program `arguments[0]`, looked up on the PATH where its name has no slash. Throws nothing: what went
-    /// wrong is told by the first answer.
+    /// Starts the program `arguments[0]`; a name without a slash is looked up on the PATH. Throws nothing: an error
+    /// is returned by the first request.
     explicit LineProcess(const std::vector<std::string>& arguments);
     ~LineProcess();
     LineProcess(const LineProcess&) = delete;
     LineProcess& operator=(const LineProcess&) = delete;
 
-    /// The next line that it writes, without a question before.
+    /// Waits for the next line that it writes, without a request. `time` is the limit.
     LineAnswer next(std::chrono::duration<double> time);
-    /// Writes the question, which holds no line's end, and waits for the answer.
+    /// Writes the request, which must not contain a line end, and waits for the answer. `time` is the limit.
     LineAnswer ask(std::string_view question, std::chrono::duration<double> time);
-    /// Whether it can be asked.
+    /// Whether it can answer requests.
     bool alive() const { return fault_.fault.empty(); }
 
   private:
@@ -43,12 +43,12 @@ class LineProcess {
     bool write_all(std::string_view text, std::chrono::steady_clock::time_point until);
 
     struct CloseFile {
-        void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }  // read from: nothing is lost
+        void operator()(std::FILE* file) const { static_cast<void>(std::fclose(file)); }  // only read from
     };
 
     std::string name_;
     int process_ = 0, input_ = -1, output_ = -1;
-    std::unique_ptr<std::FILE, CloseFile> chatter_;  ///< its standard output and error
+    std::unique_ptr<std::FILE, CloseFile> chatter_;  ///< captured standard output and error
     std::string unread_;
     LineAnswer fault_;
 };

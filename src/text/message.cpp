@@ -24,7 +24,7 @@ std::string shortened(std::string_view text, std::size_t limit) {
     return std::string(text.substr(0, head)) + "..." + std::string(text.substr(tail));
 }
 
-// Letters inserted, left out, replaced, or two neighbours exchanged (Damerau 1964), row by row.
+// Edit distance with insertion, deletion, substitution and transposition of neighbours (Damerau 1964), row by row.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -43,7 +43,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string one_line(std::string_view text, std::size_t limit) {
-    // a text far beyond the limit is cut first, so that escaping it stays cheap
+    // a long text is cut before escaping, to bound the work
     std::string escaped, source = shortened(text, limit);
     for (std::string_view rest = source; !rest.empty();) {
         std::uint32_t point = 0;
@@ -80,7 +80,7 @@ std::vector<std::string> near_misses(std::string_view word, const std::vector<st
     std::vector<std::pair<std::size_t, std::string>> ranked;
     if (word.empty() || word.size() > 100) return {};
     for (const std::string& candidate : candidates) {
-        // the lengths alone may say that it is too far
+        // skip the edit distance if the lengths alone exclude a match
         const std::size_t longer = std::max(word.size(), candidate.size());
         const std::size_t gap = longer - std::min(word.size(), candidate.size());
         std::size_t distance = 3 * gap <= longer ? edit_distance(word, candidate) : longer;

@@ -39,7 +39,7 @@ std::string path_in(const std::string& folder, const std::string& name) {
 
 std::string path_inside(const std::string& folder, const std::string& name) {
     const std::string path = path_in(folder, name);
-    // what begins at the root is no name of a file that lies beside another, wherever it leads
+    // an absolute path is refused even if it leads into the folder
     if (name.starts_with('/') && !outside_is_allowed) refuse_outside(path);
     require_inside(folder, path);
     return real_path(path);
@@ -70,7 +70,7 @@ std::string read_whole_file(const std::string& path, const std::string& called, 
                                       : fmt::format("has more than {} bytes", largest));
     };
     std::string text;
-    // room at once where the size is known: a regular file may grow, but not beyond the largest
+    // reserve memory if the size is known; the file may still grow, but not beyond the limit
     if (const std::optional<std::size_t> size = file.size()) {
         if (*size > largest) refuse_size();
         text.reserve(*size);

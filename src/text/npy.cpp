@@ -16,7 +16,7 @@ constexpr std::string_view magic = "\x93NUMPY";
 constexpr std::size_t most_fields = 1000, widest_field = 4096;
 constexpr const char* wanted = "give what numpy.save writes of a one-dimensional structured array";
 
-// The header's text: a Python dictionary, of which only what NumPy writes is understood.
+// Parses the header's text: the subset of a Python dictionary that NumPy writes.
 class HeaderReader {
   public:
     HeaderReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -48,7 +48,7 @@ class HeaderReader {
         throw InputError(file_, "header", fault, remedy);
     }
     void blanks() { text_.remove_prefix(std::min(text_.find_first_not_of(" \t\n"), text_.size())); }
-    // Whether this comes next; it is read past then.
+    // Consumes `c` if it comes next.
     bool found(char c) {
         blanks();
         if (!text_.starts_with(c)) return false;
@@ -65,7 +65,7 @@ class HeaderReader {
         return true;
     }
 
-    // Between quotes of either kind, without escapes.
+    // A string in quotes of either kind, without escapes.
     std::string string() {
         blanks();
         const char quote = text_.empty() ? '\0' : text_[0];
@@ -130,7 +130,7 @@ class HeaderReader {
         if (type == "<f8" || type == "<i8") return 8;
         if (type == ">f8" || type == ">i8")
             fail(called + " is big-endian", "give little-endian numbers: a.astype(a.dtype.newbyteorder('<'))");
-        // what pads records has no name, and what has a name is no padding
+        // padding fields have no name and type V; named byte fields have type S
         const std::string_view letter = field.name.empty() ? "|V" : "|S";
         std::size_t size = 0;
         const char* const end = type.data() + type.size();
@@ -164,7 +164,7 @@ NpyHeader parse_npy_header(std::string_view beginning, std::uint64_t file_size, 
     NpyHeader header;
     HeaderReader(beginning.substr(start, length), file).read(header);
     header.data_offset = start + length;
-    // by division: rows are the file's own word, and a product may overflow
+    // by division: the number of rows is untrusted, and a product may overflow
     const std::uint64_t data = file_size - std::min<std::uint64_t>(file_size, header.data_offset);
     if (data / header.record_size != header.rows || data % header.record_size != 0)
         fail(fmt::format("has {} bytes behind its header, which announces {} records of {}", data, header.rows,
@@ -180,7 +180,7 @@ std::string write_npy_header(const std::vector<NpyField>& fields, std::uint64_t 
     text += "], 'fortran_order': False, 'shape': (";
     const std::string count = std::to_string(rows);
     text += count + ",), }";
-    // room for any number of rows, then up to a multiple of 64 as NumPy wants it, with a line's end
+    // pad for any number of rows, then to a multiple of 64 bytes with a line end, as NumPy requires
     constexpr std::size_t most_digits = 20, start = 10;
     text.append(most_digits - count.size(), ' ');
     text.append(63 - (start + text.size()) % 64, ' ');

@@ -1,4 +1,4 @@
-// A loop shared by threads.
+// A parallel loop.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 
 namespace polhode {
 
-/// Calls work(i) for i = 0..count-1 on at most `jobs` threads, each index once. The first exception is thrown again
-/// here after all threads have stopped. The threads are interrupted with this one. What work(i) writes must belong to i
-/// alone.
+/// Calls work(i) for i = 0..count-1 on at most `jobs` threads, each index once. After all threads have stopped,
+/// rethrows the first exception. An interruption of this thread interrupts all of them. work(i) must only write data
+/// that belongs to i.
 template <class Work>
 void parallel_for(std::size_t count, int jobs, const Work& work) {
     const std::size_t threads = std::min<std::size_t>(count, jobs < 1 ? 1 : static_cast<std::size_t>(jobs));
@@ -27,7 +27,7 @@ void parallel_for(std::size_t count, int jobs, const Work& work) {
     std::exception_ptr failure;
     std::mutex failure_mutex;
     {
-        // before the threads, which outlive what is declared behind them
+        // declared before the threads, which are joined before later declarations are destroyed
         const Interruption::Question* interruption = Interruption::current();
         const auto help = [&] {
             const Interruption inherited(interruption);
@@ -46,7 +46,7 @@ void parallel_for(std::size_t count, int jobs, const Work& work) {
         try {
             while (pool.size() < threads) pool.emplace_back(help);
         } catch (const std::system_error&) {
-            // with as many as the system gives, and with this one where it gives none
+            // continue with the threads that the system granted, or with this one if there are none
             if (pool.empty()) help();
         } catch (...) {
             next = count;

@@ -23,7 +23,7 @@ std::size_t sequence_length(std::string_view text, std::uint32_t& point) {
 
 bool is_printable(std::uint32_t point) {
     const bool control = point < 0x20 || (point >= 0x7f && point < 0xa0);
-    const bool separator = point == 0x2028 || point == 0x2029;  // new lines to some readers
+    const bool separator = point == 0x2028 || point == 0x2029;  // treated as line ends by some readers
     const bool turns = point == 0x61c || point == 0x200e || point == 0x200f || (point >= 0x202a && point <= 0x202e) ||
                        (point >= 0x2066 && point <= 0x2069);
     return !control && !separator && !turns;

@@ -1,4 +1,4 @@
-// What a terminal may be shown of a text that somebody else wrote.
+// Which code points of untrusted text may be shown on a terminal.
 #pragma once
 
 #include <cstddef>
@@ -7,16 +7,16 @@
 
 namespace polhode {
 
-/// Length of the UTF-8 sequence that begins at `text` (not empty), 0 where none does (RFC 3629: no surrogates, no
-/// overlong forms); its code point in `point`.
+/// Length of the UTF-8 sequence at the start of `text` (not empty), or 0 if there is none (RFC 3629: no surrogates,
+/// no overlong forms). Sets `point` to its code point.
 std::size_t sequence_length(std::string_view text, std::uint32_t& point);
 
-/// Whether a code point is shown as a sign and does nothing else: no control character (C0, DEL, C1), no separator of
-/// lines, none that turns the direction of writing.
+/// Whether a code point is safe to print: not a control character (C0, DEL, C1), a line separator or a bidirectional
+/// control character.
 bool is_printable(std::uint32_t point);
 
-/// Offset of the first code point that is not printable, or of a byte that is no UTF-8, or npos; tabs and ends of lines
-/// are let pass.
+/// Offset of the first code point that is not printable or byte that is not UTF-8, or npos. Tabs and line ends are
+/// accepted.
 std::size_t first_unprintable(std::string_view text);
 
 }  // namespace polhode

@@ -13,7 +13,7 @@ namespace polhode {
 namespace {
 
 constexpr std::string_view seal_mark = "# checksum ";
-constexpr std::size_t seal_length = seal_mark.size() + 32 + 1;  // and the end of the line
+constexpr std::size_t seal_length = seal_mark.size() + 32 + 1;  // 32 digits and the line end
 
 std::string seal_of(std::string_view text) { return std::string(seal_mark) + content_hash(text) + "\n"; }
 
@@ -45,7 +45,7 @@ void tell_damaged(const std::string& path) {
     const std::string line =
         "polhode: " + one_line(path, 500) +
         ": damaged (its checksum does not fit); counts as missing, and is computed again where it is asked for\n";
-    static_cast<void>(std::fputs(line.c_str(), stderr));  // nobody could be told
+    static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere
 }
 
 }  // namespace polhode

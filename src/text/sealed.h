@@ -1,4 +1,4 @@
-// Texts that tell by themselves whether they are as they were written.
+// Texts with a checksum, so that corruption is detected.
 #pragma once
 
 #include <optional>
@@ -7,18 +7,18 @@
 
 namespace polhode {
 
-/// The text with a last line that holds the content_hash() of all before it.
+/// Appends a last line with the content_hash() of everything before it.
 std::string seal(std::string_view text);
 
-/// The text that seal() was given; nothing where the last line does not fit what stands before it: a flipped bit, a
-/// missing end, a text that nobody has sealed.
+/// The text that was passed to seal(). Returns nothing if the last line does not match the rest: a flipped bit, a
+/// missing end, or a text without a seal.
 std::optional<std::string> unseal(std::string_view text);
 
-/// What unseal() says of the file's text; nothing where there is no such file. Of a file that is there and damaged one
-/// line on standard error tells, once in a process: what it held counts as missing.
+/// Reads and unseals the file. Returns nothing if the file does not exist or is corrupted. A corrupted file is also
+/// reported on standard error, once per process.
 std::optional<std::string> read_sealed(const std::string& path);
 
-/// Tells of a damaged file on standard error as read_sealed() does.
+/// Reports a corrupted file on standard error, once per process, as read_sealed() does.
 void tell_damaged(const std::string& path);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// System calls that a signal may cut off.
+// System calls that a signal may interrupt.
 #pragma once
 
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// A call that returns something negative and sets errno where it fails, again for as long as a signal cuts it off.
+/// Repeats a call that returns a negative value and sets errno, as long as a signal interrupts it (EINTR).
 template <class Call>
 auto uncut(Call&& call) {
     auto result = call();
@@ -20,27 +20,27 @@ auto uncut(Call&& call) {
     return result;
 }
 
-/// Throws std::runtime_error: the path, what became of it, and the system's reason.
+/// Throws std::runtime_error "PATH: WHAT: the system's reason".
 [[noreturn]] inline void fail_of_file(const std::string& path, const char* what, int error) {
     throw std::runtime_error(path + ": " + what + ": " + std::strerror(error));
 }
 
-/// Writes all of a text. Returns 0 or the error number.
+/// Writes the whole text. Returns 0 or the error number.
 inline int write_all(int file, std::string_view text) {
     while (!text.empty()) {
         const ssize_t count = uncut([&] { return ::write(file, text.data(), text.size()); });
         if (count < 0) return errno;
-        if (count == 0) return EIO;  // a file that takes nothing and does not say why
+        if (count == 0) return EIO;  // the file accepted no bytes and gave no reason
         text.remove_prefix(static_cast<std::size_t>(count));
     }
     return 0;
 }
 
-/// Closes a file. Returns 0 or the error number; a signal that comes meanwhile leaves the file closed, too.
+/// Closes a file. Returns 0 or the error number. EINTR counts as success, because the file is closed then, too.
 inline int close_file(int file) { return ::close(file) != 0 && errno != EINTR ? errno : 0; }
 
-/// Syncs the folder of a file that was given its name, so that the name lasts through a power failure: an open folder's
-/// descriptor. Returns 0 or the error number; a file system that cannot sync a folder is no error.
+/// Syncs an open folder, so that a name just given in it survives a power failure. Returns 0 or the error number; a
+/// file system that cannot sync folders is not an error.
 inline int sync_folder(int folder) {
     const bool failed = uncut([&] { return ::fsync(folder); }) != 0;
     return failed && errno != EINVAL && errno != ENOTSUP && errno != EROFS ? errno : 0;

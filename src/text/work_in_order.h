@@ -1,4 +1,4 @@
-// Pieces of something long: worked on by several threads, read and written in their order.
+// A parallel pipeline: several threads work on pieces that are read and written in order.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +14,20 @@
 
 namespace polhode {
 
-/// Carries pieces from read() by work() to write() with at most `threads` threads, each of which takes one piece all
-/// the way, so that it stays in that thread's cache. read() gives the next piece, or nothing at the end; it is called
-/// by one thread at a time, and so is write(), with the pieces in the order in which they were read; work(piece) runs
-/// on all threads at once. At most twice as many pieces as threads are held. The first exception is thrown again here
-/// after all threads have stopped; what was not written by then is not. The threads are interrupted with this one.
+/// Passes pieces from read() through work() to write() on at most `threads` threads. Each thread takes one piece
+/// through all stages, so that it stays in that thread's cache. read() returns the next piece, or nothing at the end.
+/// read() and write() are called by one thread at a time; write() receives the pieces in the order in which they were
+/// read. work(piece) runs concurrently. At most twice as many pieces as threads are held in memory. After all threads
+/// have stopped, rethrows the first exception; pieces not written by then are lost. An interruption of this thread
+/// interrupts all of them.
 template <class Read, class Work, class Write>
 void work_in_order(int threads, const Read& read, const Work& work, const Write& write) {
     using Piece = typename std::invoke_result_t<Read>::value_type;
     const auto workers = static_cast<std::size_t>(std::max(1, threads));
-    std::mutex reading;  // held by who reads
-    std::mutex mutex;    // of what follows
+    std::mutex reading;  // held while reading
+    std::mutex mutex;    // protects the following variables
     std::condition_variable room;
-    std::map<std::size_t, Piece> waiting;  // for those before them to be written
+    std::map<std::size_t, Piece> waiting;  // finished pieces whose predecessors are not written yet
     std::size_t begun = 0, written = 0;
     bool ended = false, failed = false, writing = false;
 
@@ -44,7 +45,7 @@ void work_in_order(int threads, const Read& read, const Work& work, const Write&
         begun += piece ? 1 : 0;
         return piece;
     };
-    // whoever brings a piece while nobody writes, writes what is due
+    // a thread that finishes a piece while no other thread writes, writes all pieces that are due
     const auto hand_in = [&](std::size_t number, Piece piece) {
         std::unique_lock lock(mutex);
         waiting.emplace(number, std::move(piece));

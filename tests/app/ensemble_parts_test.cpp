@@ -124,7 +124,7 @@ TEST_F(EnsembleParts, MorePartsThanRows) {
     EXPECT_EQ(read(merge_ensemble_parts({path("p")}, path("merged.csv")).output), read(directory / "out.csv"));
     std::ofstream(directory / "t.csv") << "mass\n-1\n-2\n";
     solve("q", "csv", {1, 2}, 2);
-    expect_fault({"q"}, "none.csv", "has no row that is a body");
+    expect_fault({"q"}, "none.csv", "has no row that was solved");
 }
 
 TEST_F(EnsembleParts, FaultsAreTold) {

@@ -62,7 +62,6 @@ TEST(Limits, AreThoseOfTheReadme) {
         {"parentheses in one another of experiment, --filter", count(deepest_parentheses)},
         {"repetitions multiplied of experiment, --filter", count(most_unrolled)},
         {"trajectory of check, plot", mebibytes(largest_file)},
-        {"table of mechanisms of ensemble", "4096 MiB"},
     };
     EXPECT_EQ(limits_of_readme(), expected);
 }

@@ -1,15 +1,20 @@
 // The commands on scenes of several bodies.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "app/program_fixture.h"
+#include "build_kind.h"
 #include "integrators/truth/balls/certified.h"
 #include "motion/trajectory_csv.h"
+#include "text/npy.h"
 
 namespace polhode {
 namespace {
@@ -354,6 +359,106 @@ TEST_F(Mechanisms, EnsembleOfStartsAlone) {
         for (const char* column : {"qw", "qy", "wy", "px", "pz"})
             EXPECT_NEAR(number(rows[i], column), number(apart[i], column), 1e-7) << column << i;
     EXPECT_EQ(run({"ensemble", scene, "--initial", starts, "--samples", "3", "--threads", "3"}).out, outcome.out);
+}
+
+// Starts of the swinging chain as CSV or as NumPy's structured array; of each `bad`-th row the angle is infinite.
+std::string table_of_starts(bool npy, int rows, int bad) {
+    std::string text = "id,elbow.angle,shoulder.angle\n";
+    if (npy)
+        text = write_npy_header({{"id", "|S7"}, {"elbow.angle", "<f8"}, {"shoulder.angle", "<f8"}},
+                                static_cast<std::uint64_t>(rows));
+    for (int k = 1; k <= rows; ++k) {
+        std::string id = fmt::format("s{}", k);
+        const double angles[2] = {k % bad == 0 ? HUGE_VAL : 1 - 0.625 * k / rows, 0.3 * k / rows - 1};
+        if (!npy) {
+            text += fmt::format("{},{},{}\n", id, angles[0], angles[1]);
+            continue;
+        }
+        id.resize(7);
+        text.append(id).append(reinterpret_cast<const char*>(angles), sizeof angles);
+    }
+    return text;
+}
+
+// The same motions, bit for bit, from both kinds of table and to both.
+TEST_F(Mechanisms, EnsembleReadsAndWritesNumpysFormat) {
+    const std::string csv = write("t.csv", table_of_starts(false, 300, 100)),
+                      npy = write("t.npy", table_of_starts(true, 300, 100));
+    const Outcome from_csv = run({"ensemble", swinging, "--initial", csv, "--samples", "2"});
+    const Outcome from_npy = run({"ensemble", swinging, "--initial", npy, "--samples", "2"});
+    ASSERT_EQ(from_csv.exit_code, 1);
+    ASSERT_EQ(from_npy.exit_code, 1);
+    std::vector<CsvRow> rows = rows_of(from_csv.out);
+    ASSERT_EQ(rows.size(), 297u * 4 + 3);
+    EXPECT_EQ(rows[99 * 4].at("message"),
+              "\"" + csv + ": line 101, column elbow.angle: inf is not finite; give a finite number\"");
+    const std::vector<CsvRow> others = rows_of(from_npy.out);
+    ASSERT_EQ(others.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].at("status") == "failed") rows[i]["message"] = others[i].at("message");
+        EXPECT_EQ(rows[i], others[i]) << i;
+    }
+    ASSERT_EQ(run({"ensemble", swinging, "--initial", npy, "--samples", "2", "--output", "o.npy"}).exit_code, 1);
+    const std::string out = written("o.npy");
+    const NpyHeader header = parse_npy_header(out, out.size(), "o.npy");
+    std::vector<std::string> fields;
+    for (const NpyField& field : header.fields) fields.push_back(field.name + field.type);
+    EXPECT_EQ(fmt::format("{}", fmt::join(fields, " ")),
+              "row<i8 status<i8 t<f8 qw<f8 qx<f8 qy<f8 qz<f8 wx<f8 wy<f8 wz<f8 px<f8 py<f8 pz<f8 vx<f8 vy<f8 vz<f8 "
+              "body|S5 id|S7");
+    ASSERT_EQ(header.rows, rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (const NpyField& field : header.fields) {
+            const char* const at = out.data() + header.data_offset + i * header.record_size + field.offset;
+            const std::string& cell = rows[i].at(field.name);
+            double real = 0;
+            std::int64_t whole = 0;
+            std::memcpy(&real, at, std::min(sizeof real, field.size)),
+                std::memcpy(&whole, at, std::min(sizeof whole, field.size));
+            if (field.type == "<f8")
+                EXPECT_TRUE(cell.empty() ? std::isnan(real) : real == std::stod(cell)) << i << field.name;
+            else if (field.name == "status")
+                EXPECT_EQ(name_of(static_cast<Status>(whole)), cell) << i;
+            else
+                EXPECT_EQ(field.type == "<i8" ? std::to_string(whole) : std::string(at, ::strnlen(at, field.size)),
+                          cell)
+                    << i;
+        }
+}
+
+TEST_F(Mechanisms, EnsembleHasTheSameBytesInPiecesAndParts) {
+    for (const bool npy : {false, true}) {
+        const std::string ending = npy ? ".npy" : ".csv", table = write("t" + ending, table_of_starts(npy, 700, 69));
+        const auto solve = [&](const std::string& output, const std::vector<std::string>& more) {
+            std::vector<std::string> arguments{"ensemble",  swinging, "--initial", table,
+                                               "--samples", "2",      "--output",  output + ending};
+            arguments.insert(arguments.end(), more.begin(), more.end());
+            EXPECT_EQ(run(arguments).exit_code, 1);
+        };
+        solve("whole", {"--threads", "1"});
+        solve("pieces", {"--threads", "3", "--rows-at-once", "1"});
+        EXPECT_EQ(written("pieces" + ending), written("whole" + ending));
+        for (const char* shard : {"2/3", "1/3", "3/3"}) solve("parts", {"--shard", shard, "--rows-at-once", "500"});
+        const Outcome merged = run({"merge", directory.string(), "--output", "merged" + ending});
+        EXPECT_EQ(merged.exit_code, 1) << merged.err;
+        EXPECT_EQ(written("merged" + ending), written("whole" + ending));
+        for (const auto& file : fs::directory_iterator(directory)) fs::remove(file);
+    }
+}
+
+// 22 MiB of output, whose samples and text would take twice as much: pieces of the table are held, not all of it.
+TEST_F(Mechanisms, EnsembleTakesTablesOfAnyLength) {
+    if (!optimised_build) GTEST_SKIP() << "sanitizers take memory of their own";
+    const std::string table = write("t.npy", table_of_starts(true, 80'000, 1'000'000));
+    const Outcome outcome = run({"ensemble", swinging, "--initial", table, "--duration", "1e-3", "--tolerance", "1e-3",
+                                 "--threads", "1", "--output", "o.npy"},
+                                [] {
+                                    const rlimit small{24 << 20, 24 << 20};
+                                    ::setrlimit(RLIMIT_DATA, &small);
+                                });
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string out = written("o.npy");
+    EXPECT_EQ(parse_npy_header(out, out.size(), "o.npy").rows, 160'000u);
 }
 
 TEST_F(Mechanisms, EnsembleRefusesOtherColumns) {

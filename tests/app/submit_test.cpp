@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <cstdlib>
+#include <regex>
 
 #include "app/program_fixture.h"
 #include "app/submit_scripts.h"
@@ -45,6 +46,25 @@ TEST(SubmitScripts, AShellTakesEveryWordBackAsItWas) {
         ::pclose(pipe);
         EXPECT_EQ(back, text == "-n" ? "-n" : text);
     }
+}
+
+TEST(SubmitScripts, FillEachPlaceholderOnce) {
+    Submission s;
+    s.name = "e", s.program = "/a/@name@", s.experiment = "x y", s.output = "/o", s.plan = "/o/e.plan.csv";
+    s.options = {"--quick"}, s.shards = 3, s.jobs = 2, s.seconds = 61;
+    for (const std::string engine : {"slurm", "parallel", "snakemake"}) {
+        const std::string script = submit_script(engine, s);
+        const std::regex placeholder("@[a-z_]+@");
+        const std::vector<std::string> left{std::sregex_token_iterator(script.begin(), script.end(), placeholder), {}};
+        EXPECT_EQ(left, std::vector<std::string>{"@name@"}) << engine;  // the program's path
+    }
+    EXPECT_NE(submit_script("slurm", s)
+                  .find("program='/a/@name@'\nexperiment='x y'\noutput=/o\nplan=/o/e.plan.csv\n"
+                        "shards=3\njobs=2\noptions=( --quick)\nmerge_options=()\n"
+                        "time=0-00:02:00\nname=e\n"),
+              std::string::npos);
+    EXPECT_NE(submit_script("snakemake", s).find("OPTIONS = [\"--quick\"]\nMERGE_OPTIONS = []\n"), std::string::npos);
+    EXPECT_THROW(submit_script("cron", s), std::invalid_argument);
 }
 
 TEST(SubmitScripts, TimesAreWrittenAsSlurmReadsThem) {

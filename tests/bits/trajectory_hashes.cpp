@@ -230,7 +230,7 @@ Kind mechanism_ensembles(const Asked& asked) {
         for (int i = 0; i < 35; ++i)
             for (long k = 0; k < columns; ++k) text += fmt::format("{}{}", k ? "," : "\n", random(-2, 2));
         Bytes bytes;
-        const MechanismTable table = parse_mechanism_table(text + "\n", "random", scene);
+        const MechanismTable table = parse_ensemble(text + "\n", "random", scene, BadRows::pass_over).mechanisms;
         for (const MechanismRow& row : solve_mechanism_ensemble(scene, table, 4, ensemble_settings(asked))) {
             bytes.add(static_cast<long>(row.status));
             for (const Sample& sample : row.samples) bytes.add(sample);

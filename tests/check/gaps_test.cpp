@@ -1,6 +1,4 @@
 // Rows that are not numbers, and errors over time beside what the judge finds.
-#include "check/gaps.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,41 +9,58 @@
 #include "check/error_over_time.h"
 #include "integrators/method.h"
 #include "integrators/truth/reference.h"
+#include "motion/foreign_columns.h"
 #include "scene/scene_file.h"
 #include "text/json_document.h"
 
 namespace polhode {
 namespace {
 
+struct GappedFile {
+    std::vector<double> times;
+    std::vector<std::size_t> gaps;
+};
+GappedFile read_with_gaps(const std::string& text, const ForeignColumns& columns = {}) {
+    GappedFile read;
+    for (const TrajectoryRow& row :
+         parse_foreign_trajectory(text, "f.csv", columns, QuaternionColumns::by_name, {}, &read.gaps).rows)
+        read.times.push_back(row.t);
+    return read;
+}
+
 TEST(Gaps, LeaveOutRowsThatAreNotANumber) {
-    const std::string text = "t,qw,qx,qy,qz\n0,nan,0,0,0\n1,1,0,0,0\n2,1,0,NaN,0\n3,-nan,0,0,0\n4,1,0,0,0\n5,1,0,0,0\n";
-    const GappedTable table = without_nan(text, "f.csv");
-    EXPECT_EQ(table.text, "t,qw,qx,qy,qz\n#\n1,1,0,0,0\n#\n#\n4,1,0,0,0\n5,1,0,0,0\n");
-    EXPECT_EQ(table.gaps, (std::vector<std::size_t>{1}));
+    const GappedFile file =
+        read_with_gaps("t,qw,qx,qy,qz\n0,nan,0,0,0\n1,1,0,0,0\n2,1,0,NaN,0\n3,-nan,0,0,0\n4,1,0,0,0\n5,1,0,0,0\n");
+    EXPECT_EQ(file.times, (std::vector<double>{1, 4, 5}));
+    EXPECT_EQ(file.gaps, (std::vector<std::size_t>{1}));
 }
 
 TEST(Gaps, LeaveOutAllBodiesAtATime) {
-    const std::string text =
-        "t,body,qw,qx,qy,qz\n0,a,1,0,0,0\n0,b,1,0,0,0\n1,a,1,0,0,0\n1,b,nan,0,0,0\n2,a,1,0,0,0\n2,b,1,0,0,0\n";
-    const GappedTable table = without_nan(text, "f.csv");
-    EXPECT_EQ(table.gaps, (std::vector<std::size_t>{1}));
-    const TrajectoryFile file = parse_trajectory(table.text, "f.csv");
-    EXPECT_EQ(file.rows.size(), 4U);
+    const GappedFile file = read_with_gaps(
+        "t,body,qw,qx,qy,qz\n0,a,1,0,0,0\n0,b,1,0,0,0\n1,a,1,0,0,0\n1,b,nan,0,0,0\n2,a,1,0,0,0\n2,b,1,0,0,0\n");
+    EXPECT_EQ(file.times, (std::vector<double>{0, 0, 2, 2}));
+    EXPECT_EQ(file.gaps, (std::vector<std::size_t>{1}));
 }
 
-TEST(Gaps, LeaveOtherTablesAlone) {
-    for (const std::string text : {"", "t,qw\n", "t,qw,qx,qy,qz\n0,1,0,0,0", "a,b\nnan,1\n", "t,nanny\n0,inf\n"}) {
-        const GappedTable table = without_nan(text, "f.csv");
-        EXPECT_EQ(table.text, text);
-        EXPECT_TRUE(table.gaps.empty());
-    }
+TEST(Gaps, AreOfTheColumnsThatAreRead) {
+    const std::string text = "t,note,qw,qx,qy,qz\n0,nan,1,0,0,0\n1,,nan,0,0,0\n2,nan,1,0,0,0\n";
+    const GappedFile file = read_with_gaps(text, {{{"t", 0}, {"qw", 2}, {"qx", 3}, {"qy", 4}, {"qz", 5}}});
+    EXPECT_EQ(file.times, (std::vector<double>{0, 2}));
+    EXPECT_EQ(file.gaps, (std::vector<std::size_t>{1}));
+}
+
+TEST(Gaps, LeaveOtherFaultsToTheReader) {
+    for (const char* text : {"", "t,qw\n", "a,b\nnan,1\n", "t,nanny\n0,inf\n", "t,qw,qx,qy,qz\n0,inf,0,0,0\n"})
+        EXPECT_THROW(read_with_gaps(text), InputError) << text;
+    EXPECT_TRUE(read_with_gaps("t,qw,qx,qy,qz\n0,1,0,0,0").gaps.empty());
+    EXPECT_THROW(parse_trajectory("t,qw,qx,qy,qz\n0,nan,0,0,0\n", "f.csv"), InputError);
 }
 
 // the last row that is not a number may have no line feed
 TEST(Gaps, EndWithTheText) {
-    const GappedTable table = without_nan("t,qw,qx,qy,qz\n0,1,0,0,0\n1,nan,0,0,0", "f.csv");
-    EXPECT_EQ(table.text, "t,qw,qx,qy,qz\n0,1,0,0,0\n#\n");
-    EXPECT_TRUE(table.gaps.empty());
+    const GappedFile file = read_with_gaps("t,qw,qx,qy,qz\n0,1,0,0,0\n1,nan,0,0,0");
+    EXPECT_EQ(file.times, (std::vector<double>{0}));
+    EXPECT_TRUE(file.gaps.empty());
 }
 
 TrajectoryFile solved(const Scene& scene, long samples) {

@@ -145,12 +145,13 @@ TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {
 
 TEST(ForeignTable, ABodysNameIsTakenWhereThereAreSeveral) {
     const std::string text = "time,link,quat_w,quat_x,quat_y,quat_z\n0,a,1,0,0,0\n0,b,1,0,0,0\n";
-    EXPECT_EQ(parse_trajectory(own_columns(text, "f", {}, true).text, "f").bodies,
-              (std::vector<std::string>{"a", "b"}));
-    EXPECT_EQ(own_columns(text, "f", {}).text.find("body"), std::string::npos);
+    const auto bodies = [](const std::string& table, const ColumnNames& names) {
+        return parse_foreign_trajectory(table, "f", find_foreign_columns(table, "f", names, true).columns).bodies;
+    };
+    EXPECT_EQ(bodies(text, {}), (std::vector<std::string>{"a", "b"}));
+    EXPECT_FALSE(find_foreign_columns(text, "f", {}).columns.places.contains("body"));
     const std::string odd = "time,who,a,b,c,d\n0,a,1,0,0,0\n0,b,1,0,0,0\n";
-    const ColumnNames names = parse_columns("time=time,body=who,rotation=b:c:d:a");
-    EXPECT_EQ(parse_trajectory(own_columns(odd, "f", names, true).text, "f").bodies.size(), 2u);
+    EXPECT_EQ(bodies(odd, parse_columns("time=time,body=who,rotation=b:c:d:a")).size(), 2u);
 }
 
 }  // namespace

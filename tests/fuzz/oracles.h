@@ -28,7 +28,6 @@
 #include "integrators/truth/cache.h"
 #include "motion/ensemble_npy.h"
 #include "motion/ensemble_table.h"
-#include "motion/mechanism_table.h"
 #include "motion/problem.h"
 #include "motion/trajectory_csv.h"
 #include "motion/written_tables.h"
@@ -183,48 +182,6 @@ inline void ensemble(std::string_view text) {
     }
 }
 
-/// Ensemble tables in NumPy's format. Accepted tables give the same rows in pieces of any size and after skipped
-/// rows, and the same ensemble through CSV. The header survives writing and reading.
-inline void npy(std::string_view content) {
-    Scene scene;
-    scene.name = "fuzz", scene.duration = 1;
-    if (one_in(2, content)) scene.pivot = Vector3<double>(0, 0, 0);
-    auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
-    if (header) {
-        require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
-        // written names are polhode's and need no escapes
-        for (NpyField& field : header->fields) std::erase(field.name, '\'');
-        const std::string again = write_npy_header(header->fields, header->rows);
-        const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
-        require(read.rows == header->rows && read.record_size == header->record_size, "a header does not read back");
-    }
-    const auto rows = parsed([&] { return npy_ensemble_of(content, "fuzz", scene); });
-    if (!rows) return;
-    require(header.has_value(), "a table without a header");
-    EnsembleTable whole, piece;
-    (*rows)->next(whole, content.size() + 1);
-    require(whole.bodies.size() + whole.refused.size() == header->rows, "rows are lost");
-    require(whole.ids.empty() || whole.ids.size() == whole.bodies.size(), "ids are lost");
-    for (const RefusedRow& row : whole.refused) require_one_line(row.fault);
-    for (const EnsembleBody& body : whole.bodies) require(!fault_of(body, scene.pivot.has_value()), "a body cannot be");
-    const std::size_t left_out = npy_ensemble_of(content, "fuzz", scene)->skip(content.size() + 1);
-    require(left_out == header->rows, "rows that are left out are not counted");
-    const auto pieces = npy_ensemble_of(content, "fuzz", scene);
-    const std::size_t skipped = pieces->skip(1);
-    std::vector<EnsembleBody> bodies;
-    std::size_t refused = 0;
-    while (pieces->next(piece, 3)) {
-        bodies.insert(bodies.end(), piece.bodies.begin(), piece.bodies.end());
-        refused += piece.refused.size();
-    }
-    require(skipped + bodies.size() + refused == header->rows, "pieces lose rows");
-    require(std::equal(bodies.rbegin(), bodies.rend(), whole.bodies.rbegin()), "pieces differ from the whole");
-    const auto as_comment = [](const std::string& id) { return id.starts_with('#'); };
-    if (whole.bodies.empty() || std::any_of(whole.ids.begin(), whole.ids.end(), as_comment)) return;
-    const EnsembleTable csv = parse_ensemble(write_ensemble(whole, scene.pivot.has_value()), "written", scene);
-    require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
-}
-
 /// Bodies joined by every type of joint with coordinates, and one free body.
 inline const Scene& joined_bodies() {
     static const Scene scene = parse_scene(
@@ -243,22 +200,80 @@ inline const Scene& joined_bodies() {
     return scene;
 }
 
-/// Tables of initial states of mechanisms are refused by one line, or give scenes that survive writing and reading.
-inline void mechanisms(std::string_view text) {
-    const Scene& scene = joined_bodies();
-    const std::optional<MechanismTable> table = parsed([&] { return parse_mechanism_table(text, "fuzz", scene); });
-    if (!table) return;
-    require(table->numbers.size() == table->rows() * table->columns.size(), "a row is not as long as the header");
-    require(table->ids.empty() || table->ids.size() == table->rows(), "ids are lost");
-    for (const RefusedRow& row : table->refused) require_one_line(row.fault);
-    for (std::size_t k = 0; k < std::min<std::size_t>(table->rows(), 4); ++k) {
-        const std::string written = write_scene(table->scene_of(scene, k));
+/// Each row of a table of mechanisms gives a scene that survives writing and reading.
+inline void require_scenes(const MechanismTable& table, const Scene& scene) {
+    require(table.numbers.size() == table.rows() * table.columns.size(), "a row is not as long as the header");
+    for (std::size_t k = 0; k < std::min<std::size_t>(table.rows(), 4); ++k) {
+        const std::string written = write_scene(table.scene_of(scene, k));
         require(write_scene(parse_scene(written, "written")) == written, "a row's scene does not read back");
     }
 }
 
-/// A line of column names, then a table with other names. They are refused by one line, or the table is converted to
-/// polhode's names, and converting it again changes nothing. `check` and `plot` use this conversion.
+/// Reads a table in NumPy's format whose header states `rows` records. Pieces of any size give the same rows, also
+/// after skipped rows. Returns the whole table.
+inline EnsembleTable npy_rows(std::string_view content, const Scene& scene, std::uint64_t rows) {
+    EnsembleTable whole, piece;
+    npy_ensemble_of(content, "fuzz", scene)->next(whole, content.size() + 1);
+    require(whole.rows() + whole.refused.size() == rows, "rows are lost");
+    require(whole.ids.empty() || whole.ids.size() == whole.rows(), "ids are lost");
+    for (const RefusedRow& row : whole.refused) require_one_line(row.fault);
+    for (const EnsembleBody& body : whole.bodies) require(!fault_of(body, scene.pivot.has_value()), "a body cannot be");
+    require_scenes(whole.mechanisms, scene);
+    const std::size_t left_out = npy_ensemble_of(content, "fuzz", scene)->skip(content.size() + 1);
+    require(left_out == rows, "rows that are skipped are not counted");
+    const auto pieces = npy_ensemble_of(content, "fuzz", scene);
+    std::size_t passed = pieces->skip(1);
+    std::vector<EnsembleBody> bodies;
+    std::vector<double> numbers;
+    while (pieces->next(piece, 3)) {
+        bodies.insert(bodies.end(), piece.bodies.begin(), piece.bodies.end());
+        numbers.insert(numbers.end(), piece.mechanisms.numbers.begin(), piece.mechanisms.numbers.end());
+        passed += piece.rows() + piece.refused.size();
+    }
+    require(passed == rows, "pieces lose rows");
+    require(std::equal(bodies.rbegin(), bodies.rend(), whole.bodies.rbegin()), "pieces differ from the whole");
+    require(std::equal(numbers.rbegin(), numbers.rend(), whole.mechanisms.numbers.rbegin()),
+            "pieces differ from the whole");
+    return whole;
+}
+
+/// Ensemble tables in NumPy's format, of one body and of several: the header survives writing and reading, and the
+/// table has the same bodies as CSV.
+inline void npy(std::string_view content) {
+    Scene scene;
+    scene.name = "fuzz", scene.duration = 1;
+    if (one_in(2, content)) scene.pivot = Vector3<double>(0, 0, 0);
+    auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
+    if (header) {
+        require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
+        // written names are polhode's and need no escapes
+        for (NpyField& field : header->fields) std::erase(field.name, '\'');
+        const std::string again = write_npy_header(header->fields, header->rows);
+        const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
+        require(read.rows == header->rows && read.record_size == header->record_size, "a header does not read back");
+    }
+    const auto opens = [&](const Scene& of) { return parsed([&] { return npy_ensemble_of(content, "fuzz", of); }); };
+    if (opens(joined_bodies())) npy_rows(content, joined_bodies(), header.value().rows);
+    if (!opens(scene)) return;
+    const EnsembleTable whole = npy_rows(content, scene, header.value().rows);
+    const auto as_comment = [](const std::string& id) { return id.starts_with('#'); };
+    if (whole.bodies.empty() || std::any_of(whole.ids.begin(), whole.ids.end(), as_comment)) return;
+    const EnsembleTable csv = parse_ensemble(write_ensemble(whole, scene.pivot.has_value()), "written", scene);
+    require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
+}
+
+/// Tables of initial states of mechanisms are refused by one line, or give scenes that survive writing and reading.
+inline void mechanisms(std::string_view text) {
+    const Scene& scene = joined_bodies();
+    const auto table = parsed([&] { return parse_ensemble(text, "fuzz", scene, BadRows::pass_over); });
+    if (!table) return;
+    require(table->ids.empty() || table->ids.size() == table->rows(), "ids are lost");
+    for (const RefusedRow& row : table->refused) require_one_line(row.fault);
+    require_scenes(table->mechanisms, scene);
+}
+
+/// A line of column names, then a table of another program. They are refused by one line, or the table can be read, and
+/// written and read again under polhode's names. `check` and `plot` read tables in this way.
 inline void columns(std::string_view text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string table(text.substr(std::min(end + 1, text.size())));
@@ -269,11 +284,13 @@ inline void columns(std::string_view text) {
         require_one_line(error.what());
     }
     for (const bool several : {false, true}) {
-        const auto own = parsed([&] { return own_columns(table, "fuzz", names, several); });
-        if (!own) continue;
-        for (const std::string& remark : own->remarks) require_one_line(remark);
-        const auto again = parsed([&] { return own_columns(own->text, "fuzz", {}, several); });
-        if (!own->remarks.empty()) require(again && again->text == own->text, "what is ours does not stay as it is");
+        const auto found = parsed([&] { return find_foreign_columns(table, "fuzz", names, several); });
+        if (!found) continue;
+        for (const std::string& remark : found->remarks) require_one_line(remark);
+        auto file = parsed([&] { return parse_foreign_trajectory(table, "fuzz", found->columns); });
+        if (!file) continue;
+        file->read_past.clear();
+        require(parse_trajectory(write_trajectory(*file), "written") == *file, "a foreign table does not read back");
     }
     parsed([&] {
         CheckedFile checked;

@@ -11,7 +11,7 @@
 #include "integrators/own/ensemble.h"
 #include "integrators/own/mechanism_ensemble.h"
 #include "integrators/truth/reference.h"
-#include "motion/mechanism_table.h"
+#include "motion/ensemble_table.h"
 #include "scene/scene_file.h"
 #include "text/parallel.h"
 
@@ -80,7 +80,7 @@ TEST(Interruption, EndsEnsemblesRowByRow) {
     }
     Scene pendulum = find_scene("mechanisms/double_pendulum");
     pendulum.duration = 1000;
-    const MechanismTable table = parse_mechanism_table("shoulder.angle\n0.1\n0.2\n", "table", pendulum);
+    const MechanismTable table = parse_ensemble("shoulder.angle\n0.1\n0.2\n", "table", pendulum).mechanisms;
     for (const MechanismRow& row : solve_mechanism_ensemble(pendulum, table, 1, settings)) {
         EXPECT_EQ(row.status, Status::failed);
         EXPECT_TRUE(row.message.starts_with("interrupted")) << row.message;

@@ -55,7 +55,7 @@ void expect_pieces(const Open& open, const EnsembleTable& whole, const char* fir
             together.refused.insert(together.refused.end(), piece.refused.begin(), piece.refused.end());
         }
         EXPECT_EQ(stream->rows_passed(), 1000u);
-        EXPECT_NO_THROW(stream->require_bodies());
+        EXPECT_NO_THROW(stream->require_rows());
         EXPECT_EQ(together.bodies, whole.bodies);
         EXPECT_EQ(together.ids, whole.ids);
         ASSERT_EQ(together.refused.size(), 142u);
@@ -115,7 +115,7 @@ TEST(EnsembleStream, WithoutABody) {
         EnsembleTable piece;
         while (stream->next(piece, 1)) continue;
         try {
-            stream->require_bodies();
+            stream->require_rows();
         } catch (const InputError& error) {
             return error.what();
         }

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "bad_files.h"
+#include "motion/ensemble_stream.h"
+#include "motion/ensemble_table.h"
 
 namespace polhode {
 namespace {
@@ -41,7 +43,7 @@ Scene scene_of_all_joints() {
 
 std::string refusal_of(const std::string& text) {
     try {
-        parse_mechanism_table(text, "starts.csv", scene_of_all_joints());
+        parse_ensemble(text, "starts.csv", scene_of_all_joints(), BadRows::pass_over);
     } catch (const InputError& error) {
         return error.what();
     }
@@ -61,7 +63,7 @@ TEST(MechanismTable, EachColumnSetsItsOwnNumberOnly) {
 
 TEST(MechanismTable, NumbersGoWhereTheirColumnsSay) {
     const Scene scene = scene_of_all_joints();
-    const MechanismTable table = parse_mechanism_table(
+    const EnsembleTable table = parse_ensemble(
         "id,hinge.angle,hinge.rate,rail.displacement,rail.speed,cardan.angle2,cardan.rate1,socket.qw,socket.qx,"
         "socket.qy,socket.qz,socket.wx,socket.wy,socket.wz,base.qw,base.qx,base.qy,base.qz,base.px,base.py,base.pz,"
         "base.wz,base.wy,base.wx,base.vx,base.vy,base.vz,hinge.stiffness,hinge.rest,hinge.damping,sled.mass\n"
@@ -69,8 +71,8 @@ TEST(MechanismTable, NumbersGoWhereTheirColumnsSay) {
         "starts.csv", scene);
     ASSERT_EQ(table.rows(), 1u);
     EXPECT_EQ(table.ids.front(), "a");
-    EXPECT_FALSE(table.only_starts());
-    const Scene row = table.scene_of(scene, 0);
+    EXPECT_FALSE(table.mechanisms.only_starts());
+    const Scene row = table.mechanisms.scene_of(scene, 0);
     EXPECT_EQ(row.joints[0].coordinate[0], 0.1);
     EXPECT_EQ(row.joints[0].rate[0], 0.2);
     EXPECT_EQ(row.joints[1].coordinate[0], 0.3);
@@ -93,18 +95,21 @@ TEST(MechanismTable, NumbersGoWhereTheirColumnsSay) {
 
 TEST(MechanismTable, KnowsWhetherAllRowsAreMotionsOfOneMechanism) {
     const Scene scene = scene_of_all_joints();
-    EXPECT_TRUE(parse_mechanism_table("hinge.angle,cardan.rate2\n1,2\n", "t.csv", scene).only_starts());
-    EXPECT_FALSE(parse_mechanism_table("hinge.angle,rail.damping\n1,2\n", "t.csv", scene).only_starts());
-    EXPECT_FALSE(parse_mechanism_table("arm.mass\n1\n", "t.csv", scene).only_starts());
+    for (const auto& [text, only_starts] :
+         {std::pair{"hinge.angle,cardan.rate2\n1,2\n", true}, std::pair{"id,hinge.angle,rail.damping\na,1,2\n", false},
+          std::pair{"arm.mass\n1\n", false}}) {
+        EXPECT_EQ(parse_ensemble(text, "t.csv", scene).mechanisms.only_starts(), only_starts) << text;
+        EXPECT_EQ(ensemble_of_text(text, "t.csv", scene)->empty_table().mechanisms.only_starts(), only_starts) << text;
+    }
 }
 
 TEST(MechanismTable, ARowThatIsNoStartStopsNoOther) {
-    const MechanismTable table =
-        parse_mechanism_table("id,arm.mass,hinge.angle\na,1,2\nb,-1,2\nc,1,x\nd,1\ne,1e999,1\nf,,1\n\"g,1,1\nh,3,4\n",
-                              "starts.csv", scene_of_all_joints());
+    const EnsembleTable table =
+        parse_ensemble("id,arm.mass,hinge.angle\na,1,2\nb,-1,2\nc,1,x\nd,1\ne,1e999,1\nf,,1\n\"g,1,1\nh,3,4\n",
+                       "starts.csv", scene_of_all_joints(), BadRows::pass_over);
     EXPECT_EQ(table.ids, (std::vector<std::string>{"a", "h"}));
-    EXPECT_EQ(table.row_numbers, (std::vector<std::size_t>{1, 8}));
-    EXPECT_EQ(table.numbers, (std::vector<double>{1, 2, 3, 4}));
+    EXPECT_EQ(table.row_numbers(1), (std::vector<std::size_t>{1, 8}));
+    EXPECT_EQ(table.mechanisms.numbers, (std::vector<double>{1, 2, 3, 4}));
     ASSERT_EQ(table.refused.size(), 6u);
     const char* const faults[] = {"mass",  "x is no number", "has 2 cells under 3 columns",
                                   "1e999", "is empty",       "quotes"};

@@ -111,6 +111,28 @@ def test_ensembles_have_the_programs_bits(program, tmp_path):
     assert np.array_equal(np.hstack([found.q, found.w]), wanted)
 
 
+def test_ensembles_of_mechanisms_have_the_programs_bits(program, tmp_path):
+    rng = np.random.default_rng(6)
+    table = np.zeros(40, [("shoulder.angle", "<f8"), ("elbow.rate", "<f8")])
+    for name in table.dtype.names:
+        table[name] = rng.uniform(-1, 1, 40)
+    table["elbow.rate"][7] = np.nan
+    np.save(tmp_path / "starts.npy", table)
+    program("ensemble", "mechanisms/double_pendulum", "--initial", str(tmp_path / "starts.npy"), "--samples", "2",
+            "--duration", "1", "--output", str(tmp_path / "out.npy"))
+    wanted = np.load(tmp_path / "out.npy")
+    found = polhode.ensemble("mechanisms/double_pendulum", {name: table[name] for name in table.dtype.names}, samples=2,
+                             duration=1)
+    ok = wanted["status"] == 0
+    assert wanted["row"][~ok].tolist() == [8] and [row for row, _, _ in found.failures] == [7]
+    kept = np.arange(40) != 7
+    for block, names in [("q", ("qw", "qx", "qy", "qz")), ("w", ("wx", "wy", "wz")), ("p", ("px", "py", "pz")),
+                         ("v", ("vx", "vy", "vz"))]:
+        columns = np.stack([wanted[name][ok] for name in names], axis=-1)
+        assert np.array_equal(columns.reshape(39, 2, 2, -1), getattr(found, block)[kept])
+    assert np.array_equal(wanted["body"][ok].reshape(39, 2, 2)[0, 0], [b"upper", b"lower"])
+
+
 def test_ensembles_tell_what_is_wrong():
     bad = polhode.ensemble("free_asymmetric", inertia=[[1, 1, 1], [1, 1, 5], [1, 2, 2]])
     assert len(bad) == 3 and [row for row, _, _ in bad.failures] == [1] and not bad.ok

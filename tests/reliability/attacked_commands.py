@@ -9,12 +9,7 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
-import tempfile
 import zlib
-
-sys.dont_write_bytecode = True
-top = pathlib.Path(__file__).resolve().parents[2]
 
 sweep = {"name": "sweep", "about": "two methods", "scenes": ["symmetric"], "methods": ["odeint_rk4", "cvode_adams"],
          "settings": {"steps": [0.1], "tolerances": [1e-6]}, "samples": 3, "repeats": 1}
@@ -48,12 +43,6 @@ old_text = "what stood here before\n"
 old_outputs = ["out.csv", "more.csv", "out.json", "out.h", "out.txt", "out.svg", "out.pdf", "out.html",
                "results/sweep.csv", "results/sweep.json", "merged/sweep.csv", "results/study.csv", "results/growth.csv"]
 bodies = "wx,wy,wz\n1,2,3\n2,3,4\n0.1,5,1\n"
-
-
-def fast_folder(prefix: str) -> pathlib.Path:
-    """A new folder where a sync costs nothing, if there is such a place."""
-    in_memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-    return pathlib.Path(tempfile.mkdtemp(prefix=prefix, dir=os.environ.get("TMPDIR") or in_memory))
 
 
 def environment(folder: pathlib.Path, **more: str) -> dict[str, str]:

@@ -52,8 +52,8 @@ ResultFolder folder_of(const std::vector<std::pair<double, double>>& seconds_and
         row.scene = folder.scenes.place("scene_" + std::to_string(i));
         row.method = folder.methods.place("taylor");
         row.formulation = folder.formulations.place("reduced");
-        row.kind = SettingKind::tolerance, row.setting = 1e-6;
-        row.seconds = seconds_and_errors[i].first, row.attitude = seconds_and_errors[i].second;
+        row.kind = SettingKind::tolerance, row["setting"] = 1e-6;
+        row["seconds_median"] = seconds_and_errors[i].first, row["attitude_error_max"] = seconds_and_errors[i].second;
         folder.rows.push_back(row);
     }
     return folder;
@@ -71,7 +71,7 @@ TEST(Compared, MatchesRowsByWhatTheyAreOf) {
     ASSERT_EQ(comparison.methods.size(), 1u);
     EXPECT_NEAR(*comparison.methods[0].errors, std::cbrt(3.0), 1e-12);
     // another setting is another run
-    there.rows[0].setting = 1e-8;
+    there.rows[0]["setting"] = 1e-8;
     EXPECT_EQ(compared(here, there).pairs.size(), 2u);
     EXPECT_EQ(compared(here, there).only_there, 1u);
 }

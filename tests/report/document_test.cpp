@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <set>
 
+#include "places.h"
 #include "report/findings.h"
 
 namespace polhode {
@@ -19,8 +21,8 @@ class FolderDocument : public ::testing::Test {
     FolderRow& add(const std::string& scene, const std::string& method, double setting, double error, double seconds) {
         FolderRow row;
         row.scene = folder.scenes.place(scene), row.method = folder.methods.place(method);
-        row.formulation = folder.formulations.place("reduced"), row.kind = SettingKind::step, row.setting = setting;
-        row.attitude = row.attitude_final = error, row.seconds = seconds;
+        row.formulation = folder.formulations.place("reduced"), row.kind = SettingKind::step, row["setting"] = setting;
+        row["attitude_error_max"] = row["attitude_error_final"] = error, row["seconds_median"] = seconds;
         folder.rows.push_back(row);
         return folder.rows.back();
     }
@@ -81,6 +83,37 @@ TEST_F(FolderDocument, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) 
             }
         EXPECT_EQ(page["scenes"][0]["fastest"].size(), 2u);  // to 1e-3 and 1e-6 rad
     }
+}
+
+// The names in a list of data.ts.
+std::set<std::string> names_in_page(const std::string& list) {
+    std::ifstream file(source_dir() + "/src/report/page/source/data.ts");
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    const std::size_t begin = text.find("export const " + list + " = ["), end = text.find("] as const", begin);
+    std::set<std::string> names;
+    for (std::size_t at = begin; (at = text.find('"', at + 1)) < end;) {
+        const std::size_t close = text.find('"', at + 1);
+        names.insert(text.substr(at + 1, close - at - 1));
+        at = close;
+    }
+    return names;
+}
+
+TEST_F(FolderDocument, HasTheColumnsOfRowsThatThePageReads) {
+    add("a", "taylor", 0.1, 1e-3, 2e-6);
+    std::set<std::string> others, numbers;
+    for (const ResultColumn& column : result_column_table())
+        EXPECT_TRUE(column.page_name.empty() || numbers.insert(column.page_name).second) << column.page_name;
+    const Json rows = document()["rows"];
+    for (const auto& [name, values] : rows.items())
+        if (!numbers.contains(name)) others.insert(name);
+    std::set<std::string> expected = names_in_page("indexColumns");
+    expected.insert({"count", "total", "messages", "formulations"});
+    EXPECT_EQ(others, expected);
+    const std::set<std::string> read = names_in_page("numberColumns");
+    EXPECT_GT(read.size(), 5u);
+    EXPECT_TRUE(std::ranges::includes(numbers, read));
+    for (const std::string& name : numbers) EXPECT_EQ(rows[name].size(), 1u) << name;
 }
 
 TEST_F(FolderDocument, CurvesOfARowEachAreThinnedToo) {
@@ -191,8 +224,8 @@ TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {
     add("only here", "taylor", 0.1, 1e-3, 2e-6);
     ResultFolder there = folder;
     there.name = "there", there.rows.pop_back();
-    for (FolderRow& row : there.rows) row.seconds *= 1.5;
-    there.rows[1].attitude = 2e-3, there.rows[2].seconds = absent;
+    for (FolderRow& row : there.rows) row["seconds_median"] *= 1.5;
+    there.rows[1]["attitude_error_max"] = 2e-3, there.rows[2]["seconds_median"] = absent;
     other = &there, comparison = compared(folder, there);
     const Json found = document()["comparison"];
     EXPECT_EQ(found["folder"], "there");

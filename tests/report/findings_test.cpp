@@ -17,8 +17,9 @@ class FolderFindings : public ::testing::Test {
         FolderRow row;
         row.scene = folder.scenes.place(scene), row.method = folder.methods.place(method);
         row.formulation = folder.formulations.place("reduced");
-        row.kind = SettingKind::step, row.setting = 0.1;
-        row.attitude = row.attitude_final = attitude, row.seconds = seconds, row.energy = 1;
+        row.kind = SettingKind::step, row["setting"] = 0.1;
+        row["attitude_error_max"] = row["attitude_error_final"] = attitude, row["seconds_median"] = seconds,
+        row["energy_error_max"] = 1;
         folder.rows.push_back(row);
         return folder.rows.back();
     }
@@ -66,10 +67,10 @@ TEST_F(FolderFindings, TellOfOneLibraryAloneAndOfManyWinners) {
 }
 
 TEST_F(FolderFindings, NameThePlainestOfTheLostAttitudes) {
-    add("folder/scene", "article_as_written", 2, 1e-6).energy = 1e-3;
-    add("lagrange_top", "odeint_euler", 2, 1e-6).energy = 1e-3;
+    add("folder/scene", "article_as_written", 2, 1e-6)["energy_error_max"] = 1e-3;
+    add("lagrange_top", "odeint_euler", 2, 1e-6)["energy_error_max"] = 1e-3;
     FolderRow& plain = add("lagrange top%", "article_as_written", 3, 1e-6);
-    plain.energy = 2.5e-3, plain.momentum = 0.5, plain.setting = 0.02;
+    plain["energy_error_max"] = 2.5e-3, plain["momentum_error_max"] = 0.5, plain["setting"] = 0.02;
     add("lagrange_top", "article_as_written", 3, 1e-6).status = Status::unsupported;
     const Finding hidden = with("Energy hides");
     EXPECT_EQ(hidden.title, "Energy hides a lost attitude in 3 runs");
@@ -110,7 +111,7 @@ TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
 TEST_F(FolderFindings, CountOrdersThatAreNotThoseClaimed) {
     const auto curve = [&](const std::string& method, double order) {
         for (const double h : {0.1, 0.05, 0.025, 0.0125})
-            add("free_asymmetric", method, 0.5 * std::pow(h, order), absent).setting = h;
+            add("free_asymmetric", method, 0.5 * std::pow(h, order), absent)["setting"] = h;
     };
     curve("odeint_rk4", 4), curve("splitting4", 4), curve("odeint_euler", 1);
     EXPECT_EQ(with("orders").title, "All 3 observed orders are those claimed");
@@ -122,8 +123,8 @@ TEST_F(FolderFindings, CountOrdersThatAreNotThoseClaimed) {
 }
 
 TEST_F(FolderFindings, CountWhatFailedAndWhatReachesTheFloor) {
-    add("a", "taylor", 2e-14, absent).floor = 1e-14;
-    add("a", "cvode_adams", 5e-12, absent).floor = 1e-14;
+    add("a", "taylor", 2e-14, absent)["float64_floor"] = 1e-14;
+    add("a", "cvode_adams", 5e-12, absent)["float64_floor"] = 1e-14;
     for (const Status status : {Status::diverged, Status::diverged, Status::failed, Status::unsupported})
         add("b", "odeint_euler", absent, absent).status = status;
     add("b", "odeint_rk4", absent, absent).status = Status::tolerance_not_met;
@@ -154,9 +155,9 @@ TEST_F(FolderFindings, TellWhatLeavingOutGains) {
 
 TEST_F(FolderFindings, AreThreeAtMost) {
     for (const char* scene : {"a", "b"}) add(scene, "taylor", 1e-10, 1e-6), add(scene, "cvode_adams", 1e-10, 2e-6);
-    add("a", "odeint_euler", 2, 1e-6).energy = 1e-3;
+    add("a", "odeint_euler", 2, 1e-6)["energy_error_max"] = 1e-3;
     add("a", "odeint_euler", 2, 1e-6).status = Status::failed;
-    folder.rows.front().floor = 1e-12;
+    folder.rows.front()["float64_floor"] = 1e-12;
     const std::vector<Finding> all = findings_of(folder);
     ASSERT_EQ(all.size(), 3u);
     EXPECT_NE(all[0].title.find("fastest"), std::string::npos);

@@ -66,9 +66,9 @@ TEST_F(Folder, ReadsRowsSeriesTablesAndWhereTheyAreFrom) {
           "titles": {"t_other": "Others"}, "versions": {"Boost": "1"}}})");
     const ResultFolder folder = read_folder(path, 100);
     ASSERT_EQ(folder.rows.size(), 2u);
-    EXPECT_EQ(folder.rows[0].seconds, 2e-6);
-    EXPECT_EQ(folder.rows[0].floor, 1e-14);
-    EXPECT_TRUE(std::isnan(folder.rows[0].step_taken));
+    EXPECT_EQ(folder.rows[0]["seconds_median"], 2e-6);
+    EXPECT_EQ(folder.rows[0]["float64_floor"], 1e-14);
+    EXPECT_TRUE(std::isnan(folder.rows[0]["step_taken"]));
     EXPECT_EQ(folder.methods.names()[1], "no,such\"method");
     EXPECT_EQ(folder.rows[1].status, Status::diverged);
     EXPECT_EQ(folder.messages.names()[static_cast<std::size_t>(folder.rows[1].message)], "why");
@@ -95,6 +95,43 @@ TEST_F(Folder, LeavesOutATornFileAndSaysSo) {
     EXPECT_EQ(folder.rows.size(), 1u);
     ASSERT_EQ(folder.remarks.size(), 2u);
     EXPECT_NE(folder.remarks[0].find("b.csv is left out: line 2"), std::string::npos) << folder.remarks[0];
+}
+
+TEST_F(Folder, ReadsEachColumnThatATableMayHave) {
+    Result result;
+    result.scene = "free_asymmetric", result.method = "taylor", result.setting_kind = SettingKind::tolerance;
+    result.setting = 0.25, result.status = Status::diverged, result.message = "why", result.cut = true;
+    result.formulation = Formulation::full, result.steps = 7, result.counts.rejected_steps = 3;
+    result.errors["reaction"].max = 0.125, result.errors["attitude"].max = 0.5, result.floors.float32_final = 2;
+    write("t.csv", csv({result_columns(TableOf::systems), {row_of("t", result, TableOf::systems)}}));
+    const ResultFolder folder = read_folder(path, 1);
+    ASSERT_EQ(folder.rows.size(), 1u);
+    const FolderRow& row = folder.rows[0];
+    EXPECT_EQ(row.kind, SettingKind::tolerance);
+    EXPECT_EQ(row.status, Status::diverged);
+    EXPECT_TRUE(row.cut);
+    EXPECT_EQ(folder.formulations.names(), std::vector<std::string>{name_of(Formulation::full)});
+    const std::map<std::string, double> expected{{"setting", 0.25},
+                                                 {"repeats", 0},
+                                                 {"steps", 7},
+                                                 {"rejected_steps", 3},
+                                                 {"reaction_error_max", 0.125},
+                                                 {"attitude_error_max", 0.5},
+                                                 {"float32_floor_final", 2},
+                                                 {"error_over_tolerance", 2}};
+    for (const ResultColumn& column : result_column_table())
+        if (const auto number = expected.find(column.name); number != expected.end())
+            EXPECT_EQ(row[column.name], number->second) << column.name;
+        else
+            EXPECT_TRUE(std::isnan(row[column.name])) << column.name;
+}
+
+TEST_F(Folder, NamesTheCellThatCannotBeRead) {
+    write("a.csv", header + row("taylor", 0.1, 1e-3, 2e-6));
+    write("b.csv", header + row("taylor", 0.1, 1e-3, 2e-6, "fine"));
+    const ResultFolder folder = read_folder(path, 100);
+    EXPECT_EQ(folder.rows.size(), 1u);
+    EXPECT_EQ(folder.remarks, std::vector<std::string>{"b.csv is left out: column status: fine is not a known name."});
 }
 
 TEST_F(Folder, KeepsAsManyRowsOfATableAsAreWanted) {

@@ -13,6 +13,7 @@ import { dashes, markOf, marks, colorOf } from "../../src/report/page/source/mar
 import { faultOf, limitOf, RowIndex, rowAt, settingText, type Row } from "../../src/report/page/source/rows.ts";
 import { sortedPlaces } from "../../src/report/page/source/table_view.ts";
 import { guidesOf, isAtFloor, isOff } from "../../src/report/page/source/sections/convergence.ts";
+import { resultContent } from "../../src/report/page/source/sections/tables.ts";
 import { exponentText } from "../../src/report/page/source/sections/drift.ts";
 import { shadeOf, sharesOf, tickPlaces } from "../../src/report/page/source/sections/stability.ts";
 import type { Curve } from "../../src/report/page/source/curve_plot.ts";
@@ -205,6 +206,18 @@ test("rows by scene, and documents that are broken", () => {
   assert.match(faultOf({ ...data, tables: undefined }), /no list "tables"/);
   assert.match(faultOf({ ...data, rows: { ...data.rows, seconds: [] } }), /rows\.seconds must have/);
   assert.match(faultOf({ ...data, methods: data.methods.slice(0, 3) }), /rows\.method\[\d+\] is \d+, and there are 3/);
+});
+
+test("a column of numbers that the page's code does not name", () => {
+  const data = richDocument();
+  const wide = { ...data, rows: { ...data.rows, drag: data.rows.energy } };
+  assert.equal(faultOf(wide), "");
+  assert.match(faultOf({ ...data, rows: { ...data.rows, drag: [1] } }), /rows\.drag must have/);
+  const before = resultContent(data);
+  const content = resultContent(wide);
+  assert.deepEqual(content.columns.filter((column) => !before.columns.some((other) => other.name === column.name)).map((column) => [column.name, column.hidden]), [["drag", true]]);
+  const place = content.columns.findIndex((column) => column.name === "drag");
+  assert.deepEqual(content.rows.map((line) => line[place]), data.rows.energy);
 });
 
 test("sorting: numbers, then texts, then nothing, either way", () => {

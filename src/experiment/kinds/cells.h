@@ -1,4 +1,4 @@
-// What many values come to, in one cell; empty where there is none.
+// Groups of rows, and cells that summarise many values; a cell of no values is empty.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "measure/statistics.h"
@@ -25,6 +27,19 @@ inline std::optional<double> median_of(const std::vector<double>& values) {
     return values.empty() ? std::nullopt : std::optional(median(values));
 }
 inline Cell middle(const std::vector<double>& values) { return values.empty() ? Cell() : Cell(median(values)); }
+
+/// The elements that share a key, in their order; groups in the order of their first elements.
+template <class T, class GetKey>
+auto group_by(const std::vector<T>& elements, const GetKey& get_key) {
+    std::vector<std::pair<std::decay_t<std::invoke_result_t<GetKey, const T&>>, std::vector<T>>> groups;
+    for (const T& element : elements) {
+        const auto key = get_key(element);
+        auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == key; });
+        if (group == groups.end()) group = groups.insert(group, {key, {}});
+        group->second.push_back(element);
+    }
+    return groups;
+}
 
 /// "3 diverged, 1 damped to rest"
 inline std::string listed_counts(const std::map<std::string, long>& counts) {

@@ -1,5 +1,5 @@
-// Own integrators against the libraries' at equal error, each run beside all the others: the factors in time asked for
-// and reached, the smallest error of each method, and how errors grow and times add up over a long run.
+// polhode's integrators against the libraries' at equal error, timed in turn in one run: the factors in time, the
+// smallest error of each method, and how errors and times grow over a long run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,8 +11,6 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/run/findings.h"
-#include "integrators/own/exact.h"
-#include "integrators/run/stiffness.h"
 #include "measure/growth.h"
 #include "scene/scene_file.h"
 
@@ -20,39 +18,6 @@ namespace polhode {
 namespace {
 
 constexpr std::array<double, 3> levels{1e-6, 1e-9, 1e-12};  // rad, over all samples
-
-/// Who is to be how much faster than whom, at each of the levels.
-struct Comparison {
-    const char* own;   ///< a method's name, or empty: the fastest own one that steps
-    const char* peer;  ///< a method's name, controlled by tolerance; or empty: the fastest library's
-    std::array<double, 3> asked;
-};
-
-// Of trees of so many bodies at the most something is asked for.
-constexpr std::size_t most_tree_bodies = 10;
-
-// by kind of motion; 0: nothing is asked for
-std::vector<Comparison> comparisons(const Problem& problem) {
-    if (is_mechanism(problem.scene)) {
-        const bool small_tree = problem.scene.loops.empty() && problem.scene.bodies.size() <= most_tree_bodies;
-        if (!small_tree) return {{"", "", {0, 0, 0}}};
-        return {{"", "", {4, 6, 9}}};
-    }
-    if (problem.needs.torque_free)
-        return {{"exact", "", {60, 100, 250}}, {"", "odeint_fehlberg78", {5, 8, 12}}, {"", "", {0, 0, 0}}};
-    if (is_stiff(problem)) return {{"", "cvode_bdf", {1.5, 2.5, 2}}, {"", "", {0, 0, 0}}};
-    const Forcing<double>& forcing = problem.segments.front().forcing;
-    std::array<double, 3> asked{4, 7, 9};
-    if (!forcing.springs.empty() || problem.segments.size() > 1)
-        asked = {3, 5, 7};
-    else if (!forcing.world_points.empty())
-        asked = {5, 6, 0};
-    else if (forcing.has_damping)
-        asked = {6, 9, 12};
-    else if (has_closed_form(problem))
-        asked = {8, 15, 25};
-    return {{"", "odeint_fehlberg78", asked}, {"", "", {0, 0, 0}}};
-}
 
 /// Median and minimum of one method's times at one error.
 struct TimeAt {
@@ -106,37 +71,31 @@ std::optional<Runner> fastest(const Plan& plan, const PlannedScene& scene, const
     return best;
 }
 
-bool controlled(const PlannedCurve& curve) { return curve.kind == SettingKind::tolerance; }
-bool steps_by_itself(const PlannedCurve& curve) { return curve.method->library.empty() && controlled(curve); }
+bool steps_by_itself(const PlannedCurve& curve) {
+    return curve.method->library.empty() && curve.kind == SettingKind::tolerance;
+}
 
+// The fastest method of polhode (where nothing acts: its closed form, then the fastest that chooses its steps) against
+// the fastest of any library.
 void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
-    for (const Comparison& comparison : comparisons(pose(scene.scene)))
-        for (std::size_t i = 0; i < levels.size(); ++i) {
-            const std::string_view own_name = comparison.own, peer_name = comparison.peer;
-            const auto own = fastest(plan, scene, rows, levels[i], [&](const PlannedCurve& c) {
-                return own_name.empty() ? steps_by_itself(c) : c.method->name == own_name;
-            });
-            const auto peer = fastest(plan, scene, rows, levels[i], [&](const PlannedCurve& c) {
-                return peer_name.empty() ? !c.method->library.empty() : c.method->name == peer_name && controlled(c);
-            });
-            std::vector<Cell> row{scene.label, levels[i]};
-            const auto add = [&](const std::optional<Runner>& runner, std::string_view wanted, const char* otherwise) {
-                row.emplace_back(runner           ? curve_label(*runner->curve)
-                                 : wanted.empty() ? std::string(otherwise) + " reaches it"
-                                                  : std::string(wanted) + " does not reach it");
-                row.push_back(cell_of(runner ? std::optional(runner->time.median) : std::nullopt));
+    const bool has_exact = !is_mechanism(scene.scene) && pose(scene.scene).needs.torque_free;
+    const auto is_exact = [](const PlannedCurve& c) { return c.method->name == "exact"; };
+    const auto is_peer = [](const PlannedCurve& c) { return !c.method->library.empty(); };
+    for (const bool exact : has_exact ? std::vector{true, false} : std::vector{false})
+        for (const double level : levels) {
+            const auto own = exact ? fastest(plan, scene, rows, level, is_exact)
+                                   : fastest(plan, scene, rows, level, steps_by_itself);
+            const auto peer = fastest(plan, scene, rows, level, is_peer);
+            std::vector<Cell> row{scene.label, level};
+            const auto add = [&](const std::optional<Runner>& runner, const char* otherwise) {
+                row.emplace_back(runner ? curve_label(*runner->curve) : std::string(otherwise));
+                row.push_back(runner ? Cell(runner->time.median) : Cell());
             };
-            add(own, own_name, "none of ours");
-            add(peer, peer_name, "no library");
-            std::optional<double> ratio, of_minima, asked;
-            std::string reached;
-            if (own && peer) {
-                ratio = peer->time.median / own->time.median;
-                of_minima = peer->time.minimum / own->time.minimum;
-            }
-            if (comparison.asked[i] > 0) asked = comparison.asked[i];
-            if (ratio && asked) reached = *ratio >= *asked ? "yes" : "no";
-            row.insert(row.end(), {cell_of(ratio), cell_of(of_minima), cell_of(asked), reached});
+            add(own, exact ? "exact does not reach it" : "none of ours reaches it");
+            add(peer, "no library reaches it");
+            const bool both = own && peer;
+            row.push_back(both ? Cell(peer->time.median / own->time.median) : Cell());
+            row.push_back(both ? Cell(peer->time.minimum / own->time.minimum) : Cell());
             table.rows.push_back(std::move(row));
         }
 }
@@ -221,7 +180,7 @@ Plan long_runs(const Plan& plan) {
 }
 
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows) {
-    NamedTable margins = headed_table("margins", "Factors in time at equal error, asked for and reached",
+    NamedTable margins = headed_table("margins", "Factors in time at equal error",
                                       {{"scene", "scene"},
                                        {"attitude_error", "error (rad)"},
                                        {"own", "ours"},
@@ -229,9 +188,7 @@ Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows) {
                                        {"peer", "against"},
                                        {"peer_seconds", "time (s)"},
                                        {"ratio", "factor"},
-                                       {"ratio_of_minima", ""},
-                                       {"ratio_asked", "asked"},
-                                       {"reached", ""}});
+                                       {"ratio_of_minima", ""}});
     NamedTable smallest{"smallest",
                         "The smallest error of each method and its time at given errors",
                         {{"scene", "method", "setting", "attitude_error_max", "momentum_error_max", "energy_error_max",

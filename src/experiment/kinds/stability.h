@@ -1,28 +1,115 @@
-// What the kind `stability` is made of beside its runs: pictures and tables of their own.
+// The kind `stability`: how large a step each method takes on each stiff or extreme scene.
+//
+// For each scene and fixed-step method a search halves the step until the attitude is within 1e-3 rad, then bisects the
+// limits of stability and accuracy (stability_runs.cpp). Tables and the page summarise these runs
+// (stability_tables.cpp, stability_page.cpp). Three studies of their own follow: linear theory beside measured limits
+// (stability_linear.cpp), maps of outcomes over step x stiffness and step x spin (stability_maps.cpp), and
+// discontinuous torques (stability_events.cpp).
 #pragma once
 
+#include <complex>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "experiment/plan/experiment.h"
 #include "experiment/run/findings.h"
+#include "experiment/run/result.h"
+#include "experiment/run/sweep.h"
+#include "measure/stability.h"
 
 namespace polhode {
 
-/// Where |growth| <= 1 in the plane of z = h lambda, a panel a family of methods, with the eigenvalues of some of the
-/// scenes' Jacobians at t = 0 times a step that the legend names; and in the plane of h gamma and h omega for methods
-/// that know motion of second order only.
+/// A row of the table of runs.
+struct StabilityRun {
+    Result result;
+    Outcome outcome = Outcome::unsupported;
+};
+
+/// The properties of a scene that all methods share.
+struct StabilityScene {
+    std::string label;
+    std::string family;               ///< scene/scene_family.h
+    std::optional<double> parameter;  ///< of a family that has one
+    double duration = 0;              ///< s
+    double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
+    std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
+    /// Rotation about one principal axis under a torque, its largest eigenvalue constant over the run to 0.1 %: linear
+    /// theory applies.
+    bool is_linear = false;
+    Floors floors;
+    std::optional<double> kappa;  ///< condition number of the attitude at T, where a run needed it
+};
+
+/// One method on one scene, with one kind of setting. Pointers are null where no run qualifies.
+struct StabilityFinding {
+    const StabilityScene* scene = nullptr;
+    const Method* method = nullptr;
+    SettingKind kind = SettingKind::none;
+    std::vector<StabilityRun> runs;  ///< from coarse to fine
+
+    // fixed steps: the largest step such that it and every smaller one is stable, close, accurate
+    const StabilityRun* stable = nullptr;
+    const StabilityRun* close = nullptr;
+    const StabilityRun* accurate = nullptr;
+    const StabilityRun* beyond = nullptr;  ///< the next larger step that is not stable
+};
+
+struct StabilityFindings {
+    std::vector<StabilityScene> scenes;  ///< in the plan's order
+    std::vector<StabilityFinding> findings;
+    long missing = 0;  ///< not run: filtered, other shards', interrupted
+};
+
+/// False where the method does not support the scene, or where the search is missing.
+inline bool was_run(const StabilityFinding& finding) {
+    return !finding.runs.empty() && finding.runs.front().outcome != Outcome::unsupported;
+}
+
+/// The findings of a method with one kind of setting that were run, in the order of the scenes.
+std::vector<const StabilityFinding*> findings_of(const StabilityFindings& found, const Method& method,
+                                                 SettingKind kind);
+
+/// Runs the searches whose runs are not in the directory yet, and stores the runs of each search there when it ends.
+StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& options);
+
+/// The table of runs: the sweep's columns, then family, parameter, fastest_rate and outcome.
+Table stability_table(const Plan& plan, const StabilityFindings& found);
+
+/// For each fixed-step method and scene: the largest stable step, the largest within 0.1 and 1e-3 rad, their cost, and
+/// the outcome of the next larger step. Steps also in units of the scene's fastest time (step_times_rate).
+Table limits_table(const StabilityFindings& found);
+
+/// For each method that has a binary32 version: the scenes that binary32 never solves within 0.1 rad though binary64
+/// does, and the median over the other scenes of binary32's smallest error over binary64's.
+Table binary32_table(const StabilityFindings& found);
+
+/// For each tolerance-driven method on extreme/drag_torque_1e6: the fewest right-hand sides per second of motion that
+/// meet 1e-10 rad, or the smallest error where no run does. Empty where the scene is not in the plan.
+Table damping_table(const Plan& plan, const StabilityFindings& found);
+
+/// For each method that has a linear theory, on a linear scene of each direction of the eigenvalue: the largest
+/// h |lambda| without growth by theory, and as measured over 50,000 steps (`quick`: 5,000).
+Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, int jobs, bool quick);
+
+/// Where |growth| <= 1 in the plane of z = h lambda, one panel per family of methods, with the eigenvalues of some
+/// scenes' Jacobians at t = 0 times a step that the legend gives; and in the plane of h gamma and h omega for methods
+/// of second-order motion.
 std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes);
 
-/// Runs every fixed-step method of these on a grid of step x stiffness and on one of step x spin. Tables: `maps` (a row
-/// for steps in sequence with one outcome), `maps_shares` (how many of a map's runs ended how), `gyroscopic` (the
-/// updates of game engines: where they blow up, where they damp, where only the attitude is wrong). Figures: a panel a
-/// method, a page sixteen. `jobs` threads; `quick`: every fourth column and row.
+/// Runs each fixed-step method on a grid of step x stiffness and on one of step x spin. Tables: `maps` (one row per
+/// interval of steps with one outcome) and `gyroscopic` (the updates of game engines: where they diverge, where they
+/// damp, where only the attitude is wrong). Figures: one panel per method, sixteen per page. `quick`: every fourth
+/// column and row.
 Findings run_step_maps(std::span<const Method* const> methods, int jobs, bool quick);
 
-/// What becomes of a method's order where a torque jumps, or its derivative does, or it acts for less than a step:
-/// stepped onto, as an event of the scene, and stepped over, as a function of time that nobody knows to jump. A row for
-/// each case, method and way. `quick`: coarser steps and tolerances only.
+/// The observed order of a method where a torque or its derivative jumps, or a torque acts for less than a step: with
+/// the jump as an event of the scene that steps end at, and with a torque function that steps cross. `quick`: coarser
+/// steps and tolerances only.
 NamedTable measure_discontinuities(bool quick);
+
+/// The page: for each method in plain words what it is safe for. `tables`: those that the page shows.
+std::string stability_page(const Plan& plan, const StabilityFindings& found, const std::vector<NamedTable>& tables);
 
 }  // namespace polhode

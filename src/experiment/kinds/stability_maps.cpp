@@ -1,4 +1,4 @@
-// Maps of outcomes: every fixed-step method on a grid of step x stiffness and on one of step x spin.
+// Maps of outcomes: each fixed-step method on a grid of step x stiffness and on one of step x spin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <string>
 
 #include "body/elementary.h"
+#include "experiment/kinds/cells.h"
 #include "experiment/kinds/stability.h"
 #include "integrators/analysis/linear_stability.h"
 #include "integrators/truth/reference.h"
@@ -18,32 +19,48 @@
 namespace polhode {
 namespace {
 
-/// One column of a map: a scene, and the samples of its runs.
+/// Invariants of the free motion: L (kg m^2/s, world axes) and kinetic energy (J).
+struct Invariants {
+    Vector3<double> momentum;
+    double energy = 0;
+};
+
+Invariants invariants_of(const Problem& problem, const Sample& sample) {
+    const Vector3<double> L_B = problem.body.inertia_B * sample.angular_velocity_B;
+    return {(1 / squared_norm(sample.q)) * rotate(sample.q, L_B), 0.5 * dot(sample.angular_velocity_B, L_B)};
+}
+
+/// One column of a map: a scene and its reference motion.
 struct MapColumn {
     double x = 0;
     Problem problem;
     Reference truth;
-    Vector3<double> momentum_W;  ///< kg m^2/s, of the truth at its end
-    double energy = 0;           ///< J, kinetic, likewise
+    Invariants end{};  ///< of the truth
 };
 
+MapColumn column_of(const Scene& scene, double x, long samples) {
+    MapColumn column{x, pose(scene), reference(scene, samples)};
+    if (column.truth.available) column.end = invariants_of(column.problem, column.truth.samples.back().rounded());
+    return column;
+}
+
 struct StepMap {
-    std::string name, title, x_label;
+    std::string name, title, x_label, note;
     long samples = 0;
-    double interval = 0;  ///< s, between two samples: of every column
-    std::vector<MapColumn> columns;
-    std::vector<long> divisions;  ///< whole steps for one interval, from fine to coarse
+    double interval = 0;          ///< s, between two samples of any column
+    std::vector<long> divisions;  ///< steps per interval, from fine to coarse
+    std::vector<MapColumn> columns{};
     double step(std::size_t row) const { return interval / static_cast<double>(divisions[row]); }
 };
 
-/// What became of one run.
+/// The result of one run. The last three compare its end with the truth's; NaN where the run did not reach it.
 struct MapCell {
+    static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     Outcome outcome = Outcome::unsupported;
-    double attitude_error = std::numeric_limits<double>::quiet_NaN();  ///< rad, largest
-    // of a run that reached its end, against the truth's end
-    double energy_ratio = std::numeric_limits<double>::quiet_NaN();
-    double momentum_ratio = std::numeric_limits<double>::quiet_NaN();  ///< of lengths
-    double momentum_angle = std::numeric_limits<double>::quiet_NaN();  ///< rad, between the vectors
+    double attitude_error = unknown;  ///< rad, largest
+    double energy_ratio = unknown;
+    double momentum_ratio = unknown;  ///< of lengths
+    double momentum_angle = unknown;  ///< rad, between the vectors
 };
 
 /// The cells of one method, row by row.
@@ -69,27 +86,17 @@ std::vector<long> divisions(long finest, int per_decade) {
     return found;
 }
 
-Vector3<double> momentum_W(const Problem& problem, const Quaternion<double>& q, const Vector3<double>& w_B) {
-    return (1 / squared_norm(q)) * rotate(q, problem.body.inertia_B * w_B);
-}
-double kinetic_energy(const Problem& problem, const Vector3<double>& w_B) {
-    return 0.5 * dot(w_B, problem.body.inertia_B * w_B);
-}
-
-MapColumn column_of(const Scene& scene, double x, long samples) {
-    MapColumn column{x, pose(scene), reference(scene, samples), {}, 0};
-    if (!column.truth.available) return column;
-    const Sample end = column.truth.samples.back().rounded();
-    column.momentum_W = momentum_W(column.problem, end.q, end.angular_velocity_B);
-    column.energy = kinetic_energy(column.problem, end.angular_velocity_B);
-    return column;
-}
-
 /// Drag c about a principal axis of a body of three moments, and the torque that keeps 1 rad/s: from 2 rad/s on the
 /// motion has turned by about 2 rad at its end, however stiff.
 StepMap stiffness_map(int jobs, bool quick) {
-    StepMap map{"stiffness", "step against stiffness",        "drag / moment (1/s)", 2, 1,
-                {},          divisions(10'000, quick ? 1 : 5)};
+    StepMap map{"stiffness",
+                "step against stiffness",
+                "drag / moment (1/s)",
+                "A body about a principal axis under drag and the torque that keeps 1 rad/s, from 2 rad/s, 2 s; three "
+                "samples.",
+                2,
+                1,
+                divisions(10'000, quick ? 1 : 5)};
     const std::vector<double> rates = decades(0, 10, quick ? 1 : 2);
     map.columns.resize(rates.size());
     parallel_for(rates.size(), jobs, [&](std::size_t i) {
@@ -110,7 +117,13 @@ StepMap stiffness_map(int jobs, bool quick) {
 
 /// A free body of three moments, spun about no axis of its own.
 StepMap spin_map(int jobs, bool quick) {
-    StepMap map{"spin", "step against spin", "spin (rad/s)", 20, 0.1, {}, divisions(1000, quick ? 2 : 7)};
+    StepMap map{"spin",
+                "step against spin",
+                "spin (rad/s)",
+                "A free body of moments 1, 2, 3, w = (2, 6, 3)/7 of the spin, 2 s; twenty-one samples.",
+                20,
+                0.1,
+                divisions(1000, quick ? 2 : 7)};
     const std::vector<double> spins = decades(-1, 3, quick ? 1 : 5);
     map.columns.resize(spins.size());
     parallel_for(spins.size(), jobs, [&](std::size_t i) {
@@ -137,11 +150,11 @@ MapCell run_cell(const StepMap& map, const MapColumn& column, const Method& meth
     cell.outcome = outcome_of(run, worst, column.truth);
     if (worst["attitude"].max) cell.attitude_error = *worst["attitude"].max;
     if (run.status != Status::ok || run.samples.empty()) return cell;
-    const Sample& end = run.samples.back();
-    const Vector3<double> L = momentum_W(column.problem, end.q, end.angular_velocity_B);
-    cell.energy_ratio = kinetic_energy(column.problem, end.angular_velocity_B) / column.energy;
-    cell.momentum_ratio = hypotenuse(L) / hypotenuse(column.momentum_W);
-    cell.momentum_angle = std::atan2(hypotenuse(cross(L, column.momentum_W)), dot(L, column.momentum_W));
+    const Invariants at_end = invariants_of(column.problem, run.samples.back()), &truth = column.end;
+    cell.energy_ratio = at_end.energy / truth.energy;
+    cell.momentum_ratio = hypotenuse(at_end.momentum) / hypotenuse(truth.momentum);
+    cell.momentum_angle =
+        std::atan2(hypotenuse(cross(at_end.momentum, truth.momentum)), dot(at_end.momentum, truth.momentum));
     return cell;
 }
 
@@ -167,99 +180,85 @@ std::vector<MethodMap> run_map(const StepMap& map, std::span<const Method* const
     return maps;
 }
 
-// neighbours in steps that ended alike are one row
+// one row per interval of steps with the same outcome
 void add_rows(Table& table, const StepMap& map, const std::vector<MethodMap>& maps) {
     const std::size_t columns = map.columns.size(), rows = map.divisions.size();
     for (const MethodMap& m : maps)
         for (std::size_t i = 0; i < columns; ++i)
             for (std::size_t begin = 0, end = 0; begin < rows; begin = end) {
                 const Outcome outcome = m.cells[begin * columns + i].outcome;
-                double least = std::numeric_limits<double>::infinity(), most = -least;
-                for (end = begin; end < rows && m.cells[end * columns + i].outcome == outcome; ++end) {
-                    const double error = m.cells[end * columns + i].attitude_error;
-                    if (std::isfinite(error)) least = std::min(least, error), most = std::max(most, error);
-                }
+                std::vector<double> errors;
+                for (end = begin; end < rows && m.cells[end * columns + i].outcome == outcome; ++end)
+                    if (const double error = m.cells[end * columns + i].attitude_error; std::isfinite(error))
+                        errors.push_back(error);
                 if (outcome == Outcome::unsupported || outcome == Outcome::no_truth) continue;
-                const auto known = [](double v) { return std::isfinite(v) ? Cell(v) : Cell(); };
                 table.rows.push_back({std::string(m.method->name), map.name, map.columns[i].x, map.step(begin),
-                                      map.step(end - 1), std::string(name_of(outcome)), known(least), known(most)});
+                                      map.step(end - 1), std::string(name_of(outcome)), least(errors), most(errors)});
             }
 }
 
-// a class of the pictures and of the table of shares, from good to bad
+// the classes of the pictures, from good to bad
 constexpr std::array shown{Outcome::accurate,       Outcome::close,    Outcome::wrong_but_bounded,
                            Outcome::damped_to_rest, Outcome::diverged, Outcome::failed};
-constexpr std::array<int, shown.size()> shades{0, 1, 2, 4, 6, 7};
+
+std::vector<MapClass> map_classes() {
+    return {{"within 0.001 rad", 0}, {"within 0.1 rad", 1},  {name_of(shown[2]), 2},
+            {name_of(shown[3]), 4},  {name_of(shown[4]), 6}, {name_of(shown[5]), 7}};
+}
 
 int class_of(Outcome outcome) {
-    // a solver's word for a fixed step whose equations it could not solve
+    // implicit methods report so where a fixed step's equations have no solution
     if (outcome == Outcome::tolerance_not_met) outcome = Outcome::failed;
     const auto at = std::find(shown.begin(), shown.end(), outcome);
     return at == shown.end() ? -1 : static_cast<int>(at - shown.begin());
 }
 
-void add_shares(Table& table, const StepMap& map, const std::vector<MethodMap>& maps) {
-    for (const MethodMap& m : maps) {
-        std::array<long, shown.size()> count{};
-        long runs = 0;
-        for (const MapCell& cell : m.cells)
-            if (const int c = class_of(cell.outcome); c >= 0) ++count[static_cast<std::size_t>(c)], ++runs;
-        std::vector<Cell> row{std::string(m.method->name), map.name, runs};
-        for (const long n : count) row.emplace_back(n);
-        row.push_back(cell_of(real_interval(*m.method)));
-        row.push_back(cell_of(imaginary_interval(*m.method)));
-        for (Cell& cell : row)
-            if (const double* value = std::get_if<double>(&cell); value && std::isinf(*value))
-                cell = std::string("any");
-        table.rows.push_back(std::move(row));
-    }
+// the linear limit h = interval / rate within the map
+std::optional<Curve> limit_curve(const StepMap& map, const Method& method, const OutcomeMap& outcomes) {
+    const std::optional<double> interval = map.name == "stiffness" ? real_interval(method) : std::nullopt;
+    if (!interval || *interval <= 0 || !std::isfinite(*interval)) return {};
+    Curve limit;
+    limit.label = "linear theory's limit", limit.color = 1, limit.points = false;
+    for (const double x : decades(std::log10(outcomes.x.front()), std::log10(outcomes.x.back()), 4))
+        if (const double h = *interval / x; h >= outcomes.y.front() && h <= outcomes.y.back())
+            limit.x.push_back(x), limit.y.push_back(h);
+    if (limit.x.empty()) return {};
+    return limit;
+}
+
+Panel panel_of(const StepMap& map, const MethodMap& m) {
+    Panel panel{std::string(m.method->name), map.x_label, "step (s)", true, true, {}};
+    OutcomeMap outcomes;
+    outcomes.classes = map_classes();
+    for (const MapColumn& column : map.columns) outcomes.x.push_back(column.x);
+    for (std::size_t row = 0; row < map.divisions.size(); ++row) outcomes.y.push_back(map.step(row));
+    for (const MapCell& cell : m.cells) outcomes.cells.push_back(class_of(cell.outcome));
+    if (auto limit = limit_curve(map, *m.method, outcomes)) panel.curves.push_back(std::move(*limit));
+    panel.map = std::move(outcomes);
+    return panel;
 }
 
 void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const std::vector<MethodMap>& maps) {
     constexpr std::size_t page = 16;
-    std::vector<MapClass> classes;
-    for (std::size_t c = 0; c < shown.size(); ++c) classes.push_back({name_of(shown[c]), shades[c]});
-    classes[0].label = "within 0.001 rad", classes[1].label = "within 0.1 rad";
-    const std::size_t rows = map.divisions.size();
     const std::size_t pages = (maps.size() + page - 1) / page;
     for (std::size_t p = 0; p < pages; ++p) {
         Figure figure;
         figure.title = fmt::format("What comes of a run: {}{}", map.title,
                                    pages > 1 ? fmt::format(" ({} of {})", p + 1, pages) : "");
         figure.columns = 4, figure.shared_axes = true;
+        figure.note = map.note;
         bool theory = false;
         for (std::size_t k = p * page; k < std::min(maps.size(), (p + 1) * page); ++k) {
-            const Method& method = *maps[k].method;
-            Panel panel{std::string(method.name), map.x_label, "step (s)", true, true, {}};
-            OutcomeMap outcomes;
-            outcomes.classes = classes;
-            for (const MapColumn& column : map.columns) outcomes.x.push_back(column.x);
-            for (std::size_t row = 0; row < rows; ++row) outcomes.y.push_back(map.step(row));
-            for (const MapCell& cell : maps[k].cells) outcomes.cells.push_back(class_of(cell.outcome));
-            const std::optional<double> interval =
-                map.name == "stiffness" ? real_interval(method) : std::optional<double>();
-            if (interval && *interval > 0 && std::isfinite(*interval)) {
-                Curve limit;
-                limit.label = "linear theory's limit", limit.color = 1, limit.points = false;
-                for (const double x : decades(std::log10(outcomes.x.front()), std::log10(outcomes.x.back()), 4))
-                    if (const double h = *interval / x; h >= outcomes.y.front() && h <= outcomes.y.back())
-                        limit.x.push_back(x), limit.y.push_back(h);
-                if (!limit.x.empty()) panel.curves.push_back(std::move(limit)), theory = true;
-            }
-            panel.map = std::move(outcomes);
-            figure.panels.push_back(std::move(panel));
+            figure.panels.push_back(panel_of(map, maps[k]));
+            theory |= !figure.panels.back().curves.empty();
         }
-        figure.note = map.name == "stiffness"
-                          ? "A body about a principal axis under drag and the torque that keeps 1 rad/s, from 2 rad/s, "
-                            "2 s; three samples."
-                          : "A free body of moments 1, 2, 3, w = (2, 6, 3)/7 of the spin, 2 s; twenty-one samples.";
         if (theory) figure.note += " Without a line the limit is none, or beyond the map.";
         figures.push_back({fmt::format("stability_map_{}{}", map.name, pages > 1 ? fmt::format("_{}", p + 1) : ""),
                            std::move(figure)});
     }
 }
 
-// the row of least h w whose cell passes, and that cell
+/// The cell with the smallest h w that satisfies a condition.
 struct Found {
     double turned = std::numeric_limits<double>::infinity();  ///< h w, rad a step
     const MapCell* cell = nullptr;
@@ -321,18 +320,14 @@ Findings run_step_maps(std::span<const Method* const> methods, int jobs, bool qu
                       "attitude_error_largest"},
                      {}}};
     rows.only_csv = true;
-    NamedTable shares{"maps_shares", "How the runs of the maps ended", {{"method", "map", "runs"}, {}}};
-    for (const Outcome outcome : shown) shares.table.columns.emplace_back(name_of(outcome));
-    shares.table.columns.insert(shares.table.columns.end(), {"real_interval", "imaginary_interval"});
     NamedTable gyroscopic;
     for (const StepMap& map : {stiffness_map(jobs, quick), spin_map(jobs, quick)}) {
         const std::vector<MethodMap> maps = run_map(map, methods, jobs);
         add_rows(rows.table, map, maps);
-        add_shares(shares.table, map, maps);
         add_figures(result.figures, map, maps);
         if (map.name == "spin") gyroscopic = gyroscopic_table(map, maps);
     }
-    result.tables = {std::move(rows), std::move(shares), std::move(gyroscopic)};
+    result.tables = {std::move(rows), std::move(gyroscopic)};
     return result;
 }
 

@@ -1,4 +1,4 @@
-#include "experiment/kinds/stability_runs.h"
+// Searches for the largest stable and accurate steps.
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "experiment/kinds/stability.h"
 #include "experiment/run/case.h"
 #include "experiment/run/search.h"
 #include "integrators/analysis/conditioning.h"
@@ -35,7 +36,6 @@ double largest_rate(const Reference& truth) {
 
 void describe_scene(const Posed& posed, StabilityScene& scene) {
     constexpr double same = 1e-3;
-    scene.has_truth = posed.truth.available;
     if (!posed.truth.available) return;
     const double turning = largest_rate(posed.truth);
     scene.fastest_rate = turning;
@@ -59,8 +59,8 @@ void find_conditioning(const Problem& problem, long samples, StabilityScene& sce
     if (c.available) scene.kappa = c.attitude.back();
 }
 
-// What the sweep calls `ok` although nobody could use it gets its name here.
-void name_the_wrong(const Experiment& experiment, Result& result, Outcome outcome) {
+// Gives runs that the sweep calls `ok` but whose motion is useless their status and message.
+void correct_status(const Experiment& experiment, Result& result, Outcome outcome) {
     if (result.status != Status::ok) return;
     const double attitude = result.errors["attitude"].max.value_or(0);
     if (outcome == Outcome::diverged) {
@@ -91,23 +91,15 @@ class StepSearch {
         }
         const std::vector<long> ladder = descend();
         if (ladder.size() > 1) {
-            const auto attitude_within = [](double limit) {
-                return [limit](const StabilityRun& r) {
-                    return r.outcome <= Outcome::close && *r.result.errors["attitude"].max <= limit;
-                };
-            };
-            halve(
-                ladder, [](const StabilityRun& r) { return is_bounded(r.outcome); }, 1.01);
-            halve(ladder, attitude_within(close_attitude), 1.1);
-            halve(ladder, attitude_within(accurate_attitude), 1.1);
+            bisect(ladder, Outcome::damped_to_rest, 1.01);
+            bisect(ladder, Outcome::close, 1.1);
+            bisect(ladder, Outcome::accurate, 1.1);
         }
         std::stable_sort(runs_.begin(), runs_.end(), [](const StabilityRun& a, const StabilityRun& b) {
             return a.result.setting > b.result.setting;
         });
         return std::move(runs_);
     }
-
-    static bool is_bounded(Outcome outcome) { return outcome <= Outcome::damped_to_rest; }
 
   private:
     const StabilityRun& try_setting(double setting) {
@@ -121,7 +113,7 @@ class StepSearch {
         // a tolerance-driven run that ends far off is none of those that are ok
         trajectory.status = result.status;
         const Outcome outcome = outcome_of(trajectory, result.errors, posed_.truth);
-        name_the_wrong(experiment_, result, outcome);
+        correct_status(experiment_, result, outcome);
         runs_.push_back({std::move(result), outcome});
         return runs_.back();
     }
@@ -151,15 +143,15 @@ class StepSearch {
         return ladder;
     }
 
-    // Between the smallest step of the ladder that does not pass and the next smaller one, until their ratio is
-    // `ratio`; nothing where the smallest of all does not pass, or the largest does.
-    template <class Passes>
-    void halve(const std::vector<long>& ladder, const Passes& passes, double ratio) {
+    // Bisects between the smallest step of the ladder whose outcome is worse than `worst` and the next smaller one,
+    // until their ratio is `ratio`. Does nothing where the smallest step of all is worse, or the largest is not.
+    void bisect(const std::vector<long>& ladder, Outcome worst, double ratio) {
+        const auto passes = [&](long k) { return try_steps(k).outcome <= worst; };
         std::size_t at = ladder.size();
-        // what was cut says nothing of its step
+        // a run that was cut gives no outcome of its step
         while (at > 0 && try_steps(ladder[at - 1]).result.cut) --at;
         const std::size_t finest = at;
-        while (at > 0 && passes(try_steps(ladder[at - 1]))) --at;
+        while (at > 0 && passes(ladder[at - 1])) --at;
         if (at == finest || at == 0) return;
         long coarse = ladder[at - 1], fine = ladder[at];
         while (fine - coarse > 1 && static_cast<double>(fine) > ratio * static_cast<double>(coarse)) {
@@ -167,7 +159,7 @@ class StepSearch {
             const auto middle = static_cast<long>(
                 std::lround(std::sqrt(static_cast<double>(coarse)) * std::sqrt(static_cast<double>(fine))));
             const long k = std::clamp(middle, coarse + 1, fine - 1);
-            (passes(try_steps(k)) ? fine : coarse) = k;
+            (passes(k) ? fine : coarse) = k;
         }
     }
 
@@ -179,31 +171,26 @@ class StepSearch {
     std::vector<StabilityRun> runs_;
 };
 
-const std::vector<std::string> further_columns{"family", "parameter", "fastest_rate", "outcome"};
-
-std::vector<Cell> cells_of(const std::string& experiment, const StabilityScene& scene, const StabilityRun& run) {
-    std::vector<Cell> row = row_of(experiment, run.result);
-    row.insert(row.end(),
-               {scene.family, cell_of(scene.parameter), scene.fastest_rate, std::string(name_of(run.outcome))});
-    return row;
-}
-
-std::vector<std::string> columns_of_runs() {
-    std::vector<std::string> columns = result_columns();
-    columns.insert(columns.end(), further_columns.begin(), further_columns.end());
-    return columns;
-}
-
 Outcome outcome_named(const std::string& name) {
     for (const Outcome outcome : outcomes)
         if (name == name_of(outcome)) return outcome;
     throw std::invalid_argument("not an outcome");
 }
 
-Table table_of_runs(const std::string& experiment, const StabilityScene& scene, const std::vector<StabilityRun>& runs) {
-    Table table{columns_of_runs(), {}};
-    for (const StabilityRun& run : runs) table.rows.push_back(cells_of(experiment, scene, run));
+Table empty_runs_table() {
+    Table table{result_columns(), {}};
+    table.columns.insert(table.columns.end(), {"family", "parameter", "fastest_rate", "outcome"});
     return table;
+}
+
+void append_runs(Table& table, const std::string& experiment, const StabilityScene& scene,
+                 const std::vector<StabilityRun>& runs) {
+    for (const StabilityRun& run : runs) {
+        std::vector<Cell> row = row_of(experiment, run.result);
+        row.insert(row.end(),
+                   {scene.family, cell_of(scene.parameter), scene.fastest_rate, std::string(name_of(run.outcome))});
+        table.rows.push_back(std::move(row));
+    }
 }
 
 // throws std::invalid_argument where a cell cannot be read
@@ -225,30 +212,26 @@ StabilityScene scene_of(const PlannedScene& planned) {
     return scene;
 }
 
-// where the step lies that, with all smaller ones, passes
-template <class Passes>
-const StabilityRun* largest_passing(const std::vector<StabilityRun>& runs, const Passes& passes) {
+// the largest step that, with all smaller ones, ends no worse than `worst`
+const StabilityRun* largest_step(const std::vector<StabilityRun>& runs, Outcome worst) {
     const StabilityRun* found = nullptr;
     for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
         if (run->result.cut && !found) continue;
-        if (!passes(*run)) break;
+        if (run->outcome > worst) break;
         found = &*run;
     }
     return found;
 }
 
-void conclude(StabilityFinding& finding) {
+void find_limits(StabilityFinding& finding) {
     if (finding.kind != SettingKind::step) return;
-    finding.stable =
-        largest_passing(finding.runs, [](const StabilityRun& r) { return StepSearch::is_bounded(r.outcome); });
-    finding.close = largest_passing(finding.runs, [](const StabilityRun& r) { return r.outcome <= Outcome::close; });
-    finding.accurate =
-        largest_passing(finding.runs, [](const StabilityRun& r) { return r.outcome == Outcome::accurate; });
-    // the ladder's next coarser one: what the last halvings tried is too near the limit to show what lies beyond
-    const StabilityRun* limit = finding.stable;
+    finding.stable = largest_step(finding.runs, Outcome::damped_to_rest);
+    finding.close = largest_step(finding.runs, Outcome::close);
+    finding.accurate = largest_step(finding.runs, Outcome::accurate);
+    // the next coarser step of the ladder: the last bisections are too near the limit to show what lies beyond it
     for (const StabilityRun& run : finding.runs) {
-        if (StepSearch::is_bounded(run.outcome) || run.outcome == Outcome::unsupported || run.result.cut) continue;
-        if (!limit || run.result.setting > 1.2 * limit->result.setting) finding.beyond = &run;
+        if (run.outcome <= Outcome::damped_to_rest || run.outcome == Outcome::unsupported || run.result.cut) continue;
+        if (!finding.stable || run.result.setting > 1.2 * finding.stable->result.setting) finding.beyond = &run;
     }
 }
 
@@ -284,24 +267,24 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
             const std::size_t s = searches[i].scene;
             StabilityFinding& finding = found.findings[i];
             finding.runs = StepSearch(experiment, plan.scenes[s], *posed[s], found.scenes[s], *searches[i].curve).run();
-            return table_of_runs(experiment.name, found.scenes[s], finding.runs);
+            Table rows = empty_runs_table();
+            append_runs(rows, experiment.name, found.scenes[s], finding.runs);
+            return rows;
         });
     for (std::size_t i = 0; i < searches.size(); ++i) {
         StabilityFinding& finding = found.findings[i];
         // an interrupted search says nothing
         if (!searches[i].rows) ++found.missing, finding.runs.clear();
         if (!finding.runs.empty()) found.scenes[searches[i].scene].floors = finding.runs.front().result.floors;
-        conclude(finding);
+        find_limits(finding);
     }
     return found;
 }
 
 Table stability_table(const Plan& plan, const StabilityFindings& found) {
-    Table table{columns_of_runs(), {}};
-    for (const StabilityFinding& finding : found.findings) {
-        Table runs = table_of_runs(plan.experiment.name, *finding.scene, finding.runs);
-        std::move(runs.rows.begin(), runs.rows.end(), std::back_inserter(table.rows));
-    }
+    Table table = empty_runs_table();
+    for (const StabilityFinding& finding : found.findings)
+        append_runs(table, plan.experiment.name, *finding.scene, finding.runs);
     return table;
 }
 

@@ -13,7 +13,7 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
                  "runner_up", "ratio"},
                 {}};
     for (const PlannedScene& scene : plan.scenes)
-        for (const double wanted : asked_accuracies) {
+        for (const double wanted : accuracy_levels) {
             const std::vector<const Result*> best = fastest_first(results, scene.label, wanted);
             if (best.empty()) {
                 table.rows.push_back({scene.label, wanted, std::string("none reaches it"), {}, {}, {}, {}, {}, {}});

@@ -81,11 +81,9 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
 }
 
 const Kind* read_kind(const JsonNode& node) {
+    if (const Kind* kind = find_kind(node.string())) return kind;
     std::vector<std::string> names;
-    for (const Kind& kind : kinds()) {
-        if (node.string() == kind.name) return &kind;
-        names.emplace_back(kind.name);
-    }
+    for (const Kind& kind : kinds()) names.emplace_back(kind.name);
     node.fail(node.described(), "one of " + listed(names));
 }
 

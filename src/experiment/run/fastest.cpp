@@ -89,7 +89,7 @@ std::string run_table(const std::vector<Result>& results, const RunTable& table)
     std::vector<Row> rows;
     for (const std::string& scene : scenes_of(results)) {
         bool first = true;
-        for (const double wanted : asked_accuracies) {
+        for (const double wanted : accuracy_levels) {
             const std::vector<const Result*> best = fastest_first(results, scene, wanted);
             Row row{first ? scene : "", power_of_ten(wanted)};
             first = false;

@@ -9,7 +9,7 @@
 namespace polhode {
 
 /// The accuracies that tables of the fastest go by: the largest attitude error, rad.
-inline constexpr double asked_accuracies[] = {1e-3, 1e-6, 1e-9, 1e-12};
+inline constexpr double accuracy_levels[] = {1e-3, 1e-6, 1e-9, 1e-12};
 
 /// Of the rows of a scene the fastest of each method whose largest attitude error is at most `wanted` (rad), by its
 /// median time; the fastest method first.

@@ -1,11 +1,16 @@
 #include "experiment/run/result.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <functional>
 #include <initializer_list>
+#include <map>
 #include <stdexcept>
 #include <type_traits>
+
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -20,7 +25,8 @@ std::optional<Number> number(const std::string& text) {
     if (text.empty()) return {};
     Number value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) throw std::invalid_argument("not a number");
+    if (error != std::errc() || end != text.data() + text.size())
+        throw std::invalid_argument(one_line(text, 60) + " is not a number");
     return value;
 }
 
@@ -28,7 +34,7 @@ template <class Enumeration>
 Enumeration named(const std::string& name, std::initializer_list<Enumeration> all) {
     for (const Enumeration one : all)
         if (name == name_of(one)) return one;
-    throw std::invalid_argument("not a name of any: " + name);
+    throw std::invalid_argument(one_line(name, 60) + " is not a known name");
 }
 
 std::optional<double> error_over_tolerance(const Result& r) {
@@ -37,17 +43,17 @@ std::optional<double> error_over_tolerance(const Result& r) {
     return *attitude / r.setting;
 }
 
-// the measures of the contract's columns, in their order; those of further measures stand at the end of a table
-const char* const contract_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
+// the measures of the standard columns, in their order; further measures have columns at the end of a table
+const char* const standard_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
 
-std::vector<std::size_t> contracted() {
+std::vector<std::size_t> standard_indices() {
     std::vector<std::size_t> result;
-    for (const char* name : contract_measures) result.push_back(measure_index(name));
+    for (const char* name : standard_measures) result.push_back(measure_index(name));
     return result;
 }
 std::vector<std::size_t> beyond_contract() {
     std::vector<std::size_t> result;
-    const std::vector<std::size_t> before = contracted();
+    const std::vector<std::size_t> before = standard_indices();
     for (std::size_t m = 0; m < measures().size(); ++m)
         if (measures()[m].tabled && std::ranges::find(before, m) == before.end()) result.push_back(m);
     return result;
@@ -63,16 +69,6 @@ std::vector<std::size_t> of_systems() {
 // "attitude_error"
 std::string series_name(std::size_t measure) {
     return std::string(measures()[measure].name) + std::string(measures()[measure].suffix);
-}
-
-std::vector<ErrorColumn> columns_of(const std::vector<std::size_t>& these) {
-    std::vector<ErrorColumn> columns;
-    for (const std::size_t m : these) {
-        const std::string name = series_name(m);
-        if (measures()[m].tabled_at_end) columns.push_back({name + "_final", m, true});
-        columns.push_back({name + "_max", m, false});
-    }
-    return columns;
 }
 
 bool is_of_systems(const Result& result) { return !result.series["joint_turn"].empty(); }
@@ -102,82 +98,92 @@ void read(const std::string& text, Formulation& value) {
     value = named(text, {Formulation::reduced, Formulation::full_principal, Formulation::full});
 }
 
-struct Column {
-    std::string name;
-    std::function<Cell(const Result&)> cell;
-    std::function<void(const std::string&, Result&)> read;  // nothing where it follows from others
-    bool later = false;                                     // a table from before it was there is read all the same
-    bool of_systems = false;                                // stands in tables of several bodies alone
-    bool only_stored = false;                               // stands in no table but that of a case that is kept
-};
-
 // a column of one member: a pointer to it, or a function that finds it
 template <class At>
-Column column(std::string name, At at, bool later = false) {
-    return {std::move(name), [at](const Result& r) { return cell(std::invoke(at, r)); },
-            [at](const std::string& text, Result& r) { read(text, std::invoke(at, r)); }, later};
+ResultColumn column(std::string name, At at, std::string meaning = "", std::string page_name = "",
+                    int page_digits = 0) {
+    return {std::move(name),
+            [at](const Result& r) { return cell(std::invoke(at, r)); },
+            [at](const std::string& text, Result& r) { read(text, std::invoke(at, r)); },
+            std::move(meaning),
+            std::move(page_name),
+            page_digits};
 }
 
-// but for the experiment's name, which stands first
-const std::vector<Column>& columns() {
-    const auto of_errors = [](std::vector<Column>& all, const std::vector<std::size_t>& these, bool later) {
-        for (const ErrorColumn& c : columns_of(these))
-            all.push_back(column(
-                c.name,
-                [c](auto& r) -> auto& { return c.at_end ? r.errors[c.measure].final : r.errors[c.measure].max; },
-                later));
-    };
-    static const std::vector<Column> every = [&] {
-        std::vector<Column> all{
-            column("scene", &Result::scene),
-            column("method", &Result::method),
-            column("setting_kind", &Result::setting_kind),
-            {"setting", [](const Result& r) { return r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting); },
-             [](const std::string& text, Result& r) { r.setting = number<double>(text).value_or(0); }},
-            column("status", &Result::status),
-            column("seconds_min", &Result::seconds_min),
-            column("seconds_median", &Result::seconds_median),
-            column("repeats", &Result::repeats),
-            column("steps", &Result::steps),
-            column("rhs_evaluations", &Result::rhs_evaluations)};
-        of_errors(all, contracted(), false);
-        all.insert(
-            all.end(),
-            {column("message", &Result::message),
-             column("step_taken", &Result::step_taken),
-             {"cut", [](const Result& r) { return Cell(std::string(r.cut ? "cut" : "")); },
-              [](const std::string& text, Result& r) { r.cut = text == "cut"; }},
-             column("formulation", &Result::formulation),
-             column("evaluations_per_revolution", &Result::evaluations_per_revolution),
-             column("revolutions", &Result::revolutions),
-             column(
-                 "float64_floor", [](auto& r) -> auto& { return r.floors.float64; }, true),
-             column(
-                 "float32_floor", [](auto& r) -> auto& { return r.floors.float32; }, true),
-             column(
-                 "float64_floor_final", [](auto& r) -> auto& { return r.floors.float64_final; }, true),
-             column(
-                 "float32_floor_final", [](auto& r) -> auto& { return r.floors.float32_final; }, true),
-             column(
-                 "rejected_steps", [](auto& r) -> auto& { return r.counts.rejected_steps; }, true),
-             column(
-                 "newton_failures", [](auto& r) -> auto& { return r.counts.newton_failures; }, true),
-             column(
-                 "order_reductions", [](auto& r) -> auto& { return r.counts.order_reductions; }, true),
-             {"error_over_tolerance", [](const Result& r) { return cell_of(error_over_tolerance(r)); }, {}, true}});
-        of_errors(all, beyond_contract(), true);
-        const std::size_t single = all.size();
-        of_errors(all, of_systems(), true);
-        all.push_back(column(
-            "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }, true));
-        for (std::size_t i = single; i < all.size(); ++i) all[i].of_systems = true;
-        all.push_back(column("machine", &Result::machine, true));
-        all.back().only_stored = true;
-        return all;
-    }();
-    return every;
+// the columns of a measure's errors; the report's document has those that every table has
+void append_errors(std::vector<ResultColumn>& all, const std::vector<std::size_t>& these) {
+    for (const std::size_t m : these) {
+        const Measure& measure = measures()[m];
+        const auto append = [&](const char* suffix, const char* when, std::optional<double> ErrorOfRun::*value) {
+            ResultColumn one = column(
+                series_name(m) + suffix, [ m, value ](auto& r) -> auto& { return r.errors[m].*value; },
+                fmt::format("{}, {}{}", measure.meaning, when, measure.unit == "rad" ? ", rad" : ""));
+            one.is_error = true;
+            if (measure.tabled) {
+                one.page_name = std::string(measure.name) + (value == &ErrorOfRun::final ? suffix : "");
+                one.page_digits = measure.unit == "rad" ? 0 : measure.unit == "relative" ? -1 : -2;
+            }
+            all.push_back(std::move(one));
+        };
+        if (measure.tabled_at_end) append("_final", "at T", &ErrorOfRun::final);
+        append("_max", "the largest over all samples", &ErrorOfRun::max);
+    }
 }
-bool stands(const Column& column, TableOf which) {
+
+std::vector<ResultColumn> make_columns() {
+    std::vector<ResultColumn> all{
+        column("scene", &Result::scene),
+        column("method", &Result::method),
+        column("setting_kind", &Result::setting_kind),
+        {"setting", [](const Result& r) { return r.setting_kind == SettingKind::none ? Cell() : Cell(r.setting); },
+         [](const std::string& text, Result& r) { r.setting = number<double>(text).value_or(0); }, "", "setting", 5},
+        column("status", &Result::status),
+        column("seconds_min", &Result::seconds_min,
+               "Wall clock of the integration alone, the shortest of the repeats, s", "seconds_min"),
+        column("seconds_median", &Result::seconds_median,
+               "Wall clock of the integration alone, the median of the repeats, s", "seconds"),
+        column("repeats", &Result::repeats),
+        column("steps", &Result::steps, "Steps taken", "steps", 7),
+        column("rhs_evaluations", &Result::rhs_evaluations, "Evaluations of the right-hand side", "evaluations", 7)};
+    append_errors(all, standard_indices());
+    all.insert(all.end(), {column("message", &Result::message),
+                           column("step_taken", &Result::step_taken),
+                           {"cut", [](const Result& r) { return Cell(std::string(r.cut ? "cut" : "")); },
+                            [](const std::string& text, Result& r) { r.cut = text == "cut"; }},
+                           column("formulation", &Result::formulation),
+                           column("evaluations_per_revolution", &Result::evaluations_per_revolution),
+                           column("revolutions", &Result::revolutions)});
+    const std::size_t first_later = all.size();
+    const auto floor = [](const char* name, std::optional<double> Floors::*value, const char* page_name = "") {
+        return column(
+            name, [value](auto& r) -> auto& { return r.floors.*value; }, "", page_name, 3);
+    };
+    const auto count = [](const char* name, std::optional<long> SolverCounts::*value) {
+        return column(
+            name, [value](auto& r) -> auto& { return r.counts.*value; });
+    };
+    all.insert(all.end(),
+               {floor("float64_floor", &Floors::float64, "floor"),
+                floor("float32_floor", &Floors::float32, "floor32"),
+                floor("float64_floor_final", &Floors::float64_final),
+                floor("float32_floor_final", &Floors::float32_final),
+                count("rejected_steps", &SolverCounts::rejected_steps),
+                count("newton_failures", &SolverCounts::newton_failures),
+                count("order_reductions", &SolverCounts::order_reductions),
+                {"error_over_tolerance", [](const Result& r) { return cell_of(error_over_tolerance(r)); }, {}}});
+    append_errors(all, beyond_contract());
+    const std::size_t first_of_systems = all.size();
+    append_errors(all, of_systems());
+    all.push_back(column(
+        "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }));
+    for (std::size_t i = first_of_systems; i < all.size(); ++i) all[i].of_systems = true;
+    all.push_back(column("machine", &Result::machine));
+    all.back().only_stored = true;
+    for (std::size_t i = first_later; i < all.size(); ++i) all[i].later = true;
+    return all;
+}
+
+bool stands(const ResultColumn& column, TableOf which) {
     return which == TableOf::stored || (!column.only_stored && (which == TableOf::systems || !column.of_systems));
 }
 
@@ -197,7 +203,7 @@ std::vector<SeriesColumn> series_columns(SeriesOf which) {
             all.push_back({series_name(m), [m](ErrorSeries& s) -> Values& { return s[m]; }, later});
     };
     if (which != SeriesOf::systems_alone) {
-        add(contracted(), false);
+        add(standard_indices(), false);
         all.push_back({"float64_floor", &ErrorSeries::float64_floor, true});
         add(beyond_contract(), true);
     }
@@ -212,30 +218,39 @@ std::optional<double> step_seconds(const Result& result) {
     return *result.seconds_min / static_cast<double>(*result.steps);
 }
 
-std::vector<ErrorColumn> error_columns() {
-    std::vector<ErrorColumn> all = columns_of(contracted());
-    for (const std::vector<std::size_t>& others : {beyond_contract(), of_systems()})
-        for (ErrorColumn& column : columns_of(others)) all.push_back(std::move(column));
-    return all;
+const std::vector<ResultColumn>& result_column_table() {
+    static const std::vector<ResultColumn> columns = make_columns();
+    return columns;
+}
+
+std::size_t result_column_index(std::string_view name) {
+    static const auto places = [] {
+        std::map<std::string_view, std::size_t> all;
+        for (const ResultColumn& c : result_column_table()) all.emplace(c.name, all.size());
+        return all;
+    }();
+    const auto place = places.find(name);
+    if (place == places.end()) throw std::invalid_argument(fmt::format("{} is not a column of results", name));
+    return place->second;
 }
 
 std::vector<std::string> result_columns(TableOf which) {
     std::vector<std::string> names{"experiment"};
-    for (const Column& c : columns())
+    for (const ResultColumn& c : result_column_table())
         if (stands(c, which)) names.push_back(c.name);
     return names;
 }
 
 std::vector<Cell> row_of(const std::string& experiment, const Result& r, TableOf which) {
     std::vector<Cell> row{experiment};
-    for (const Column& c : columns())
+    for (const ResultColumn& c : result_column_table())
         if (stands(c, which)) row.push_back(c.cell(r));
     return row;
 }
 
 Result result_of(const Table& table, std::size_t row) {
     Result r;
-    for (const Column& c : columns())
+    for (const ResultColumn& c : result_column_table())
         if (c.read && (!c.later || has_column(table, c.name)))
             c.read(text_of(table.rows[row][column_index(table, c.name)]), r);
     return r;

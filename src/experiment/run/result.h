@@ -1,8 +1,10 @@
 // What one case of a sweep gives: a row of the result table.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "experiment/plan/experiment.h"
@@ -43,15 +45,26 @@ struct Result {
 /// The time of one step, s; empty of a run that did not end well or took none.
 std::optional<double> step_seconds(const Result& result);
 
-/// A column of the result table that tells an error.
-struct ErrorColumn {
-    std::string name;         ///< "attitude_error_max", ..
-    std::size_t measure = 0;  ///< of measures()
-    bool at_end = false;      ///< of its error at the end of the run; else of the largest over the samples
+/// A column of the result table. Tables and stored cases are written and read by it. The reader of folders, the
+/// report's document and the list of metrics take their columns from it, so that a new column is one entry.
+struct ResultColumn {
+    std::string name;
+    std::function<Cell(const Result&)> cell;
+    /// Reads a cell into the result; empty where the column follows from others. Throws std::invalid_argument.
+    std::function<void(const std::string&, Result&)> read;
+    std::string meaning = "";    ///< with the unit, of a column that measures something; else empty
+    std::string page_name = "";  ///< in the report's document; empty: not in it
+    int page_digits = 0;         ///< significant digits there; <= 0: added to the digits of the whole document
+    bool is_error = false;
+    bool later = false;        ///< tables that were written before it existed are read too
+    bool of_systems = false;   ///< only in tables of several bodies
+    bool only_stored = false;  ///< only in the table of a stored case
 };
-/// The tabled measures' columns: those of the contract in its order, then the others, then those of several bodies
-/// alone.
-std::vector<ErrorColumn> error_columns();
+
+/// All columns in the order of tables, without the experiment's name, which comes first.
+const std::vector<ResultColumn>& result_column_table();
+/// The index of a column of that table by its name. Throws std::invalid_argument where there is none.
+std::size_t result_column_index(std::string_view name);
 
 /// Which runs a table is of.
 enum class TableOf {
@@ -60,11 +73,11 @@ enum class TableOf {
     stored,         ///< what is kept of a case: those, and its machine
 };
 
-/// The contract's columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
+/// The standard columns, then step_taken, cut, formulation, evaluations_per_revolution, revolutions, float64_floor,
 /// float32_floor, float64_floor_final and float32_floor_final, then rejected_steps, newton_failures, order_reductions,
 /// and error_over_tolerance: the largest attitude error (rad) over the tolerance, of a run by tolerance; then those of
-/// tabled measures beyond the contract's. Of several bodies further: position_error_max, linear_momentum_error_max,
-/// joint_gap_max, joint_turn_max, reaction_error_max and worst_body.
+/// further tabled measures. Of several bodies further: position_error_max, linear_momentum_error_max, joint_gap_max,
+/// joint_turn_max, reaction_error_max and worst_body.
 std::vector<std::string> result_columns(TableOf which = TableOf::single_bodies);
 std::vector<Cell> row_of(const std::string& experiment, const Result& result, TableOf which = TableOf::single_bodies);
 
@@ -72,7 +85,7 @@ std::vector<Cell> row_of(const std::string& experiment, const Result& result, Ta
 /// std::invalid_argument where a cell cannot be read.
 Result result_of(const Table& table, std::size_t row);
 
-/// drift.csv: scene, method, setting, t, the contract's errors, float64_floor and the other tabled errors, then the
+/// drift.csv: scene, method, setting, t, the standard errors, float64_floor and the other tabled errors, then the
 /// experiment.
 Table drift_table(const std::string& experiment, const std::vector<Result>& results);
 /// drift_joints.csv: scene, method, setting, t, the errors that several bodies alone have, then the experiment; of the

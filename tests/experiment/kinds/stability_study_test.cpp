@@ -6,7 +6,7 @@
 #include <map>
 
 #include "build_kind.h"
-#include "experiment/kinds/stability_runs.h"
+#include "experiment/kinds/stability.h"
 #include "experiment/plan/experiment.h"
 #include "experiment/run/findings.h"
 #include "experiment/run/sweep.h"

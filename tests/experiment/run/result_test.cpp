@@ -64,12 +64,15 @@ TEST(ResultOfSeveralBodies, HasSeriesInATableOfTheirOwn) {
     EXPECT_TRUE(joint_drift_table("e", alone).rows.empty());
 }
 
-TEST(ErrorColumns, NameEachMeasureThatATableHas) {
+TEST(ResultColumns, NameEachMeasureThatATableHas) {
     std::vector<std::string> names;
-    for (const ErrorColumn& column : error_columns()) names.push_back(column.name);
+    for (const ResultColumn& column : result_column_table())
+        if (column.is_error) names.push_back(column.name);
     for (const char* name : {"attitude_error_final", "norm_error_max", "position_error_max", "joint_gap_max",
                              "joint_turn_max", "reaction_error_max"})
         EXPECT_EQ(std::ranges::count(names, name), 1) << name;
+    EXPECT_EQ(result_column_table()[result_column_index("joint_gap_max")].name, "joint_gap_max");
+    EXPECT_THROW(result_column_index("joint_gap"), std::invalid_argument);
 }
 
 }  // namespace

@@ -355,7 +355,7 @@ TEST_F(Sweep, PicturesHaveTheFloorsThatBelongToThem) {
 
 // the columns that others hold on to, in their order; what comes later is found by name
 TEST(Result, HasTheContractsColumnsFirst) {
-    const std::vector<std::string> contract{"experiment",
+    const std::vector<std::string> standard{"experiment",
                                             "scene",
                                             "method",
                                             "setting_kind",
@@ -374,10 +374,10 @@ TEST(Result, HasTheContractsColumnsFirst) {
                                             "norm_error_max",
                                             "message"};
     const std::vector<std::string> columns = result_columns();
-    ASSERT_GT(columns.size(), contract.size());
-    EXPECT_TRUE(std::equal(contract.begin(), contract.end(), columns.begin()));
+    ASSERT_GT(columns.size(), standard.size());
+    EXPECT_TRUE(std::equal(standard.begin(), standard.end(), columns.begin()));
     for (const char* floor : {"float64_floor", "float32_floor", "float64_floor_final", "float32_floor_final"})
-        EXPECT_EQ(std::count(columns.begin() + static_cast<long>(contract.size()), columns.end(), floor), 1) << floor;
+        EXPECT_EQ(std::count(columns.begin() + static_cast<long>(standard.size()), columns.end(), floor), 1) << floor;
 }
 
 TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {

@@ -65,7 +65,7 @@ inline Scene top_scene(double duration) {
     return scene;
 }
 
-/// Tops with masses and moments varied by some 10 %, tilted, spinning at 17 to 23 rad/s; `symmetric`: two equal moments.
+/// Tops with masses and moments varied by ~10 %, tilted, spinning at 17 to 23 rad/s; `symmetric`: two equal moments.
 inline std::vector<EnsembleBody> tops(std::size_t count, bool symmetric, unsigned seed) {
     Draw draw(seed);
     std::vector<EnsembleBody> bodies(count);

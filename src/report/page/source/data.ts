@@ -74,34 +74,29 @@ export interface Finding {
   link: string; // a fragment: "#section=work-precision&scene=free_asymmetric"
 }
 
-/** Result rows as columns of one length. An index column names a place in the list of its kind. */
-export interface Rows {
+/** Columns of result rows that are indices, codes or flags. */
+export const indexColumns = [
+  "experiment", "scene", "method",
+  "setting_kind", // 0 none, 1 step (s), 2 tolerance
+  "status", // 0 ok, 1 unsupported, 2 diverged, 3 tolerance_not_met, 4 failed
+  "message", // index into messages
+  "cut", // 1: ended by the limit on a run's time, steps or evaluations
+  "formulation", // index into formulations
+] as const;
+
+/** Columns of numbers that the page's code names. A document may have more: the page shows each as a column of its table
+ * of results. `result_column_table()` (src/experiment/run/result.cpp) defines them; a test compares. */
+export const numberColumns = [
+  "setting", "seconds", "evaluations", "attitude_final", "attitude", "omega", "energy", "momentum", "norm", "floor", "floor32",
+] as const;
+
+/** Result rows as columns of one length. */
+export type Rows = {
   count: number;
   total: number; // in the folder; more than `count`: thinned, and a remark says how
-  experiment: number[];
-  scene: number[];
-  method: number[];
-  setting_kind: number[]; // 0 none, 1 step (s), 2 tolerance
-  setting: (number | null)[];
-  status: number[]; // 0 ok, 1 unsupported, 2 diverged, 3 tolerance_not_met, 4 failed
-  message: number[]; // index into messages
   messages: string[]; // the first is ""
-  seconds: (number | null)[]; // median
-  seconds_min: (number | null)[];
-  steps: (number | null)[];
-  evaluations: (number | null)[];
-  attitude_final: (number | null)[]; // rad
-  attitude: (number | null)[]; // largest, rad
-  omega: (number | null)[];
-  energy: (number | null)[];
-  momentum: (number | null)[];
-  norm: (number | null)[];
-  floor: (number | null)[]; // float64_floor, rad
-  floor32: (number | null)[];
-  cut: number[]; // 1: ended by the limit on a run's time, steps or evaluations
-  formulation: number[]; // index into formulations
   formulations: string[];
-}
+} & Record<(typeof indexColumns)[number], number[]> & Record<(typeof numberColumns)[number], (number | null)[]>;
 
 /** The fitted order of one curve of a convergence experiment. */
 export interface Order {

@@ -1,6 +1,6 @@
 // Result rows one by one and by scene, and what limits a run.
 
-import type { ReportData, Rows } from "./data.ts";
+import { indexColumns, numberColumns, type ReportData, type Rows } from "./data.ts";
 import { significant } from "./format.ts";
 
 export const statuses = ["ok", "unsupported", "diverged", "tolerance not met", "failed"] as const;
@@ -88,11 +88,11 @@ export class RowIndex {
   }
 }
 
-const wholeColumns: (keyof Rows)[] = ["experiment", "scene", "method", "setting_kind", "status", "message", "cut", "formulation"];
-const numberColumns: (keyof Rows)[] = [
-  "setting", "seconds", "seconds_min", "steps", "evaluations", "attitude_final", "attitude", "omega", "energy", "momentum",
-  "norm", "floor", "floor32",
-];
+/** The columns of numbers of a document, by name. */
+export function numbersOf(rows: Rows): Map<string, (number | null)[]> {
+  const others = new Set<string>([...indexColumns, "count", "total", "messages", "formulations"]);
+  return new Map(Object.entries(rows as Record<string, unknown>).filter(([name]) => !others.has(name))) as Map<string, (number | null)[]>;
+}
 
 /** "" or what is wrong with a document, so that the page tells it instead of drawing half. */
 export function faultOf(value: unknown): string {
@@ -104,8 +104,8 @@ export function faultOf(value: unknown): string {
   }
   const rows = data.rows;
   if (typeof rows !== "object" || rows === null) return 'the document has no "rows"';
-  for (const key of [...wholeColumns, ...numberColumns]) {
-    const column = rows[key];
+  for (const key of new Set([...indexColumns, ...numberColumns, ...numbersOf(rows).keys()])) {
+    const column = (rows as Record<string, unknown>)[key];
     if (!Array.isArray(column) || column.length !== rows.count) return `rows.${key} must have ${rows.count} entries`;
   }
   const within = (key: "experiment" | "scene" | "method", size: number): string => {

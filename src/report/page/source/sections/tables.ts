@@ -1,34 +1,34 @@
 import { Choice, element, fill } from "../dom.ts";
-import { settingKinds, statuses, limitOf, rowAt } from "../rows.ts";
+import { settingKinds, statuses, limitOf, numbersOf, rowAt } from "../rows.ts";
 import { TableView, type Content } from "../table_view.ts";
 import { count } from "../format.ts";
 import { oneLine, shorten, type Cell } from "../text.ts";
 import type { ReportData } from "../data.ts";
 import type { Section, Tools } from "../tools.ts";
 
-const numbers = ["seconds", "seconds_min", "steps", "evaluations", "attitude", "attitude_final", "omega", "energy", "momentum", "norm", "floor", "floor32"] as const;
+const shown = new Set(["seconds", "evaluations", "attitude", "energy", "momentum"]);
+const integral = new Set(["steps", "evaluations"]);
 
 /** The result rows as a table like any other. */
 export function resultContent(data: ReportData): Content {
   const rows = data.rows;
+  const numbers = [...numbersOf(rows)].filter(([name]) => name !== "setting");
   const lines: Cell[][] = [];
   for (let i = 0; i < rows.count; ++i) {
     const row = rowAt(rows, i);
     lines.push([
       data.experiments[row.experiment]?.name ?? "", data.scenes[row.scene]?.name ?? "", data.methods[row.method]?.name ?? "",
       settingKinds[row.settingKind] ?? "", row.setting, statuses[row.status] ?? "",
-      ...numbers.map((name) => rows[name][i] ?? null),
+      ...numbers.map(([, values]) => values[i] ?? null),
       limitOf(row, data.methods[row.method]?.precision ?? "").text, row.formulation, row.message,
     ]);
   }
-  const hidden = new Set(["seconds_min", "steps", "omega", "norm", "floor", "floor32", "attitude_final"]);
-  const integral = new Set(["steps", "evaluations"]);
   return {
     caption: "All results",
     columns: [
       { name: "experiment", numeric: false }, { name: "scene", numeric: false }, { name: "method", numeric: false },
       { name: "setting_kind", numeric: false, hidden: true }, { name: "setting", numeric: true }, { name: "status", numeric: false },
-      ...numbers.map((name) => ({ name, numeric: true, integral: integral.has(name), hidden: hidden.has(name) })),
+      ...numbers.map(([name]) => ({ name, numeric: true, integral: integral.has(name), hidden: !shown.has(name) })),
       { name: "limited_by", numeric: false }, { name: "formulation", numeric: false, hidden: true }, { name: "message", numeric: false, hidden: true },
     ],
     rows: lines,

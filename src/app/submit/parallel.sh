@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# @name@ in @shards@ shards by GNU parallel, and their merge:
+#
+#   bash @name@.parallel.sh [OPTION OF parallel, such as --sshloginfile F].. (default: --jobs 100%)
+#
+# Can be run again: by the log of jobs those that failed or never ran.
+set -euo pipefail
+
+program=@program@
+experiment=@experiment@
+output=@output@
+plan=@plan@
+shards=@shards@
+jobs=@jobs@
+options=(@options@)
+merge_options=(@merge_options@)
+name=@name@
+
+mkdir -p "$output/shards"
+(($#)) || set -- --jobs 100%
+failed=0
+seq "$shards" | parallel "$@" --joblog "$output/$name.joblog" --resume-failed --retries 3 --quote \
+    "$program" run "$experiment" "${options[@]}" --shard "{}/$shards" --plan "$plan" \
+    --output "$output/shards/{}" --jobs "$jobs" --quiet || failed=$?
+((failed == 0)) || echo "$name: $failed shards failed; see $output/$name.joblog" >&2
+exec "$program" merge "$output"/shards/*/ "${merge_options[@]}" --output "$output"

@@ -1,11 +1,10 @@
 // Hashes all trajectories: every built-in scene by every method computed in this process except the truth, and
-// ensembles of random bodies. The hashes do not depend on compiler, optimisation level, instruction set or number of
-// threads.
+// ensembles of random bodies. The hashes do not depend on compiler, optimisation, instruction set or number of threads.
 //
 // Runs are bounded by settings, not by the clock: each scene runs for its duration in 200 steps or to a tolerance of
 // 1e-6. A run ends as `failed` after 400 steps or 8000 evaluations (both divided by the number of bodies), with the
-// samples reached by then. The hash of a run covers every bit of every sample, reaction and impact time, the status
-// and the counts. All NaNs hash alike, because IEEE 754 leaves their sign and payload open.
+// samples reached by then. The hash of a run covers every bit of every sample, reaction and impact time, the status and
+// the counts. All NaNs hash alike, because IEEE 754 leaves their sign and payload open.
 //
 // One difference remains: the C library's sin, pow and similar functions are not correctly rounded. Their last bit
 // differs on a processor without FMA and in other C libraries. `libm` hashes some of their values. Where that hash

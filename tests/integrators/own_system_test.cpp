@@ -213,8 +213,8 @@ void expect_closed_form(const Model& model, double duration, Expected&& expected
         }
 }
 
-// sin(a / 2) = k cd(w t, k), k = sin(amplitude / 2); a' = -2 w k k' sd(w t, k), for cd' = -k'^2 sd nd and cos(a / 2) =
-// k' nd
+// sin(a / 2) = k cd(w t, k), k = sin(amplitude / 2); a' = -2 w k k' sd(w t, k), because cd' = -k'^2 sd nd and
+// cos(a / 2) = k' nd.
 TEST(OwnSystem, APendulumSwingsAsJacobisFunctionsSay) {
     const Pendulum pendulum;
     const double k = std::sin(pendulum.amplitude / 2), other = std::cos(pendulum.amplitude / 2);

@@ -1,5 +1,5 @@
-// The right-hand side against the momentum form, written independently from the definitions of the loads: d(L_W)/dt =
-// tau_W, m dv/dt = F, and dE/dt = power of the loads without a potential.
+// The right-hand side against the momentum form, written independently from the definitions of the loads:
+// d(L_W)/dt = tau_W, m dv/dt = F, and dE/dt = power of the loads without a potential.
 #include "motion/equations.h"
 
 #include <gtest/gtest.h>
@@ -195,8 +195,8 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
               roundoff(size));
 }
 
-/// dE/dt along the motion by a central difference of the energy in 128 bits. q +- e dq have the same length. With e =
-/// 1e-10 the errors, of order e^2 and 1e-34 / e, are far below the 1e-16 of the rates.
+/// dE/dt along the motion by a central difference of the energy in 128 bits. q +- e dq have the same length. With
+/// e = 1e-10 the errors, of order e^2 and 1e-34 / e, are far below the 1e-16 of the rates.
 RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
     const Scene scene = moderate_scene();
     const Problem problem = pose(scene, Formulation::full);

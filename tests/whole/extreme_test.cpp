@@ -325,8 +325,8 @@ TEST(ExtremeScenes, MiddleAxisTurnsOverWhenItShould) {
     }
 }
 
-// A top released at tilt a falls to tilt b with cos b = l - sqrt(l^2 - 2 l cos a + 1), where l = (I3 w3)^2 / (4 I1 m
-// g l) (F. Klein and A. Sommerfeld 1897).
+// A top released at tilt a falls to tilt b with cos b = l - sqrt(l^2 - 2 l cos a + 1), where
+// l = (I3 w3)^2 / (4 I1 m g l) (F. Klein and A. Sommerfeld 1897).
 TEST(ExtremeScenes, SleepingTopsFallAsFarAsTheyMust) {
     for (const auto& [ratio, scene, problem] : members("sleeping")) {
         const double l = ratio * ratio, a = 0.001;

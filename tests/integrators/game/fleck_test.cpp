@@ -71,8 +71,8 @@ TEST(Fleck, ConvergesWithOrderOneOnAHeldBody) {
     for (const char* method : all) expect_convergence(held(1), method, 1e-4, 1, 0.05);
 }
 
-/// A rotating sphere keeps its w. Every step stretches A perpendicular to w by sqrt(1 + h^2 w^2): A^T A - 1 becomes (1
-/// + h^2 w^2)^n - 1 in this plane, and sqrt 2 times that in the Frobenius norm.
+/// A rotating sphere keeps its w. Every step stretches A perpendicular to w by sqrt(1 + h^2 w^2): A^T A - 1 becomes
+/// (1 + h^2 w^2)^n - 1 in this plane, and sqrt 2 times that in the Frobenius norm.
 TEST(FleckMatrixDrifting, DriftsAsItsStepSays) {
     Scene scene;
     scene.name = "ball", scene.duration = 10;

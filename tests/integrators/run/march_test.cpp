@@ -117,7 +117,8 @@ Scene pushed_about_one_axis() {
                    Impulse{{0, 1, 0}, Frame::body, {1, 0, 0}, Frame::body, 4}};
     return scene;
 }
-/// I3 = 2.5: the rate is 0.5 until 1 s, then increases by t - 1 until 2 s, by 0.5 / 2.5 at 2.5 s and by 1 / 2.5 at 4 s.
+/// I3 = 2.5: the rate is 0.5 until 1 s, then grows by 0.5 (t - 1) until 2 s, by 0.5 / 2.5 at 2.5 s and by 1 / 2.5 at 4
+/// s.
 double pushed_rate(double t) {
     double w = 0.5 + 0.5 * std::min(std::max(t - 1, 0.0), 1.0);
     if (t >= 2.5) w += 0.2;

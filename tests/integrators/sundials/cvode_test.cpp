@@ -42,8 +42,8 @@ void expect_ok(const Trajectory& t) { ASSERT_EQ(t.status, Status::ok) << t.messa
 class Cvode : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Cvode, ::testing::Values("cvode_adams", "cvode_bdf"));
 
-// A free symmetric body, I1 = I2, precesses about L at |L|/I1 and spins about its axis at w3 (1 - I3/I1): q = exp(t/2
-// L/I1) q0 exp(t/2 spin e3).
+// A free symmetric body, I1 = I2, precesses about L at |L|/I1 and spins about its axis at w3 (1 - I3/I1):
+// q = exp(t/2 L/I1) q0 exp(t/2 spin e3).
 TEST_P(Cvode, FollowsTheSymmetricBodyInProportionToItsTolerance) {
     Scene scene = body(2, 2, 3, {0.6, 0.2, 1.1}, 20);
     scene.initial.orientation = {0.5, 0.5, 0.5, 0.5};

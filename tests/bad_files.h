@@ -1,5 +1,5 @@
-// The catalogues of bad files: tests/ROOM/bad/NAME, each with one fault of its own, and tests/ROOM/bad_places.tsv,
-// which says what the message of each must name.
+// Catalogues of invalid files: tests/FOLDER/bad/NAME, each with one error, and tests/FOLDER/bad_places.tsv, which
+// lists the place that each message must name.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@
 namespace polhode {
 
 struct BadFile {
-    std::string path, place;  ///< `place`: what the message must name
+    std::string path, place;  ///< `place`: the text that the message must contain
 };
 
-/// How GoogleTest shows one: by itself it would read all bytes, those of short strings too that nobody wrote.
+/// Prints the path. GoogleTest's default prints all bytes, including uninitialised ones of short strings.
 inline void PrintTo(const BadFile& bad, std::ostream* out) { *out << bad.path; }
 
 inline std::vector<BadFile> bad_files(const std::string& room, const std::string& ending) {
@@ -36,7 +36,7 @@ inline std::vector<BadFile> bad_files(const std::string& room, const std::string
     return all;
 }
 
-/// FILE: PLACE: FAULT; REMEDY
+/// Checks that the message is one line of the form FILE: PLACE: FAULT; REMEDY.
 inline void expect_one_line(const BadFile& bad, const std::string& message) {
     SCOPED_TRACE(bad.path + "\n" + message);
     ASSERT_FALSE(message.empty()) << "accepted";
@@ -49,7 +49,7 @@ inline void expect_one_line(const BadFile& bad, const std::string& message) {
     EXPECT_LT(message.size(), 1300u);
 }
 
-/// Every file of the catalogue is listed, once.
+/// Checks that every file of the catalogue is listed exactly once.
 inline void expect_whole_catalogue(const std::string& room, const std::string& ending) {
     std::vector<std::string> listed, there;
     for (const BadFile& bad : bad_files(room, ending)) listed.push_back(bad.path);
@@ -60,13 +60,13 @@ inline void expect_whole_catalogue(const std::string& room, const std::string& e
     EXPECT_EQ(listed, there);
 }
 
-/// Whether `polhode check` reads a trajectory file that the strict reader refuses: for names of columns, which it knows
-/// in other programs' spelling, or ignores with a remark; or whether a scene of one body has another fault to tell.
+/// Whether `polhode check` accepts, or refuses for another reason, a trajectory file that the strict reader refuses.
+/// `check` accepts other programs' column names and ignores unknown columns with a remark.
 inline bool is_read_by_check(const BadFile& bad) {
     for (const char* name : {"/motion/bad/unknown_column.csv", "/motion/bad/column_in_capitals.csv",
                              "/motion/bad/quoted_header.csv", "/motion/bad/duplicate_body.csv"})
         if (bad.path.ends_with(name)) return true;
-    // to one body two rows at one time are the fault
+    // for a scene of one body the error is two rows at the same time
     return bad.path.find("/motion/bad/body_") != std::string::npos;
 }
 

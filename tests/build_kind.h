@@ -1,10 +1,10 @@
-// Which build the tests run in.
+// The kind of build that the tests run in.
 #pragma once
 
 namespace polhode {
 
-/// Optimised. Else with assertions and mostly under a sanitizer, ten times as slow: such a build repeats less and is
-/// given more time.
+/// True in optimised builds. Other builds have assertions and mostly a sanitizer and are ten times slower; there
+/// tests repeat less and have more time.
 #ifdef NDEBUG
 inline constexpr bool optimised_build = true;
 #else

@@ -1,4 +1,4 @@
-// The built-in scenes for tests that go through them.
+// The names of built-in scenes, for tests over all of them.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// The names of the built-in scenes that stand in this folder; without one, of those in none.
+/// The names of the built-in scenes in this folder, by default of those outside any folder.
 inline std::vector<std::string> scenes_in(const std::string& folder = "") {
     std::vector<std::string> names;
     for (const std::string& name : builtin_scene_names())
@@ -17,7 +17,7 @@ inline std::vector<std::string> scenes_in(const std::string& folder = "") {
     return names;
 }
 
-/// A scene's name as GoogleTest takes it.
+/// The scene's name as a valid GoogleTest name.
 inline std::string test_name(std::string scene_name) {
     for (char& c : scene_name)
         if (c == '/' || c == '-' || c == '.' || c == '+') c = '_';

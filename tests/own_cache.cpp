@@ -1,5 +1,5 @@
-// Linked to every test program: each run of one finds the truth's cache empty, wherever it is started from, and trusts
-// nothing that an earlier program left behind. What a test sets itself goes before it.
+// Linked to every test program: each run starts with an empty truth cache, whatever its working directory, and reads
+// nothing left by an earlier program. A test's own settings take precedence.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

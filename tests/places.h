@@ -1,4 +1,4 @@
-// Where the tests' own files are. Functions and not macros: a compiled test is the same in every checkout.
+// Paths used by the tests. These are functions, not macros, so that compiled tests are identical in every checkout.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ namespace polhode {
 
 /// The root of the source tree.
 std::string source_dir();
-/// The program of the build that is tested.
+/// The program of the tested build.
 std::string program_path();
 
 }  // namespace polhode

@@ -1,5 +1,5 @@
-// What the closed forms cost, beside a step of odeint_rk4 on the free body in the same run: set up and evaluated once,
-// and for each further time.
+// Cost of the closed forms, compared with one step of odeint_rk4 on the free body in the same run: set-up with one
+// evaluation, and each further evaluation.
 #include <benchmark/benchmark.h>
 
 #include "integrators/method.h"
@@ -26,7 +26,7 @@ Scene heavy_top() {
     return scene;
 }
 
-// `counted` things a call; the counter is the time of one
+// Each call does `counted` evaluations; the counter is the time per evaluation.
 void run(benchmark::State& state, const Scene& scene, const char* method, Settings settings, long counted) {
     const Problem problem = pose(scene);
     for (auto _ : state) {
@@ -46,14 +46,14 @@ void rk4_step(benchmark::State& state) {
     run(state, scene, "odeint_rk4", settings, steps);
 }
 
-// set-up and one state, by repetition inside one call
+// Set-up and one state, repeated inside one call.
 void one_state(benchmark::State& state, const Scene& scene) {
     Settings settings;
     settings.samples = 1, settings.record = false, settings.repetitions = 1000;
     run(state, scene, "exact", settings, settings.repetitions);
 }
 
-// recorded states, of which the first pays for the set-up
+// Recorded states; the first includes the set-up.
 void further_states(benchmark::State& state, const Scene& scene) {
     Settings settings;
     settings.samples = 10000;

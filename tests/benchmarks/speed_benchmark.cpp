@@ -1,6 +1,6 @@
-// The factors in time between own integrators and the libraries' at equal error: each benchmark runs the two in turn,
-// each at the coarsest of its tolerances that keeps the attitude error below the level, and counts the median of the
-// ratios. The published table, made with more methods side by side, is the experiment `speed`.
+// Ratio of run times between polhode's integrators and the libraries' at equal error. Each benchmark runs the two
+// alternately, each at the coarsest tolerance that keeps the attitude error below the level, and reports the median
+// ratio. The experiment `speed` makes the published table, with more methods.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ Settings setting_for(const Problem& problem, const Reference& truth, const Metho
     Settings settings;
     settings.samples = samples;
     if (method.control == Control::none) return settings;
-    // half decades
+    // in half decades
     for (int i = -6; i >= -30; --i) {
         settings.tolerance = std::pow(10.0, i / 2.0);
         const Trajectory run = solve(problem, method, settings);

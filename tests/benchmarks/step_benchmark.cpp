@@ -1,5 +1,5 @@
-// What a step costs: odeint_rk4 as the library runs it, beside a loop written by hand for the one scene, on plain
-// arrays; and the methods that keep structure beside both. Time is per step; compare those of the same run.
+// Time per step of odeint_rk4, of a hand-written RK4 loop on plain arrays for the same scene, and of the
+// structure-preserving methods. Compare only times of the same run.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -13,7 +13,7 @@ using namespace polhode;
 
 constexpr long steps_per_call = 20000;
 
-/// omega = (1, 1, 1), I = (1, 2, 3): FACTS of the free asymmetric body.
+/// The free asymmetric body: omega = (1, 1, 1) rad/s, I = (1, 2, 3) kg m^2.
 Scene free_body() {
     Scene scene;
     scene.name = "free body", scene.duration = 20;
@@ -22,7 +22,7 @@ Scene free_body() {
     return scene;
 }
 
-/// Lagrange's top: gravity about a fixed point, symmetric.
+/// Lagrange's top: a symmetric body with a fixed point, under gravity.
 Scene heavy_top() {
     Scene scene;
     scene.name = "heavy top", scene.duration = 20;
@@ -53,7 +53,7 @@ void library(benchmark::State& state, const Scene& scene, const char* name) {
 
 using State = std::array<double, 7>;
 
-/// The classical step on a plain array, in place.
+/// One classical RK4 step on a plain array, in place.
 template <class RightHandSide>
 void rk4(const RightHandSide& f, double* y, double h) {
     double k1[7], k2[7], k3[7], k4[7], z[7];
@@ -100,7 +100,7 @@ struct FreeByHand {
     }
 };
 
-/// A symmetric top, its centre of mass on the axis: the torque m g l e3 x R^T e_z has two components.
+/// A symmetric top with its centre of mass on the axis: the torque m g l e3 x R^T e_z has two components.
 struct TopByHand {
     double g1, g2, twice_pull;  ///< 2 m g l / I1
     void operator()(const double* y, double* dy) const {
@@ -138,7 +138,7 @@ BENCHMARK(heavy_top_odeint_rk4);
         const std::string title = name;
         benchmark::RegisterBenchmark(("free_body_" + title).c_str(),
                                      [name](benchmark::State& state) { library(state, free_body(), name); });
-        // the modified moments of order 10 are those of a free body
+        // the modified moments of order 10 exist only for free bodies
         if (title == "moser_veselov10") continue;
         benchmark::RegisterBenchmark(("heavy_top_" + title).c_str(),
                                      [name](benchmark::State& state) { library(state, heavy_top(), name); });

@@ -1,5 +1,5 @@
-// What a compiled right-hand side costs: to record, to make ready and compile, to expand at order 16 by machine code
-// and by the interpreter, and for eight states side by side beside one by the system's own code.
+// Cost of a compiled right-hand side: recording, preparation, compilation, series of order 16 by machine code and by
+// the interpreter, and eight states at once compared with the system's own code.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace polhode;
 
-/// Runs `body` with the system of the scene, in its first segment, and its state at the start.
+/// Calls `body` with the scene's system in its first segment and the state at the start.
 template <class Body>
 void with_start(const std::string& scene, Body&& body) {
     const Problem problem = pose(find_scene(scene));

@@ -1,18 +1,16 @@
-// One hash of all trajectories: every scene of the catalogue solved by every method that is computed in this process,
-// but for the truth, and ensembles of random bodies. Whatever compiler, level of optimisation, instruction set and
-// number of threads this program is built and run with, it is to print the same.
+// Hashes all trajectories: every built-in scene by every method computed in this process except the truth, and
+// ensembles of random bodies. The hashes do not depend on compiler, optimisation, instruction set or number of threads.
 //
-// It is bounded by its settings, not by a clock: each scene lasts as long as it says, in 200 steps or to a tolerance of
-// 1e-6, and a run ends as `failed` after 400 steps or 8000 evaluations (of several bodies so many less),
-// with the samples that it has reached by then. What
-// is hashed of a run: every bit of every sample, reaction and time of impact, the status and the counts. Of a number
-// that is none, only that it is none: IEEE 754 leaves its sign and payload open.
+// Runs are bounded by settings, not by the clock: each scene runs for its duration in 200 steps or to a tolerance of
+// 1e-6. A run ends as `failed` after 400 steps or 8000 evaluations (both divided by the number of bodies), with the
+// samples reached by then. The hash of a run covers every bit of every sample, reaction and impact time, the status and
+// the counts. All NaNs hash alike, because IEEE 754 leaves their sign and payload open.
 //
-// One thing they do not share by themselves: the C library's sin, pow and the like are not rounded correctly, and
-// theirs is another last bit on a processor without FMA or in another C library. So `libm` hashes some of their values,
-// and where that is not as expected, the methods that are known to depart with it may.
+// One difference remains: the C library's sin, pow and similar functions are not correctly rounded. Their last bit
+// differs on a processor without FMA and in other C libraries. `libm` hashes some of their values. Where that hash
+// differs, the methods listed as affected may differ too.
 //
-// It is linked to the floors below the truth alone, so that another compiler's build of it takes minutes.
+// The program links only the libraries below the truth, so that another compiler builds it in minutes.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -46,13 +44,13 @@
 
 namespace polhode {
 
-// the truth and what is in processes of its own is left out of this program
+// this program omits the truth and methods that run in other processes
 extern const std::span<const Method> truth_method_methods;
 const std::span<const Method> truth_method_methods{};
 
 namespace {
 
-/// The bytes of numbers, one after the other.
+/// Collects the bytes of numbers.
 class Bytes {
   public:
     void add(std::uint64_t bits) {
@@ -87,7 +85,7 @@ struct Asked {
     bool interpreted = false, each = false;
 };
 
-/// One kind of run (a method told a step, or a tolerance; an ensemble) with the hash of each scene.
+/// One kind of run (a method with a step or a tolerance, or an ensemble), with the hash of each scene.
 struct Kind {
     std::string name;
     std::vector<std::pair<std::string, std::string>> hash_of_scene;
@@ -99,18 +97,18 @@ struct Kind {
     }
 };
 
-/// The work of a step grows at least as the number of bodies does.
+/// Limits divided by the number of bodies, since the cost of a step grows at least in proportion to it.
 Settings bounded_settings(const Problem& problem) {
     const long bodies = std::max(1L, static_cast<long>(problem.scene.bodies.size()));
     Settings settings;
     settings.samples = 10;
     settings.max_steps = std::max(400 / bodies, 10L);
     settings.max_evaluations = std::max(8000 / bodies, 200L);
-    settings.seconds_limit = 1e9;  // s: a clock decides nothing here
+    settings.seconds_limit = 1e9;  // s: the clock must not affect results
     return settings;
 }
 
-/// How a method is run: NAME where it is told one thing or nothing, else NAME:step and NAME:tolerance.
+/// A method and its setting. The name is NAME:step or NAME:tolerance for methods that take both, else NAME.
 struct ToldMethod {
     const Method* method;
     std::string name;
@@ -161,7 +159,7 @@ std::vector<Kind> trajectories(const Asked& asked) {
     return kinds;
 }
 
-/// The same numbers from every library: the generator is specified to the bit, the distributions are not.
+/// Random numbers that are the same with every standard library: unlike the generator, distributions are not specified.
 class Random {
   public:
     /// Uniform in [low, high), in steps of (high - low) / 2^32.
@@ -175,7 +173,7 @@ class Random {
 
 EnsembleBody random_body(const EnsembleBody& start, bool pivoted, Random& random) {
     EnsembleBody body = start;
-    // moments of three masses on axes: the triangle inequalities hold
+    // moments of three masses on the axes satisfy the triangle inequality
     const double a = random(0.1, 1), b = random(0.1, 1), c = random(0.1, 1);
     body.inertia_B = {};
     body.inertia_B[0][0] = b + c, body.inertia_B[1][1] = a + c, body.inertia_B[2][2] = a + b;
@@ -198,7 +196,7 @@ EnsembleSettings ensemble_settings(const Asked& asked) {
     return settings;
 }
 
-/// Bodies that fill no lanes: 8 and 16 at once, and some are left.
+/// Not a multiple of the 8 or 16 lanes, so that the last batch is incomplete.
 constexpr int bodies_of_ensemble = 203;
 
 Kind ensembles(const Asked& asked) {
@@ -241,7 +239,7 @@ Kind mechanism_ensembles(const Asked& asked) {
     return kind;
 }
 
-/// Values of the C library's functions that are computed in binary64, at random places.
+/// Values at random arguments of the C library functions that polhode calls in binary64.
 Kind libm() {
     using Function = double (*)(double);
     constexpr Function functions[] = {std::sin,   std::cos,  std::tan,  std::atan, std::exp,
@@ -257,7 +255,7 @@ Kind libm() {
     return {"libm", {{"", bytes.hash()}}};
 }
 
-/// The file of expected hashes: lines "NAME HASH", or "departs NAME" of what may depart where `libm` does.
+/// The expected hashes: lines "NAME HASH", and "departs NAME" for methods that may differ where `libm` does.
 struct Expected {
     std::map<std::string, std::string> hash_of;
     std::set<std::string> departing_with_libm;
@@ -279,7 +277,7 @@ Expected read_expected(const std::string& path) {
     return expected;
 }
 
-/// How many kinds are not as expected; those that are not in this build (GSL's) are named.
+/// Returns the number of kinds that differ from the expected hashes. Lists those missing in this build (GSL's).
 int compare(const std::vector<Kind>& kinds, const Expected& expected) {
     int faults = 0, equal = 0, departed = 0;
     std::map<std::string, std::string> rest = expected.hash_of;
@@ -315,7 +313,7 @@ void print(const std::vector<Kind>& kinds, const Asked& asked) {
 }
 
 int run(const Asked& asked) {
-    // looked at once, at the first need
+    // set before first use: the library reads these variables once
     if (!asked.instructions.empty()) ::setenv("POLHODE_INSTRUCTION_SET", asked.instructions.c_str(), 1);
     if (asked.interpreted) ::setenv("POLHODE_CODE", "interpreted", 1);
     if (!asked.instructions.empty() && asked.instructions != name_of(instruction_set())) {

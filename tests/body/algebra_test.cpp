@@ -11,7 +11,7 @@ namespace {
 
 using namespace polhode::testing;
 
-// Numbers of the order of one through a dozen operations: a few ulp each.
+// tolerance for a dozen operations on numbers of order one: a few ulp each
 constexpr double dozen_roundings = 2e-14;
 
 RC_GTEST_PROP(Rotation, PreservesLengthsAndHandedness, ()) {
@@ -29,7 +29,7 @@ RC_GTEST_PROP(Rotation, OfAProductIsTheProductOfRotations, ()) {
 }
 
 RC_GTEST_PROP(Rotation, HasOneMeaning, ()) {
-    // of any length: every form carries |q|^2
+    // q of any length: every form contains the factor |q|^2
     const double s = moderate(0.2, 3);
     const Quaternion<double> u = moderate_orientation(), q{s * u.w, s * u.x, s * u.y, s * u.z};
     const Vector3<double> v = moderate_vector();
@@ -45,7 +45,7 @@ RC_GTEST_PROP(Rotation, HasOneMeaning, ()) {
 
 TEST(Rotation, TurnsTheRightWay) {
     const double half = std::sqrt(0.5);
-    // a quarter turn about z takes x to y
+    // a quarter rotation about z maps x to y
     EXPECT_LT(distance(rotate(Quaternion<double>{half, 0, 0, half}, Vector3<double>(1, 0, 0)), {0, 1, 0}), 1e-15);
     const Quaternion<double> i{0, 1, 0, 0}, j{0, 0, 1, 0};
     EXPECT_EQ(i * j, (Quaternion<double>{0, 0, 0, 1}));
@@ -54,7 +54,7 @@ TEST(Rotation, TurnsTheRightWay) {
 RC_GTEST_PROP(Matrix, TimesItsInverseIsOne, ()) {
     const Matrix3<double> I = moderate_inertia();
     const Matrix3<double> one = diagonal(Vector3<double>(1, 1, 1));
-    // condition 20 at most
+    // the condition number is at most 20
     RC_ASSERT(largest_difference(I * inverse(I), one) < 20 * dozen_roundings);
     RC_ASSERT(largest_difference(inverse(I) * I, one) < 20 * dozen_roundings);
 }
@@ -66,7 +66,8 @@ RC_GTEST_PROP(CrossProduct, IsTheTensorOfAPointMass, ()) {
     RC_ASSERT(distance(parallel_axis(m, r) * w, m * cross(r, cross(w, r))) < 100 * dozen_roundings);
 }
 
-/// Steiner against the definition: a handful of point masses about their own centre and about another point.
+/// The parallel axis theorem agrees with the definition of the inertia tensor: sums over a few point masses about
+/// their centre of mass and about another point.
 RC_GTEST_PROP(ParallelAxis, IsWhatPointMassesSay, ()) {
     const int n = *rc::gen::inRange(3, 8);
     std::vector<std::pair<double, Vector3<double>>> points;
@@ -82,12 +83,12 @@ RC_GTEST_PROP(ParallelAxis, IsWhatPointMassesSay, ()) {
     for (const auto& [m, r] : points)
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
-                // the textbook's integrals: sum of m (r.r delta_ij - r_i r_j)
+                // the textbook definition: sum of m (r.r delta_ij - r_i r_j)
                 const Vector3<double> c = r - center, o = r - other;
                 about_center[i][j] += m * ((i == j ? dot(c, c) : 0) - c[i] * c[j]);
                 about_other[i][j] += m * ((i == j ? dot(o, o) : 0) - o[i] * o[j]);
             }
-    // masses of 16 at most, distances of 7: entries of some hundred
+    // masses up to 16, distances up to 7: entries of several hundred
     RC_ASSERT(largest_difference(about_center + parallel_axis(mass, center - other), about_other) <
               1000 * dozen_roundings);
 }

@@ -1,4 +1,4 @@
-// Points that fill a shape against the integrals over it, which are closed forms of their own.
+// Sums over the points that fill a shape, compared with the closed forms of its volume, centre of mass and inertia.
 #include "body/filling.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ const Shape solids[] = {Box{{0.5, 1.25, 2}},
                         Frustum{1.25, 0.5, 1.5},
                         Frustum{0.25, 1, 2}};
 
-// Off by some cells of the surface's: measured at most 2 % of the size and of the largest moment.
+// The error comes from cells cut by the surface: at most 2 % of the size and of the largest moment as measured.
 void expect_fills(const std::vector<PointMass<double>>& points, const Shape& shape, double tolerance) {
     const MassProperties<double> sum = of_points(points), whole = of_mass<double>(shape, 3);
     EXPECT_NEAR(sum.mass, 3, 1e-11);
@@ -43,7 +43,7 @@ TEST(Filling, OfAGridHasTheVolumeAndTheMomentsOfTheShape) {
         for (int i = 0; i < 3; ++i) {
             const double width = (box.high[i] - box.low[i]) / n;
             cell *= width;
-            // the box is the smallest: the shape reaches its faces, be it by a corner
+            // the box is tight: the shape touches every face, possibly only at a corner
             double low = box.high[i], high = box.low[i];
             for (const PointMass<double>& point : points)
                 low = std::min(low, point.position[i]), high = std::max(high, point.position[i]);
@@ -56,7 +56,7 @@ TEST(Filling, OfAGridHasTheVolumeAndTheMomentsOfTheShape) {
     }
 }
 
-// As many points as the deviation of a mean of 5000 allows, five of them.
+// The tolerance is five standard deviations of a mean over 5000 points: 5 / sqrt(5000) = 0.07.
 TEST(Filling, AtRandomHasTheMomentsOfTheShapeAndRepeatsItself) {
     for (const Shape& shape : solids) {
         const auto points = random_points(shape, 3, 5000, 7);

@@ -1,4 +1,5 @@
-// Conversions there and back, against each other and against closed forms; where they jump.
+// Conversions between attitude representations: round trips, comparison with each other and with closed forms, and
+// behaviour at their discontinuities.
 #include "body/orientation.h"
 
 #include <gtest/gtest.h>
@@ -14,12 +15,12 @@ namespace {
 using namespace polhode::testing;
 
 using std::numbers::pi;
-// an angle that a dozen operations on numbers of the order of one leave: some ulp
+// rounding error in rad of a dozen operations on numbers of order one: a few ulp
 constexpr double angle_roundings = 4e-15;
 
 Quaternion<double> negative(const Quaternion<double>& q) { return {-q.w, -q.x, -q.y, -q.z}; }
 
-/// Anywhere, half turns and no turns nearly or exactly among them.
+/// Any orientation, including rotations by nearly or exactly 0 and pi.
 Quaternion<double> any_orientation() {
     const Vector3<double> axis = moderate_vector() + Vector3<double>(0, 0, 5);
     const double small = std::pow(10, -moderate(0, 20));
@@ -36,7 +37,7 @@ Quaternion<double> any_orientation() {
     }
 }
 
-/// The elementary rotation matrix of the slide, about x, y or z.
+/// Elementary rotation matrix about x, y or z, as printed on the slide.
 Matrix3<double> elementary(char axis, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     if (axis == 'x') return {{Vector3<double>(1, 0, 0), Vector3<double>(0, c, -s), Vector3<double>(0, s, c)}};
@@ -56,7 +57,7 @@ RC_GTEST_PROP(RotationVector, GoesThereAndBack, ()) {
     RC_ASSERT(rotation_angle_between(quaternion_from_axis_angle(turn), q) < angle_roundings);
 }
 
-/// The quaternion is that of Rodrigues' formula R = 1 + sin a [n] + (1 - cos a) [n]^2, written out in matrices.
+/// The quaternion agrees with Rodrigues' formula R = 1 + sin a [n] + (1 - cos a) [n]^2, evaluated with matrices.
 RC_GTEST_PROP(RotationVector, IsRodriguesFormula, ()) {
     const Vector3<double> v = moderate_vector() + Vector3<double>(0, 0, 2.5);
     const double a = length(v);
@@ -83,7 +84,7 @@ TEST(RotationVector, JumpsToItsOppositeAtAHalfTurn) {
     };
     EXPECT_NEAR(there_and_back(pi - 1e-6)[1], pi - 1e-6, 1e-15);
     EXPECT_NEAR(there_and_back(pi + 1e-6)[1], -pi + 1e-6, 1e-15);
-    // exactly there the sign is the quaternion's own
+    // at exactly pi the sign is that of the quaternion
     EXPECT_EQ(rotation_vector_from_quaternion({0, 0, 1, 0})[1], pi);
     EXPECT_EQ(rotation_vector_from_quaternion({0, 0, -1, 0})[1], -pi);
 }
@@ -121,7 +122,7 @@ std::string refusal(const Matrix3<double>& A) {
     return "";
 }
 
-/// Every rotation with one axis mirrored is orthogonal and of determinant -1.
+/// A rotation with one axis mirrored is orthogonal with determinant -1.
 RC_GTEST_PROP(RotationMatrix, RefusesEveryReflection, ()) {
     for (int i = 0; i < 3; ++i) {
         Vector3<double> mirror(1, 1, 1);
@@ -141,7 +142,7 @@ TEST(RotationMatrix, RefusesWhatIsNotOrthogonalAndSaysByHowMuch) {
     EXPECT_NO_THROW(require_rotation(diagonal(Vector3<double>(1, 1, 1.1)), 0.5));
 }
 
-/// A rotation and a stretch along orthogonal axes of its own.
+/// A rotation times a symmetric stretch along arbitrary orthogonal axes.
 struct Stretched {
     Matrix3<double> rotation, whole;
 };
@@ -151,7 +152,7 @@ Stretched stretched(double most) {
     return {R, R * (U * diagonal(s) * transposed(U))};
 }
 
-/// A = R S with S symmetric and positive definite has R for its nearest rotation.
+/// The nearest rotation to A = R S, with S symmetric and positive definite, is R.
 RC_GTEST_PROP(NearestRotation, IsThePolarFactor, ()) {
     const Stretched A = stretched(10);
     RC_ASSERT(largest_difference(nearest_rotation(A.whole), A.rotation) < 20 * angle_roundings);
@@ -169,7 +170,8 @@ TEST(NearestRotation, OfAnyScale) {
     EXPECT_THROW(nearest_rotation(diagonal(Vector3<double>(INFINITY, 1, 1))), std::invalid_argument);
 }
 
-/// The slide's steps give a rotation whose first column has kept its direction and whose third stands on the first two.
+/// The slide's algorithm returns a rotation. The first column keeps its direction; the third is perpendicular to the
+/// first two columns of A.
 RC_GTEST_PROP(Reorthogonalised, IsARotationAndKeepsTheFirstColumn, ()) {
     const Matrix3<double> A = stretched(1.5).whole, B = reorthogonalised(A);
     RC_ASSERT(orthogonality_defect(B) < angle_roundings);
@@ -177,7 +179,7 @@ RC_GTEST_PROP(Reorthogonalised, IsARotationAndKeepsTheFirstColumn, ()) {
     const auto column = [](const Matrix3<double>& m, int j) { return Vector3<double>(m[0][j], m[1][j], m[2][j]); };
     RC_ASSERT(length(cross(column(A, 0), column(B, 0))) < 2 * angle_roundings);
     RC_ASSERT(std::abs(dot(column(A, 1), column(B, 2))) < 2 * angle_roundings);
-    // of a rotation it is that rotation
+    // a rotation is returned unchanged
     RC_ASSERT(largest_difference(reorthogonalised(B), B) < angle_roundings);
 }
 
@@ -187,7 +189,7 @@ RC_GTEST_PROP(Skew, IsTheCrossProduct, ()) {
     RC_ASSERT(transposed(skew(a)) == skew(-a));
 }
 
-/// Against the product of the three elementary matrices.
+/// The quaternion agrees with the product of the three elementary matrices.
 RC_GTEST_PROP(EulerAngles, AreThreeTurnsInTheirOrder, ()) {
     const EulerAngles angles{moderate(-7, 7), moderate(-7, 7), moderate(-7, 7)};
     for (const EulerSequence sequence : euler_sequences) {
@@ -205,8 +207,8 @@ bool in_range(EulerSequence sequence, const EulerAngles& a) {
     return std::abs(a[0]) <= pi && std::abs(a[2]) <= pi && a[1] >= low - slack && a[1] <= high + slack;
 }
 
-/// Any orientation in any sequence, one in three at the distance d = 10^0 .. 10^-20 rad from gimbal lock: what the
-/// angles stand for is right to some ulp always; away from lock the angles themselves are those put in.
+/// Round trip of any orientation in any sequence, including second angles at a distance d = 10^0 .. 10^-20 rad from
+/// gimbal lock. The orientation is always recovered to a few ulp; away from gimbal lock the angles are recovered too.
 RC_GTEST_PROP(EulerAngles, GoThereAndBack, ()) {
     const Quaternion<double> anywhere = any_orientation();
     const double d = std::pow(10, -moderate(0, 20)), far = moderate(0.1, 1.4);
@@ -245,13 +247,13 @@ TEST(EulerAngles, HaveNoThirdAngleInGimbalLock) {
         EXPECT_LT(rotation_angle_between(quaternion_from_euler(sequence, out), q), angle_roundings)
             << name_of(sequence);
     }
-    // what is left of z-y-x at +90 deg is yaw - roll
+    // at z-y-x with pitch +90 deg only yaw - roll is determined
     const EulerAngles zyx =
         euler_from_quaternion(EulerSequence::zyx, quaternion_from_euler(EulerSequence::zyx, {0.9, pi / 2, 0.4}));
     EXPECT_NEAR(zyx[0], 0.5, 1e-15);
 }
 
-/// The textbook's formulas of yaw, pitch and roll from the matrix (z-y-x), away from lock.
+/// Yaw, pitch and roll agree with the textbook formulas from the matrix (z-y-x), away from gimbal lock.
 RC_GTEST_PROP(EulerAngles, OfZyxAreYawPitchRoll, ()) {
     const EulerAngles in{moderate(-3, 3), moderate(-1.4, 1.4), moderate(-3, 3)};
     const Matrix3<double> R = rotation_matrix(quaternion_from_euler(EulerSequence::zyx, in));
@@ -266,7 +268,7 @@ TEST(EulerAngles, AreNamed) {
         EXPECT_THROW(parse_euler_sequence(wrong), std::invalid_argument) << wrong;
 }
 
-/// Constant rate, the whole way never longer than a half turn, ends met; q and -q are one orientation.
+/// Slerp has constant rate, meets both ends and never covers more than pi. q and -q are the same orientation.
 RC_GTEST_PROP(Slerp, GoesTheShortestWayAtConstantRate, ()) {
     const Quaternion<double> a = any_orientation(), b = any_orientation();
     const double whole = rotation_angle_between(a, b);

@@ -13,16 +13,16 @@ using namespace polhode::testing;
 
 constexpr double arm_roundings = 1e-13;
 
-/// The part of w across r.
+/// The component of w perpendicular to r.
 Vector3<double> across(const Vector3<double>& w, const Vector3<double>& r) { return w - (dot(w, r) / dot(r, r)) * r; }
 
 Vector3<double> moderate_arm() { return moderate_vector() + Vector3<double>(0, 0, 2.5); }
 
-/// v = w x r against the difference quotient of a point that turns.
+/// v = w x r and the acceleration agree with difference quotients of the position of a rotating point.
 RC_GTEST_PROP(PointOfABody, MovesAsItTurns, ()) {
     const Vector3<double> w = moderate_vector(), alpha = moderate_vector(), r = moderate_arm();
     const double h = 1e-4;
-    // turned by w t + alpha t^2 / 2 and more of order 3: central differences are right to h^2
+    // rotation vector w t + alpha t^2 / 2 + O(t^3): central differences are accurate to O(h^2)
     const auto place = [&](double t) {
         return rotate(quaternion_from_rotation_vector(t * w + (t * t / 2) * alpha), r);
     };
@@ -36,7 +36,7 @@ RC_GTEST_PROP(PointOfABody, TellsTheRateAcrossItsArm, ()) {
     const Vector3<double> w = moderate_vector(), r = moderate_arm();
     const Vector3<double> told = angular_velocity_of_point(r, velocity_of_point(w, r));
     RC_ASSERT(distance(told, across(w, r)) < arm_roundings);
-    // all of it where the arm is perpendicular to the axis
+    // the full angular velocity is recovered where the arm is perpendicular to the axis
     const Vector3<double> square = across(r, w + Vector3<double>(0, 0, 10));
     const Vector3<double> axis = w + Vector3<double>(0, 0, 10);
     RC_ASSERT(distance(angular_velocity_of_point(square, velocity_of_point(axis, square)), axis) < 100 * arm_roundings);
@@ -49,7 +49,7 @@ RC_GTEST_PROP(PointOfABody, TellsTheAccelerationOfTheTurn, ()) {
     RC_ASSERT(distance(told, across(alpha, r) + centripetal) < arm_roundings);
 }
 
-/// L = r x p of all the points of a body about its centre of mass is I w.
+/// The sum of L = r x p over all points of a body about its centre of mass is I w.
 RC_GTEST_PROP(PointOfABody, SumsToTheMomentumOfTheBody, ()) {
     const Vector3<double> w = moderate_vector();
     Matrix3<double> inertia;
@@ -63,7 +63,7 @@ RC_GTEST_PROP(PointOfABody, SumsToTheMomentumOfTheBody, ()) {
     RC_ASSERT(distance(L, inertia * w) < 10 * arm_roundings);
 }
 
-/// Without the 1/r^2 the article's alpha is right at |r| = 1 alone: r^2 times too much elsewhere.
+/// Without the factor 1/r^2 the article's alpha is too large by the factor r^2: correct only at |r| = 1 m.
 RC_GTEST_PROP(PointOfABody, AsTheArticleHasItsAccelerationIsRightAtOneMetreOnly, ()) {
     const double radius = moderate(0.1, 3);
     const Vector3<double> alpha(0, 0, moderate(0.5, 2)), r(radius, 0, 0), a = cross(alpha, r);

@@ -10,7 +10,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// The largest entry of I - R diag R^T, in 128 bits, over the largest of I.
+/// The largest entry of I - R diag R^T, computed in 128 bits, relative to the largest entry of I.
 double misfit(const Matrix3<double>& tensor, const PrincipalFrame& frame) {
     const Quaternion<Wide> q = cast<Wide>(frame.q_BP);
     const Wide norm = squared_norm(q);
@@ -28,7 +28,7 @@ double misfit(const Matrix3<double>& tensor, const PrincipalFrame& frame) {
 
 void check(const Matrix3<double>& tensor) {
     const PrincipalFrame frame = principal_frame(cast<Wide>(tensor));
-    // moments and quaternion are rounded once each: an ulp of every entry
+    // moments and quaternion are rounded once each: one ulp per entry
     RC_ASSERT(misfit(tensor, frame) < 1e-15);
     RC_ASSERT(std::abs(squared_norm(frame.q_BP) - 1) < 1e-15);
     const Vector3<double>& I = frame.moments;
@@ -36,7 +36,7 @@ void check(const Matrix3<double>& tensor) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         RC_ASSERT(I[i] > 0);
         RC_ASSERT(std::abs(frame.inverse_moments[i] * I[i] - 1) < 4e-16);
-        // formed before the moments were rounded: a relative rounding of each shows in the quotient
+        // formed before the moments were rounded: the quotient contains one relative rounding error of each moment
         RC_ASSERT(std::abs(frame.gyroscopic[i] - (I[j] - I[k]) / I[i]) < 4e-16 * (I[j] + I[k]) / I[i]);
     }
 }
@@ -57,7 +57,7 @@ RC_GTEST_PROP(PrincipalFrame, TakesMomentsThatNearlyAgree, ()) {
 }
 
 RC_GTEST_PROP(PrincipalFrame, TakesExtremeRatiosAndSizes, ()) {
-    // a needle: two moments agree but for a sliver, the third is tiny
+    // a needle: two nearly equal moments, the third tiny
     const double sliver = std::pow(10, -moderate(0, 12)), size = std::pow(10, moderate(-12, 12));
     check(turned({size, size * (1 + sliver / 4), size * sliver}, moderate_orientation()));
 }
@@ -81,24 +81,24 @@ RC_GTEST_PROP(PrincipalFrame, ShiftsByTheParallelAxisTheorem, ()) {
     const Matrix3<double> I = moderate_inertia();
     const double mass = moderate(0.1, 3);
     const Vector3<double> arm = moderate_vector();
-    // the sum is formed in 128 bits; in binary64 here: an ulp of its entries
+    // the sum is formed in 128 bits, here in binary64: one ulp of its entries
     RC_ASSERT(misfit(I + parallel_axis(mass, arm),
                      principal_frame(cast<Wide>(I) + parallel_axis(Wide(mass), cast<Wide>(arm)))) < 2e-15);
 }
 
-/// From the centre of mass to a point and back: what was there, but for the rounding of m r^2, 36 at most.
+/// Shifting the tensor from the centre of mass to a point and back recovers it, up to the rounding of m r^2 <= 36.
 RC_GTEST_PROP(ParallelAxis, LeadsThereAndBack, ()) {
     const Matrix3<double> about_center = moderate_inertia();
     const double mass = moderate(0.1, 3);
     const Vector3<double> arm = moderate_vector();
     const Matrix3<double> shift = parallel_axis(mass, arm), there = about_center + shift;
     for (int i = 0; i < 3; ++i) RC_ASSERT(distance(there[i] - shift[i], about_center[i]) < 36 * 4e-16);
-    // the shift does not ask which way
+    // the shift is even in the arm
     RC_ASSERT(parallel_axis(mass, arm) == parallel_axis(mass, -arm));
 }
 
-/// A body has moments that keep the triangle inequality about its centre of mass; then it has them about any point, in
-/// any axes, and none is smaller than the least about the centre.
+/// If the moments about the centre of mass satisfy the triangle inequality, those about any other point do too. No
+/// moment about the other point is smaller than the smallest about the centre of mass.
 RC_GTEST_PROP(ParallelAxis, KeepsTheTriangleInequality, ()) {
     const Matrix3<double> about_center = moderate_inertia();
     const double mass = moderate(0.1, 3), reach = std::pow(10, moderate(-6, 6));
@@ -112,7 +112,7 @@ RC_GTEST_PROP(ParallelAxis, KeepsTheTriangleInequality, ()) {
 }
 
 TEST(PrincipalFrame, FindsTheAxesOfAKnownTensor) {
-    // turned by 30 degrees about z: I_xx = I1 cos^2 + I2 sin^2, I_xy = (I1 - I2) sin cos
+    // rotated by 30 degrees about z: I_xx = I1 cos^2 + I2 sin^2, I_xy = (I1 - I2) sin cos
     const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
     Matrix3<double> I = diagonal(Vector3<double>(c * c + 2 * s * s, s * s + 2 * c * c, 2.5));
     I[0][1] = I[1][0] = -s * c;

@@ -1,4 +1,4 @@
-// Closed forms of shapes against integrals over slices, cubature, each other, and the sums over a mesh.
+// Mass properties of shapes from closed forms, compared with integrals over slices, cubature, each other and mesh sums.
 #include "body/shapes.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ void expect_near(const MassProperties<double>& a, const MassProperties<double>& 
     }
 }
 
-// What a slice across z adds: its area, and the integrals of x^2 and y^2 over it.
+// Contribution of one slice perpendicular to z: its area and the integrals of x^2 and y^2 over it.
 struct Slice {
     double area, x2, y2;
 };
@@ -42,7 +42,8 @@ Slice ring(double outer, double inner) {
     return {pi * (outer * outer - inner * inner), fourth(outer) - fourth(inner), fourth(outer) - fourth(inner)};
 }
 
-// Density 3 between `low` and `high`, in pieces that the slices are smooth in; Gauss-Legendre with five points on many.
+// Mass properties at density 3, integrated over z by composite five-point Gauss-Legendre quadrature. `bounds`
+// separates the intervals on which the slices are smooth.
 MassProperties<double> by_slices(const std::vector<double>& bounds, const std::function<Slice(double)>& slice) {
     constexpr double density = 3;
     constexpr double x[] = {0, 0.5384693101056831, 0.906179845938664},
@@ -50,7 +51,7 @@ MassProperties<double> by_slices(const std::vector<double>& bounds, const std::f
     double volume = 0, xx = 0, yy = 0, z1 = 0, zz = 0;
     for (std::size_t b = 0; b + 1 < bounds.size(); ++b) {
         constexpr int pieces = 2000;
-        // denser toward both ends, where a sphere's slices close up: z = (1 - cos) / 2
+        // nodes cluster at both ends, where the slices of a sphere shrink to a point: z = (1 - cos) / 2
         const auto at = [&](double u) { return bounds[b] + (bounds[b + 1] - bounds[b]) * (1 - std::cos(pi * u)) / 2; };
         const auto slope = [&](double u) { return (bounds[b + 1] - bounds[b]) * pi / 2 * std::sin(pi * u); };
         for (int i = 0; i < pieces; ++i)
@@ -87,7 +88,7 @@ TEST(Shapes, AreTheIntegralsOverTheirSlices) {
         return Slice{pi * a * b, pi * a * a * a * b / 4, pi * a * b * b * b / 4};
     });
     expect(Torus{2, 0.5}, {-0.5, 0.5}, [](double z) { return ring(2 + round(0.5, z), 2 - round(0.5, z)); });
-    // the frustum's slices are counted from its base: only the centre of mass may tell
+    // these slices are measured from the base, the frustum from its centre of mass: only the centres may differ
     const MassProperties<double> from_base = by_slices({0, 2}, [](double z) { return ring(0.75 - 0.25 * z, 0); });
     MassProperties<double> frustum = of_density<double>(Frustum{0.75, 0.25, 2}, 3);
     EXPECT_EQ(frustum.center[2], 0);
@@ -95,7 +96,7 @@ TEST(Shapes, AreTheIntegralsOverTheirSlices) {
     expect_near(frustum, from_base, 1e-11);
 }
 
-// what is thin is the limit of what is not
+// thin shapes are the limits of thick ones
 TEST(Shapes, ThinOnesAreLimits) {
     constexpr double thin = 1e-6;
     const auto expect = [](const Shape& limit, const Shape& near, double tolerance) {
@@ -119,7 +120,7 @@ Quaternion<double> any_turn() {
     return {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
 }
 
-// Keast's four points integrate every quadratic over a tetrahedron.
+// Keast's four-point rule integrates every quadratic polynomial over a tetrahedron exactly.
 RC_GTEST_PROP(Shapes, TetrahedronIsItsCubature, ()) {
     Tetrahedron t;
     for (Vector3<double>& v : t.vertices) v = any_vector(2);
@@ -166,7 +167,7 @@ RC_GTEST_PROP(Mesh, IsTheBodyThatItBounds, ()) {
     expect_near(of_mesh(mesh, 2.5), expected, 1e-13);
     const double volume = enclosed_volume(mesh);
     RC_ASSERT(std::abs(volume * 2.5 - expected.mass) <= 1e-14 * expected.mass);
-    // inside out
+    // inside out: the enclosed volume is negative
     for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
     RC_ASSERT(mesh_fault(mesh).empty());
     RC_ASSERT(enclosed_volume(mesh) == -volume);
@@ -193,7 +194,7 @@ TEST(Mesh, SaysWhyItBoundsNoBody) {
     EXPECT_NE(fault([](Mesh& m) { m.triangles.push_back(m.triangles[0]); }).find("not a closed surface"),
               std::string::npos);
     EXPECT_NE(fault([](Mesh& m) { m.triangles.clear(); }).find("no triangles"), std::string::npos);
-    // triangles with corners of their own, as in a file of triangles alone
+    // separate corners for each triangle, as in a file of bare triangles (STL)
     Mesh apart;
     for (const auto& triangle : mesh.triangles) {
         const int n = static_cast<int>(apart.vertices.size());
@@ -203,7 +204,7 @@ TEST(Mesh, SaysWhyItBoundsNoBody) {
     EXPECT_EQ(mesh_fault(apart), "");
 }
 
-// Triangles of no area and edges that two closed parts share leave the volume integrals as they are.
+// Degenerate triangles and edges shared by two closed parts do not change the volume integrals.
 TEST(Mesh, BalancedEdgesAreEnough) {
     const Mesh box = mesh_of(Box{{1, 1, 1}});
     Mesh with_slivers = box;
@@ -211,7 +212,7 @@ TEST(Mesh, BalancedEdgesAreEnough) {
     with_slivers.triangles.push_back({0, 3, 5}), with_slivers.triangles.push_back({0, 5, 3});
     EXPECT_EQ(mesh_fault(with_slivers), "");
     expect_near(of_mesh(with_slivers, 2), of_mesh(box, 2), 1e-15);
-    // two boxes that meet in an edge
+    // two boxes that share an edge
     Mesh two = box;
     const int n = static_cast<int>(box.vertices.size());
     for (const Vector3<double>& v : box.vertices) two.vertices.push_back(v + Vector3<double>(2, 2, 0));
@@ -222,18 +223,19 @@ TEST(Mesh, BalancedEdgesAreEnough) {
     expect_near(of_mesh(two, 2), composite<double>({one, placed(one, {2, 2, 0}, none)}), 1e-14);
 }
 
-// A scaled mesh is the mesh of the scaled coordinates.
+// Scaling the mesh equals scaling its coordinates.
 RC_GTEST_PROP(Mesh, ScaleMultipliesCoordinates, ()) {
     const Vector3<double> scale(any(0.1, 3), -any(0.1, 3), any(0.1, 3));
     Mesh mesh = mesh_of(Box{{any(0.1, 2), any(0.1, 2), any(0.1, 2)}}), scaled = mesh;
     for (Vector3<double>& v : scaled.vertices)
         for (int i = 0; i < 3; ++i) v[i] *= scale[i];
-    for (std::array<int, 3>& t : scaled.triangles) std::swap(t[0], t[1]);  // one mirror image
+    for (std::array<int, 3>& t : scaled.triangles)
+        std::swap(t[0], t[1]);  // a mirrored mesh has the opposite orientation
     mesh.scale = scale;
     expect_near(of_mesh(mesh, 2), of_mesh(scaled, 2), 1e-13);
 }
 
-// A box cut in two, one half turned and placed, and a hole in the other.
+// A box equals two half boxes, one of them rotated by pi. A sphere with a spherical hole equals a hollow sphere.
 RC_GTEST_PROP(Composite, PartsMakeTheWhole, ()) {
     const double a = any(0.1, 1), b = any(0.1, 1), c = any(0.2, 1);
     const Quaternion<double> none{1, 0, 0, 0}, about_x{0, 1, 0, 0};
@@ -244,7 +246,7 @@ RC_GTEST_PROP(Composite, PartsMakeTheWhole, ()) {
     const MassProperties<double> cored =
         composite<double>({of_density<double>(SolidSphere{1.5}, 2), of_density<double>(SolidSphere{0.75}, -2)});
     expect_near(cored, of_density<double>(HollowSphere{1.5, 0.75}, 2), 1e-14);
-    // about any point: turning the whole is turning each part
+    // rotating the whole equals rotating each part
     const Vector3<double> position = any_vector(3);
     const Quaternion<double> turn = any_turn();
     expect_near(placed(halves, position, turn), placed(box(c), position, turn), 1e-13);

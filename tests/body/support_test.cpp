@@ -20,7 +20,7 @@ double lowest(const std::vector<SupportPiece<double>>& pieces, const Vector3<dou
     return least;
 }
 
-/// The smallest n.x over points of the surface, many of them: what the support must be, from above and nearly.
+/// The smallest n.x over many points of the surface: an upper bound of the support, and close to it.
 template <class Surface>
 double sampled(const Vector3<double>& n, const Surface& surface) {
     constexpr int count = 400;
@@ -35,8 +35,8 @@ Vector3<double> around(double radius, double angle, double z) {
     return {radius * std::cos(angle), radius * std::sin(angle), z};
 }
 
-/// Each shape's support against points of its surface, given by their own formulas: a way s from one end to the other
-/// of a meridian, and an angle about the axis.
+/// Each shape's support agrees with the minimum over surface points from an independent parametrisation: s runs along
+/// a meridian from end to end, and the second parameter is the angle about the axis.
 RC_GTEST_PROP(Support, IsTheLowestPointOfTheSurface, ()) {
     const Vector3<double> v = moderate_vector();
     const double size = length(v);
@@ -74,7 +74,7 @@ RC_GTEST_PROP(Support, IsTheLowestPointOfTheSurface, ()) {
     };
     const Case& one = cases[*rc::gen::inRange<std::size_t>(0, cases.size())];
     const double found = lowest(support<double>(one.shape), n), seen = sampled(n, one.surface);
-    // the grid misses the lowest point by half a cell: (2 pi / 400)^2 / 8 of its curvature's radius and meridian
+    // the grid misses the lowest point by half a cell, (2 pi / 400)^2 / 8 times the radius of curvature
     RC_ASSERT(found <= seen + 1e-12);
     RC_ASSERT(seen - found < 2e-3 * (a + h));
 }
@@ -99,7 +99,7 @@ RC_GTEST_PROP(Support, OfFlatSidedShapesIsTheirLowestCorner, ()) {
     RC_ASSERT(lowest(support<double>(mesh), n) == corner);
 }
 
-/// The lowest point lies at the lowest height, turned or not, and within reach.
+/// The lowest point has the lowest height, rotated or not, and lies within `reach`.
 RC_GTEST_PROP(SupportPiece, HasItsLowestPointWhereItSays, ()) {
     SupportPiece<double> piece;
     piece.center = moderate_vector(), piece.radius = moderate(0, 1);

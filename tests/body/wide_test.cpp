@@ -13,7 +13,7 @@ TEST(WideSquareRoot, IsRightToTheLastBits) {
         const Wide root = square_root(Wide(x)), off = root * root / Wide(x) - 1;
         EXPECT_LT(std::abs(static_cast<double>(off)), 0x1p-110) << x;
     }
-    // beyond binary64's range
+    // beyond the range of binary64
     const Wide large = Wide(1e300) * Wide(1e300) * Wide(1e300);
     EXPECT_LT(std::abs(static_cast<double>(square_root(large) / Wide(1e300) / square_root(Wide(1e300)) - 1)), 0x1p-110);
 }

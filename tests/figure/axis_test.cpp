@@ -24,7 +24,7 @@ using Labels = std::vector<std::string>;
 
 TEST(Axis, LabelsDecades) {
     EXPECT_EQ(labels(make_axis(true, 2e-3, 50, 8, 0)), (Labels{"10^{−2}", "10^{−1}", "10^{0}", "10^{1}"}));
-    // fifteen decades: every third has a label, the others a tic
+    // fifteen decades: every third has a label, the others only a tic
     const Axis wide = make_axis(true, 2e-15, 0.5, 7, 0);
     EXPECT_EQ(labels(wide), (Labels{"10^{−12}", "10^{−9}", "10^{−6}", "10^{−3}"}));
     EXPECT_EQ(wide.tics.size(), 14u);
@@ -70,7 +70,7 @@ TEST(Axis, StaysWithinBinary64) {
     EXPECT_TRUE(std::isfinite(make_axis(false, -1e300, 1e300, 8, 0.08).high));
 }
 
-// Whatever drawable data: a finite range about them, at least two labels, tics within the range and rising.
+// For any finite data: the range is finite and contains them, two labels or more, and the tics rise within the range.
 RC_GTEST_PROP(Axis, HoldsItsDataAndItsTics, (bool logarithmic)) {
     const auto value = [&] {
         const double mantissa = *rc::gen::inRange(1000, 10000) / 1000.0;
@@ -82,7 +82,7 @@ RC_GTEST_PROP(Axis, HoldsItsDataAndItsTics, (bool logarithmic)) {
     const double padding = *rc::gen::element(0.0, 0.08);
     const Axis axis = make_axis(logarithmic, std::min(a, b), std::max(a, b), most, padding);
     RC_ASSERT(std::isfinite(axis.low) && std::isfinite(axis.high) && axis.low < axis.high);
-    // pow(log10(x)) is off by the rounding of an exponent of up to 300: 300 ln(10) 2^-53, four times over
+    // pow(log10(x)) has the rounding error of an exponent of up to 300: 4 times 300 ln(10) 2^-53
     const double slack = 3e-13;
     for (const double x : {a, b}) {
         RC_ASSERT(fraction(axis, x) > -slack);

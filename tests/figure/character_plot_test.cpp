@@ -72,7 +72,7 @@ TEST(CharacterPlot, HasColorsOnlyWhereAsked) {
     EXPECT_EQ(plain.find('\x1b'), std::string::npos);
     EXPECT_NE(colored.find("\x1b[36m"), std::string::npos);
     EXPECT_NE(colored.find("\x1b[33m"), std::string::npos);
-    // whatever is begun is ended in its line
+    // every escape sequence that starts on a line is reset on that line
     for (const std::string& line : lines_of(colored)) {
         const std::size_t last = line.rfind("\x1b[");
         if (last == std::string::npos) continue;

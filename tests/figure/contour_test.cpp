@@ -26,7 +26,7 @@ TEST(Contour, OfACircleIsOneClosedLine) {
     EXPECT_NEAR(length(line), 2 * std::numbers::pi, 1e-2);
 }
 
-// y^2 = x^2 + d: two branches from edge to edge, opening upward or sideways as d changes its sign; cells hold a saddle
+// y^2 = x^2 + d: two branches from edge to edge, opening upward or sideways by the sign of d; some cells have a saddle.
 TEST(Contour, PartsTheBranchesOfAHyperbola) {
     for (const double d : {0.003, -0.003}) {
         const auto f = [d](double x, double y) { return y * y - x * x - d; };
@@ -34,7 +34,7 @@ TEST(Contour, PartsTheBranchesOfAHyperbola) {
         ASSERT_EQ(lines.size(), 2u) << d;
         for (const ContourLine& line : lines) {
             const std::vector<double>& along = d > 0 ? line.y : line.x;
-            for (const double v : along) EXPECT_GT(v * along.front(), 0) << d;  // never to the other side
+            for (const double v : along) EXPECT_GT(v * along.front(), 0) << d;  // never crosses to the other side
         }
     }
 }

@@ -1,4 +1,4 @@
-// The palette as people see it who lack one kind of cone, and the marks.
+// The palette under simulated colour vision deficiency, its contrast with the background, and the marks of curves.
 #include "figure/curve_style.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ Triple times(const Matrix& m, const Triple& v) {
 }
 
 constexpr Matrix unchanged{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-// G. M. Machado, M. M. Oliveira & L. A. F. Fernandes, A physiologically-based model for simulation of color vision
-// deficiency, IEEE TVCG 15 (2009), severity 1; of linear RGB
+// Simulated protanopia and deuteranopia, applied to linear RGB: G. M. Machado, M. M. Oliveira & L. A. F. Fernandes, A
+// physiologically-based model for simulation of color vision deficiency, IEEE TVCG 15 (2009), severity 1.
 constexpr Matrix protanopia{
     {{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}};
 constexpr Matrix deuteranopia{
@@ -47,7 +47,7 @@ double luminance(const std::string& color) {
 // CIE 1976 L*
 double lightness(const std::string& color) { return 116 * std::cbrt(luminance(color)) - 16; }
 
-// CIE L*a*b* (D65) of linear RGB
+// CIE L*a*b* (D65) from linear RGB
 Triple lab(Triple rgb) {
     for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
     Triple x = times(
@@ -84,7 +84,7 @@ double difference(const Triple& one, const Triple& other) {
     return std::sqrt(dL * dL + dC * dC + dH * dH + R * dC * dH);
 }
 
-// three pairs of the article's table 1
+// three pairs from table 1 of the article
 TEST(CurveStyle, MeasuresDifferencesAsTheArticleDoes) {
     EXPECT_NEAR(difference({50, 2.6772, -79.7751}, {50, 0, -82.7485}), 2.0425, 1e-4);
     EXPECT_NEAR(difference({50, 2.5, 0}, {73, 25, -18}), 27.1492, 1e-4);
@@ -96,8 +96,8 @@ double contrast(const std::string& one, const std::string& other) {
     return (std::max(a, b) + 0.05) / (std::min(a, b) + 0.05);
 }
 
-// closed_form to engine_update share pictures: 10.7 is what was reached, where 2.3 is just noticed side by side. The
-// bodies made of points, the truth and engines are seldom beside them.
+// The families from closed_form to engine_update share figures. Their least difference is 10.7, where 2.3 is just
+// noticeable side by side. Point bodies, the truth and engines seldom appear with them and may be closer.
 TEST(CurveStyle, FamiliesDifferToThoseWithoutRedOrGreen) {
     constexpr int first = 1, last_together = 9;
     for (std::string (*const color)(int) : {color_of, dark_color_of})
@@ -111,7 +111,7 @@ TEST(CurveStyle, FamiliesDifferToThoseWithoutRedOrGreen) {
                 }
 }
 
-// WCAG 2.2, 1.4.11: 3:1 for what must be seen to understand a picture
+// WCAG 2.2, 1.4.11: contrast of at least 3:1 for graphics needed to understand the content
 TEST(CurveStyle, ColorsStandOutFromTheirGround) {
     for (int i = 0; i < color_count; ++i) {
         EXPECT_GE(contrast(color_of(i), "#ffffff"), 3) << i;
@@ -127,7 +127,7 @@ TEST(CurveStyle, MarksBeginAnewWithADash) {
     EXPECT_EQ(types.size(), static_cast<std::size_t>(mark_count));
     EXPECT_EQ(mark_name(2), "triangle-up");
     EXPECT_EQ(mark_name(7), "square-open");
-    EXPECT_EQ(point_type_of(7) + 1, point_type_of(1));  // gnuplot's open square, and its filled one
+    EXPECT_EQ(point_type_of(7) + 1, point_type_of(1));  // gnuplot's open and filled squares
     Curve curve;
     curve.mark = mark_count - 1;
     EXPECT_EQ(dash_of(curve), "solid");
@@ -144,7 +144,7 @@ TEST(CurveStyle, ShadesDarkenByASteadyStep) {
     EXPECT_EQ(color_of_shade(shade_count), color_of_shade(shade_count - 1));
 }
 
-// twelve colours, and more curves by their marks
+// twelve colours; further curves differ by their marks
 TEST(CurveStyle, PlainCurvesAreToldApart) {
     std::set<std::pair<std::string, int>> styles;
     for (int i = 0; i < 48; ++i) {

@@ -1,3 +1,4 @@
+// Gnuplot scripts, page layout and the drawing of figures by a real gnuplot, including its failures.
 #include "figure/figure.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +52,7 @@ std::string content(const fs::path& path) {
     return text.str();
 }
 
-/// What an SVG shows as text, a piece a line.
+/// The text that an SVG displays, one text element per line.
 std::string shown_text(const std::string& svg) {
     std::string shown;
     for (std::size_t i = svg.find("<text>"); i != std::string::npos; i = svg.find("<text>", i + 1)) {
@@ -77,7 +78,7 @@ class Draw : public ::testing::Test {
 
     std::string path(const std::string& name) const { return (directory_ / name).string(); }
 
-    /// Puts a gnuplot of one's own before all others.
+    /// Puts a fake gnuplot script first in PATH.
     void install_gnuplot(const std::string& script) {
         std::ofstream(path("gnuplot")) << "#!/bin/sh\n" << script;
         fs::permissions(path("gnuplot"), fs::perms::owner_all);
@@ -142,12 +143,12 @@ TEST(GnuplotScript, DrawsGuidesWithinTheAxesOnly) {
     EXPECT_EQ(count(script, "\"seen\""), 1u);
     EXPECT_EQ(count(script, "\"rising\""), 1u);
     for (const char* unseen : {"below", "nowhere", "aside"}) EXPECT_EQ(count(script, unseen), 0u) << unseen;
-    EXPECT_EQ(count(script, "$guide"), 4u);  // a block and a line each
+    EXPECT_EQ(count(script, "$guide"), 4u);  // one data block and one plot line for each guide
     for (const Curve& curve : figure.panels[0].curves) EXPECT_EQ(count(script, '"' + curve.label + '"'), 1u);
 }
 
-// small_figure() falls from the upper left to the lower right: a level's name finds room above it on the right, or
-// below it on the left.
+// small_figure() falls from the upper left to the lower right: a level's label fits above the curves on the right or
+// below them on the left.
 TEST(GnuplotScript, NamesAGuideWhereTheCurvesLeaveRoom) {
     Figure figure = small_figure();
     figure.panels.resize(1);
@@ -162,7 +163,7 @@ TEST(GnuplotScript, NamesAGuideWhereTheCurvesLeaveRoom) {
 }
 
 OutcomeMap small_map() {
-    // a hole, an island, a band that leans, two blank cells
+    // a hole, an island, a diagonal band and two empty cells
     return {{1e-3, 1e-2, 1e-1, 1},
             {1, 10, 100},
             {0, 0, 0, 1,   //
@@ -181,7 +182,7 @@ Figure map_figure() {
     return figure;
 }
 
-/// Each data block of that name: points, and an empty line between polygons.
+/// All data blocks of this name: points, with an empty line between polygons.
 std::vector<std::string> blocks(const std::string& script, const std::string& name) {
     std::vector<std::string> found;
     const std::string head = "\n$" + name + " << END\n";
@@ -192,7 +193,7 @@ std::vector<std::string> blocks(const std::string& script, const std::string& na
     return found;
 }
 
-// the shoelace formula, in squares of a decade
+// area in square decades, by the shoelace formula
 double area(const std::string& polygons) {
     double sum = 0;
     std::istringstream lines(polygons);
@@ -217,7 +218,7 @@ double area(const std::string& polygons) {
     return sum;
 }
 
-// cells a decade wide and high: the area of a class is the number of its cells
+// cells are one decade wide and high: the area of a class is its number of cells
 TEST(GnuplotScript, FillsEachCellOfAMapOnce) {
     const std::string script = gnuplot_script(map_figure(), "svg", "");
     for (const auto& [name, cells] : {std::pair("cells0", 8), std::pair("cells1", 2)}) {
@@ -244,7 +245,7 @@ TEST(GnuplotScript, LeavesOutAMapThatCannotBe) {
 
 TEST(GnuplotScript, LabelsSharedAxesOnceARowAndColumn) {
     const std::string script = gnuplot_script(map_figure(), "svg", "");
-    EXPECT_EQ(count(script, "\"step (s)\""), 2u);    // the third panel is below the first alone
+    EXPECT_EQ(count(script, "\"step (s)\""), 2u);    // the third panel is below the first, so two columns show it
     EXPECT_EQ(count(script, "\"rate (1/s)\""), 2u);  // two rows
     Figure figure = small_figure();
     figure.shared_axes = true;
@@ -253,7 +254,7 @@ TEST(GnuplotScript, LabelsSharedAxesOnceARowAndColumn) {
     const std::string other = gnuplot_script(figure, "svg", "");
     const std::regex range("set xrange (.*)");
     for (std::sregex_iterator i(other.begin(), other.end(), range), end; i != end; ++i) ranges.insert((*i)[1]);
-    ranges.erase("[0:1]");  // the page
+    ranges.erase("[0:1]");  // the range of the whole page
     EXPECT_EQ(ranges.size(), 1u);
 }
 
@@ -267,7 +268,7 @@ TEST(GnuplotScript, KeepsToTheLimitsOfAPanel) {
     EXPECT_EQ(count(script, "set xrange [-3:0.05]"), 1u) << script;
     EXPECT_EQ(count(script, "$curve1 using 1:2 with lines"), 0u);
     EXPECT_EQ(count(script, "$curve1 using 1:2 every 1::0::2 with points"), 1u);
-    EXPECT_EQ(count(script, "$legend0"), 2u);  // of the curve with a line alone
+    EXPECT_EQ(count(script, "$legend0"), 2u);  // for the curve drawn as a line only
     EXPECT_EQ(count(script, "$legend1"), 0u);
 }
 
@@ -291,7 +292,7 @@ TEST(FigureLayout, KeepsEverythingApart) {
             ASSERT_EQ(layout.legend.size(), 12u);
             std::set<std::pair<double, double>> places;
             for (const LegendEntry& entry : layout.legend) {
-                EXPECT_GT(entry.y, lowest + 25);  // below the labels of the lowest axis
+                EXPECT_GT(entry.y, lowest + 25);  // below the tic labels of the lowest axis
                 EXPECT_LT(entry.y, layout.first_note_line);
                 places.insert({entry.x, entry.y});
             }
@@ -303,7 +304,7 @@ TEST(FigureLayout, KeepsEverythingApart) {
 
 TEST_F(Draw, WritesTheSameBytesTwice) {
     EXPECT_EQ(draw(small_figure(), path("a")), "");
-    usleep(1'100'000);  // a PDF's date has a resolution of one second
+    usleep(1'100'000);  // the date in a PDF has a resolution of one second
     EXPECT_EQ(draw(small_figure(), path("b")), "");
     EXPECT_EQ(entries(), 4u);
     EXPECT_EQ(content(path("a.svg")), content(path("b.svg")));

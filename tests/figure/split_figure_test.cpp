@@ -1,4 +1,4 @@
-// Which pictures become of one with too many curves, and which curves are in the first.
+// How a figure with too many curves is split, and which curves its first part shows.
 #include "figure/split_figure.h"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-// errors fall as the setting does: the error at x is (x / head_start)^2
+// the error at setting x is (x / head_start)^2: it decreases with the setting
 Curve falling(const std::string& label, const std::string& group, double head_start) {
     Curve curve;
     curve.label = label, curve.group = group;
@@ -77,14 +77,14 @@ TEST(SplitFigure, SplitsALargeFamilyEvenly) {
     }
 }
 
-// the larger the head start the larger the step that does
+// a larger head start reaches the level at a larger step
 TEST(SplitFigure, ShowsTheBestOfEachFamilyFirst) {
     const std::vector<std::string> seen = labels(split_figure(steps_of(4, 5)).front().figure);
     ASSERT_EQ(seen.size(), 12U);
     for (int f = 0; f < 4; ++f)
         for (int m = 2; m < 5; ++m)
             EXPECT_NE(std::ranges::find(seen, fmt::format("f{}m{}", f, m)), seen.end()) << f << " " << m;
-    // one of each even where all of another family are better
+    // every family shows at least one curve, even if all curves of another family are better
     NamedFigure whole = steps_of(2, 20);
     for (Curve& curve : whole.figure.panels[0].curves)
         if (curve.group == "family_0")
@@ -96,7 +96,7 @@ TEST(SplitFigure, ShowsTheBestOfEachFamilyFirst) {
 
 TEST(SplitFigure, KnowsWhichDirectionIsBetter) {
     NamedFigure whole = steps_of(1, 13);
-    whole.figure.best = Best::least_x;  // as if the steps were seconds, and all get equally far
+    whole.figure.best = Best::least_x;  // as if x were seconds and all curves reached the same error
     for (std::size_t m = 0; m < 13; ++m) {
         Curve& curve = whole.figure.panels[0].curves[m];
         curve.x.push_back(1e-5 * static_cast<double>(1 + m)), curve.y.push_back(1e-10);
@@ -107,7 +107,7 @@ TEST(SplitFigure, KnowsWhichDirectionIsBetter) {
     whole.figure.best = Best::lowest_end;
     seen = labels(split_figure(whole).front().figure);
     EXPECT_EQ(std::ranges::find(seen, "f0m0"), seen.end()) << "the largest error";
-    // a curve that never gets to the level is behind all that do
+    // a curve that never reaches the level ranks behind all that do
     whole.figure.best = Best::greatest_x;
     Curve& last = whole.figure.panels[0].curves[12];
     last.x = {1}, last.y = {0.9};
@@ -125,7 +125,7 @@ TEST(SplitFigure, LeavesOutCurvesWithoutAPoint) {
     whole = steps_of(2, 8);
     for (const std::size_t i : {0, 1, 2}) whole.figure.panels[0].curves[i].y.assign(4, 0);
     const std::vector<NamedFigure> parts = split_figure(whole);
-    // the first has the five that are left of one family, and all but the worst of the other
+    // the first part has the five remaining curves of family 0 and all but the worst of family 1
     ASSERT_EQ(parts.size(), 2U);
     EXPECT_EQ(parts[1].name, "errors_family_1");
     const std::vector<std::string> seen = labels(parts[0].figure);

@@ -1,4 +1,4 @@
-// Any bytes as surfaces and robot descriptions: see oracles.h.
+// Fuzzes the readers of meshes and robot files; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

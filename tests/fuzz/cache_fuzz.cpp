@@ -1,4 +1,4 @@
-// Any bytes as files of the cache of truths: see oracles.h.
+// Fuzzes the reader of files of the truth cache; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

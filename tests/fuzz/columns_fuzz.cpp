@@ -1,4 +1,4 @@
-// Any bytes as a line that names columns and a table that has them: see oracles.h.
+// Fuzzes column names: a line of `--columns` followed by a table that has them; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Any bytes as a command line, a word a line: see command_oracle.h.
+// Fuzzes the command line, one word per line of the input; see command_oracle.h.
 #include "fuzz/command_oracle.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
-// What holds for any command line: see oracles.h. The program is called as a function, in a directory of its own with a
-// few small files; what it prints is kept.
+// Requirements on any command line; see oracles.h. The program is called as a function in a private directory with a
+// few small files, and its output is captured.
 #pragma once
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 
 namespace polhode::oracles {
 
-/// What a stream of the C library is given while this lives.
+/// Captures what is written to a C stream during its lifetime.
 class KeptStream {
   public:
     explicit KeptStream(FILE*& stream) : stream_(stream), before_(stream), memory_(::open_memstream(&text_, &size_)) {
@@ -47,8 +47,8 @@ class KeptStream {
     FILE* memory_;
 };
 
-/// A directory with a scene of each kind, a trajectory, a table of starts, a small experiment and a folder of results,
-/// and beside it the truth's cache. No other program is found from it.
+/// A directory with a scene of each kind, a trajectory, an ensemble table, a small experiment and a results folder,
+/// and a separate directory with the truth cache. PATH is empty, so that no other program can be started.
 class Bench {
   public:
     Bench() : work_("command"), beside_("beside") {
@@ -61,7 +61,7 @@ class Bench {
 
     const std::filesystem::path& path() const { return work_.path(); }
 
-    /// The names and sizes of all files, the cache aside.
+    /// The names and sizes of all files except the cache.
     std::map<std::string, std::uintmax_t> files() const {
         std::map<std::string, std::uintmax_t> found;
         for (const auto& entry : std::filesystem::recursive_directory_iterator(work_.path()))
@@ -96,7 +96,7 @@ class Bench {
     std::map<std::string, std::uintmax_t> before_;
 };
 
-/// The words of a text, one a line.
+/// The words of a text, one per line.
 inline std::vector<std::string> words_of(std::string_view text) {
     std::vector<std::string> words;
     while (!text.empty() && words.size() < 24) {
@@ -107,7 +107,8 @@ inline std::vector<std::string> words_of(std::string_view text) {
     return words;
 }
 
-/// An option whose number says how much is to be done: between these it would be too much, beyond them it is refused.
+/// An option whose number sets the amount of work. Values up to `most` are fast and values above `refused_beyond` are
+/// refused; those between are too slow to try.
 struct Amount {
     std::string_view option;
     double most, refused_beyond;
@@ -116,11 +117,11 @@ inline constexpr double never = std::numeric_limits<double>::infinity();
 inline constexpr Amount amounts[] = {{"--duration", 0.05, never}, {"--samples", 20, 1e7}, {"--steps", 1000, 1e12},
                                      {"--digits", 30, 1e6},       {"--jobs", 2, 4096},    {"--threads", 2, 4096}};
 
-/// Whether a word's number is one that is done at once, or refused.
+/// Whether the option's value is fast to run or refused.
 inline bool is_little(std::string_view option, std::string_view value) {
     std::string digits;
     for (const char c : value)
-        if (c != '_' && c != '\'') digits += c;  // what stands between digits
+        if (c != '_' && c != '\'') digits += c;  // digit separators
     const double number = std::strtod(digits.c_str(), nullptr);
     if (option == "--step") return number <= 0 || number >= 1e-5;
     if (option == "--tolerance") return number <= 0 || number >= 1e-13;
@@ -129,7 +130,7 @@ inline bool is_little(std::string_view option, std::string_view value) {
     return true;
 }
 
-/// Whether a command line may be tried: it names nothing outside its directory, and what it asks for is done at once.
+/// Whether a command line may be tried: it names nothing outside its directory and requests little work.
 inline bool may_be_tried(const std::vector<std::string>& words) {
     if (words.empty()) return true;
     const bool solves = words[0] != "show" && words[0] != "list";
@@ -137,7 +138,7 @@ inline bool may_be_tried(const std::vector<std::string>& words) {
         const std::string_view word = words[i];
         const std::size_t equals = std::min(word.find('='), word.size());
         const std::string_view value = equals < word.size() ? word.substr(equals + 1) : std::string_view();
-        // what a process is told of engines it keeps
+        // --engines changes state of the process that later inputs would see
         if (word.find("..") != word.npos || word.starts_with("--engines")) return false;
         for (const std::string_view path : {word, value})
             if (path.starts_with('/') || path.starts_with('~')) return false;
@@ -152,11 +153,11 @@ inline bool may_be_tried(const std::vector<std::string>& words) {
     return true;
 }
 
-/// Command lines, a word a line: done, or refused by one line on stderr with nothing printed or written.
+/// Runs a command line, one word per line: it succeeds, or is refused by one line on stderr without any output.
 inline void command(std::string_view text) {
     std::vector<std::string> words = words_of(text);
     if (!may_be_tried(words)) return;
-    // what takes tens of milliseconds
+    // these take tens of milliseconds: only one input in eight
     if (!words.empty() && (words[0] == "run" || words[0] == "check" || words[0] == "report") && !one_in(8, text))
         return;
     static Bench bench;

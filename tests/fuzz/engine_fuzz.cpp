@@ -1,4 +1,4 @@
-// Any bytes as what an engine says, and as files that name engines: see oracles.h.
+// Fuzzes the readers of engine messages and of files that list engines; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

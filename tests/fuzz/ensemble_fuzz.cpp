@@ -1,4 +1,4 @@
-// Any bytes as ensemble tables: see oracles.h.
+// Fuzzes the reader of ensemble tables (CSV); see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,4 @@
-// Any bytes as experiment files, most of them JSON that the built-in experiments have been taken apart for: see
-// oracles.h.
+// Fuzzes the reader of experiment files. Most inputs are JSON made of parts of the built-in experiments; see oracles.h.
 #include "fuzz/oracles.h"
 #include "fuzz/structured.h"
 

@@ -1,4 +1,4 @@
-// What the fuzz targets start from and what they have found: each file once more, in every build.
+// Runs every seed of the fuzz targets and every input that once failed, in every build.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 struct Target {
     const char* name;
     void (*oracle)(std::string_view);
-    std::vector<std::string> also;  // seeds that stand elsewhere
+    std::vector<std::string> also;  // directories with further seeds
 };
 
 class Findings : public ::testing::TestWithParam<Target> {};

@@ -1,4 +1,4 @@
-// Any bytes as the files of a folder of results: see folder_oracle.h.
+// Fuzzes the reader of results folders; see folder_oracle.h.
 #include "fuzz/folder_oracle.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// What holds for any folder of results that `polhode report` is given; see oracles.h.
+// Requirements on any results folder given to `polhode report`; see oracles.h.
 #pragma once
 
 #include <unistd.h>
@@ -16,7 +16,7 @@
 
 namespace polhode::oracles {
 
-/// A directory of this process's own, in memory where that can be had; removed with it.
+/// A private temporary directory, in memory if possible. The destructor removes it.
 class OwnDirectory {
   public:
     explicit OwnDirectory(const char* purpose) {
@@ -34,7 +34,7 @@ class OwnDirectory {
     OwnDirectory& operator=(const OwnDirectory&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
-    /// Leaves nothing in it.
+    /// Removes all files.
     void clear() const {
         for (const auto& entry : std::filesystem::directory_iterator(path_)) std::filesystem::remove_all(entry.path());
     }
@@ -46,7 +46,7 @@ class OwnDirectory {
     std::filesystem::path path_;
 };
 
-/// The files that a text tells, each after a line "=== NAME"; of names only those that stay in the folder.
+/// Writes the files in `text`, each after a line "=== NAME". Drops characters of NAME that could leave the folder.
 inline void write_files(std::string_view text, const OwnDirectory& directory) {
     std::string name = "t.csv", contents;
     int files = 0;
@@ -66,7 +66,7 @@ inline void write_files(std::string_view text, const OwnDirectory& directory) {
     directory.write(name, contents);
 }
 
-/// Folders of results: refused by one line, or findings and a page's document whose places are those of its lists.
+/// A results folder is refused by one line, or all indices of its rows are valid and its report is valid JSON.
 inline void folder(std::string_view text) {
     static const OwnDirectory directory("folder");
     directory.clear();
@@ -95,7 +95,7 @@ inline void folder(std::string_view text) {
     require(findings_of(*read).size() <= 3, "too many findings");
     const Motions motions;
     const Json checks = Json::array();
-    // what is planned again for the sake of its scenes takes time
+    // planning the experiments again to get their scenes is slow
     const std::map<std::string, Scene> scenes = one_in(32, text) ? scenes_of(*read) : std::map<std::string, Scene>();
     const Json document = report_document({*read, scenes, motions, checks}, {1000, 5, 50, 20, 20, 0});
     const std::string dumped = document.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -12,8 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What nlohmann's documents cannot hold stands in them as strings and keys with these marks, which are taken away from
-// the text: a number as it is to be written, and a key that stands twice in its object.
+// nlohmann::json cannot represent duplicate keys or arbitrary number literals. Strings and keys with these marks
+// stand for them, and written() removes the marks from the text.
 constexpr std::string_view raw_mark = "\x01raw:", twice_mark = "\x01twice";
 constexpr std::string_view raw_mark_written = "\"\\u0001raw:", twice_mark_written = "\\u0001twice";
 
@@ -23,7 +23,7 @@ std::optional<Json> parsed(std::string_view text) {
     return document;
 }
 
-// Deep documents are left to bytes: they are written by recursion.
+// Deep documents are mutated as bytes, because writing JSON is recursive.
 bool is_deep(std::string_view text) {
     int depth = 0, most = 0;
     for (const char c : text) {
@@ -117,7 +117,7 @@ Json JsonMutator::number(const Json& before, Random& random) {
             y = std::round(x) + static_cast<double>(below(3, random)) - 1;
             break;
         default:
-            // any bits
+            // any bit pattern
             const std::uint64_t bits = std::uint64_t{random()} << 33 ^ std::uint64_t{random()} << 11 ^ random();
             std::memcpy(&y, &bits, sizeof y);
     }
@@ -131,7 +131,7 @@ void JsonMutator::change_value(Json& value, Random& random) const {
     } else if (value.is_boolean() && way < 6) {
         value = !value.get<bool>();
     } else {
-        // of another type
+        // a value of another type
         static const Json others[] = {nullptr,
                                       true,
                                       false,
@@ -196,7 +196,7 @@ void JsonMutator::change(Json& document, Random& random) const {
     std::vector<Place> all = places(document);
     const Place& place = any(all, random);
     const auto known = values_.find(place.key);
-    // what stands under this key elsewhere, a part of the examples
+    // first choice: a value of the same key from the examples
     if (below(4, random) == 0 && known != values_.end()) {
         *place.value = any(known->second, random);
     } else if (below(32, random) == 0 && !documents_.empty()) {
@@ -206,7 +206,7 @@ void JsonMutator::change(Json& document, Random& random) const {
     } else if (place.value->is_array() && below(3, random) != 0) {
         change_entries(*place.value, random);
     } else if (below(40, random) == 0) {
-        // nesting
+        // deeper nesting
         Json inner = *place.value;
         for (std::size_t depth = below(70, random); depth-- > 0;) inner = Json::array({std::move(inner)});
         *place.value = std::move(inner);

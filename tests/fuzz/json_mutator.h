@@ -1,5 +1,5 @@
-// A mutator for readers of JSON: changes values, members and entries of a document instead of its bytes, so that most
-// of what comes out is JSON still and reaches what lies behind the syntax.
+// A mutator for JSON readers. It changes values, members and entries of a document instead of bytes, so that most
+// results are valid JSON and reach the code behind the parser.
 #pragma once
 
 #include <cstddef>
@@ -15,22 +15,21 @@
 
 namespace polhode::fuzz {
 
-/// LLVMFuzzerMutate, or what a test puts in its place: changes up to `size` bytes in place, to at most `most`.
+/// LLVMFuzzerMutate, or its replacement in tests: changes up to `size` bytes in place, to at most `most` bytes.
 using MutateBytes = std::size_t (*)(std::uint8_t* data, std::size_t size, std::size_t most);
 
-/// Changes documents at random, the same way for the same seed.
+/// Changes documents at random, reproducibly for a given seed.
 class JsonMutator {
   public:
-    /// `examples` are documents of the kind that is read: which members stand in an object is learnt from them by the
-    /// key that the object itself stands under, and each is a source of parts.
+    /// `examples` are documents of the kind to be read; they provide parts, and the member names of objects by key.
     explicit JsonMutator(std::span<const std::string_view> examples);
 
-    /// Changes the document in data[0, size) and gives its new size, at most `most`. A text that is no JSON, a document
-    /// that would not fit, and one in eight others are left to `bytes`.
+    /// Changes the document in data[0, size) and returns its new size, at most `most`. Calls `bytes` instead for
+    /// invalid JSON, for results that do not fit, and for one in eight of the other inputs.
     std::size_t mutate(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed, MutateBytes bytes) const;
 
-    /// The first document with a part of the second in the place of one of its own that stands under the same key,
-    /// where there is one; at most `most` bytes, zero where it would not fit.
+    /// Writes the first document to `out`, with one of its values replaced by a value of the second document, of the
+    /// same key where possible. Returns the size, at most `most`, or zero if it does not fit.
     std::size_t cross(std::string_view first, std::string_view second, std::uint8_t* out, std::size_t most,
                       unsigned seed) const;
 
@@ -38,7 +37,7 @@ class JsonMutator {
     using Json = nlohmann::ordered_json;
     using Random = std::minstd_rand;
     struct Place {
-        std::string key;  // of the nearest object's member that it is, or is in
+        std::string key;  // key of the nearest enclosing object member
         Json* value;
     };
 

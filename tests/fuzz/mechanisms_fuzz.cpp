@@ -1,4 +1,4 @@
-// Any bytes as tables of other starts of several bodies: see oracles.h.
+// Fuzzes the reader of tables of initial states of mechanisms; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Any bytes as ensemble tables in NumPy's format: see oracles.h.
+// Fuzzes the reader of ensemble tables in NumPy's format; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
-// What holds for any bytes that a reader is given: they are refused by one error of one line, or what they say survives
-// being written and read. Each throws std::logic_error where that is not so. The fuzz targets try them on millions of
-// inputs, findings_test.cpp on what was found.
+// Requirements on every reader for arbitrary bytes: it refuses them with a one-line error, or what it reads survives
+// writing and reading again. Each oracle throws std::logic_error on a violation. The fuzz targets run them on
+// millions of inputs, findings_test.cpp on seeds and earlier findings.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +50,7 @@ inline void require(bool holds, const char* what) {
     if (!holds) throw std::logic_error(what);
 }
 
-/// True for one input in `n`, always the same ones: what is too slow for all of them.
+/// True for one input in `n`, always the same ones; for checks that are too slow for every input.
 inline bool one_in(std::uint32_t n, std::string_view input) {
     std::uint32_t hash = 2166136261u;
     for (const char c : input) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
@@ -63,7 +63,7 @@ inline void require_one_line(std::string_view message) {
     require(message.size() < 1300, "the message is too long");
 }
 
-/// parse(), or nothing where it throws InputError: "fuzz: PLACE: FAULT; REMEDY".
+/// Returns parse(), or nothing if it throws InputError. The message must be "fuzz: PLACE: FAULT; REMEDY".
 template <class Parse>
 auto parsed(Parse&& parse) -> std::optional<decltype(parse())> {
     try {
@@ -78,7 +78,7 @@ auto parsed(Parse&& parse) -> std::optional<decltype(parse())> {
 }
 
 inline void scene(std::string_view text) {
-    // among the built-in scenes, so that a robot can be imported
+    // read as if among the built-in scenes, so that robot files can be imported
     static const std::string directory = std::string(builtin_directory) + "mechanisms";
     const std::optional<Scene> scene = parsed([&] { return parse_scene(text, "fuzz", directory); });
     if (!scene) return;
@@ -87,7 +87,7 @@ inline void scene(std::string_view text) {
     if (!is_mechanism(*scene) && one_in(256, text)) pose(*scene);
 }
 
-/// Whole robots: refused by one line, or bodies and joints that are a scene.
+/// A whole robot is refused by one line, or its bodies and joints form a valid scene.
 inline void robot(std::string_view text, RobotBase base) {
     const std::optional<Scene> scene = parsed([&] {
         Scene made;
@@ -105,7 +105,7 @@ inline void robot(std::string_view text, RobotBase base) {
         for (const std::string& phrase : *phrases) require_one_line(phrase);
 }
 
-/// Surfaces and robot descriptions: refused by one line, or bodies that have mass properties.
+/// Meshes and robot files are refused by one line, or give bodies with valid mass properties.
 inline void body(std::string_view bytes) {
     for (const char* path : {"fuzz.obj", "fuzz.stl"}) {
         try {
@@ -129,7 +129,7 @@ inline void experiment(std::string_view text) {
     if (!experiment) return;
     const std::string written = write_experiment(*experiment);
     require(write_experiment(parse_experiment(written, "written")) == written, "an experiment does not read back");
-    // its plan, where that is small and reads no files
+    // plans the experiment if it is small and needs no files
     std::size_t variants = 1;
     for (const Variation& variation : experiment->vary)
         variants = std::min<std::size_t>(variants * variation.values.size(), 100);
@@ -142,11 +142,11 @@ inline void experiment(std::string_view text) {
 inline void trajectory(std::string_view text) {
     std::optional<TrajectoryFile> file = parsed([&] { return parse_trajectory(text, "fuzz"); });
     if (!file) return;
-    // said of this text, not of the motion: what is written has nothing to be read past
+    // this remark concerns the original text; the written file has none
     file->read_past.clear();
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
     require(samples_of(*file, Vector3<double>(1, 2, 3)).size() == file->rows.size(), "samples are lost");
-    // read in another order, there is as much of it; in other axes and on another clock as well
+    // another quaternion order keeps all rows; converting axes twice restores the file; the clock stays monotonic
     const QuaternionColumns order = one_in(2, text) ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     TrajectoryFile other = parse_trajectory(text, "fuzz", order);
     require(other.rows.size() == file->rows.size(), "the order of a quaternion loses rows");
@@ -163,7 +163,7 @@ inline void trajectory(std::string_view text) {
     }
 }
 
-/// Tables of ensembles, in flight and about a pivot: what is taken can be solved, each row ending in a status.
+/// Ensemble tables, in flight and about a pivot: accepted ones can be solved, and every row ends with a status.
 inline void ensemble(std::string_view text) {
     Scene scene;
     scene.name = "fuzz", scene.duration = 1;
@@ -182,7 +182,7 @@ inline void ensemble(std::string_view text) {
     }
 }
 
-/// Bodies joined in every way that has coordinates, and one that is free.
+/// Bodies joined by every type of joint with coordinates, and one free body.
 inline const Scene& joined_bodies() {
     static const Scene scene = parse_scene(
         R"({"name": "joined", "duration": 0.01,
@@ -200,7 +200,7 @@ inline const Scene& joined_bodies() {
     return scene;
 }
 
-/// Rows of a table of several bodies, each a scene that can be written and read.
+/// Each row of a table of mechanisms gives a scene that survives writing and reading.
 inline void require_scenes(const MechanismTable& table, const Scene& scene) {
     require(table.numbers.size() == table.rows() * table.columns.size(), "a row is not as long as the header");
     for (std::size_t k = 0; k < std::min<std::size_t>(table.rows(), 4); ++k) {
@@ -209,8 +209,8 @@ inline void require_scenes(const MechanismTable& table, const Scene& scene) {
     }
 }
 
-/// A table in NumPy's format of `rows` records by its header: pieces of any size have the rows of the whole, also after
-/// rows that are skipped. Returns the whole.
+/// Reads a table in NumPy's format whose header states `rows` records. Pieces of any size give the same rows, also
+/// after skipped rows. Returns the whole table.
 inline EnsembleTable npy_rows(std::string_view content, const Scene& scene, std::uint64_t rows) {
     EnsembleTable whole, piece;
     npy_ensemble_of(content, "fuzz", scene)->next(whole, content.size() + 1);
@@ -237,8 +237,8 @@ inline EnsembleTable npy_rows(std::string_view content, const Scene& scene, std:
     return whole;
 }
 
-/// Tables of ensembles in NumPy's format, of one body and of several: the header is written again as it was read, and
-/// the table as CSV has the same bodies.
+/// Ensemble tables in NumPy's format, of one body and of several: the header survives writing and reading, and the
+/// table has the same bodies as CSV.
 inline void npy(std::string_view content) {
     Scene scene;
     scene.name = "fuzz", scene.duration = 1;
@@ -246,7 +246,7 @@ inline void npy(std::string_view content) {
     auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
     if (header) {
         require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
-        // names are ours where a header is written, and need no escapes
+        // written names are polhode's and need no escapes
         for (NpyField& field : header->fields) std::erase(field.name, '\'');
         const std::string again = write_npy_header(header->fields, header->rows);
         const NpyHeader read = parse_npy_header(again, again.size() + header->rows * header->record_size, "written");
@@ -262,7 +262,7 @@ inline void npy(std::string_view content) {
     require(csv.bodies == whole.bodies && csv.ids == whole.ids, "an ensemble does not read back");
 }
 
-/// Tables of other starts of several bodies: refused by one line, or rows of scenes that can be written and read.
+/// Tables of initial states of mechanisms are refused by one line, or give scenes that survive writing and reading.
 inline void mechanisms(std::string_view text) {
     const Scene& scene = joined_bodies();
     const auto table = parsed([&] { return parse_ensemble(text, "fuzz", scene, BadRows::pass_over); });
@@ -272,8 +272,8 @@ inline void mechanisms(std::string_view text) {
     require_scenes(table->mechanisms, scene);
 }
 
-/// A line that names columns, then a table of another program: refused by one line, or read and written under polhode's
-/// names. `check` and `plot` read it so.
+/// A line of column names, then a table of another program. They are refused by one line, or the table can be read, and
+/// written and read again under polhode's names. `check` and `plot` read tables in this way.
 inline void columns(std::string_view text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string table(text.substr(std::min(end + 1, text.size())));
@@ -311,7 +311,7 @@ inline void decimal(const std::string& text) {
         require(again && std::bit_cast<std::uint64_t>(*again) == std::bit_cast<std::uint64_t>(*value),
                 "a number does not read back");
     }
-    // the C library's reader, which is another one, takes hexadecimal numbers and blanks in front as well
+    // strtod, an independent parser, also accepts hexadecimal numbers and leading blanks
     if (text.find_first_of("xX \t\n\v\f\r") != text.npos || text.find('\0') != text.npos || text.empty()) return;
     char* end = nullptr;
     const double other = std::strtod(text.c_str(), &end);
@@ -331,7 +331,7 @@ inline void quoted(const std::string& text) {
     require(document.root().string() == text, "a text does not read back");
 }
 
-/// Short texts: numbers, texts that messages quote, and an expression in the first line for what follows it.
+/// Short texts: as numbers, as text quoted in messages, and as a regular expression that is matched against the rest.
 inline void words(std::string_view bytes) {
     const std::string text(bytes);
     decimal(text);
@@ -353,7 +353,7 @@ inline void words(std::string_view bytes) {
     }
 }
 
-/// Words of --convention: refused by one line, or written and read back.
+/// Values of --convention are refused by one line or survive writing and reading.
 inline void convention(std::string_view text) {
     try {
         const Convention read = parse_convention(text);
@@ -363,14 +363,14 @@ inline void convention(std::string_view text) {
     }
 }
 
-/// A tape's series by machine code and by the interpreters.
+/// The series and rates of a tape agree between machine code and the interpreters.
 inline void tape(std::string_view text) {
     const testing::TapeOfBytes made(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     testing::compare_ways(made.recording, made.order, made.careful, made.start);
     testing::compare_ways_of_rates(made.recording, made.start);
 }
 
-/// Result tables, the files of finished cases and of their series.
+/// Result tables, and the files of finished cases and their series.
 inline void table(std::string_view text) {
     try {
         const Table table = parse_csv(text);
@@ -391,7 +391,7 @@ inline void table(std::string_view text) {
     }
 }
 
-/// Files of the truth's cache, with a checksum that fits.
+/// Files of the truth cache with a valid checksum.
 inline void cache(std::string_view text) {
     const std::string key = "key";
     std::string sealed(text);
@@ -405,7 +405,7 @@ inline void cache(std::string_view text) {
     require(truth::encode(key, *back) == written, "a truth does not read back");
 }
 
-/// What an engine says of itself and answers, and files that name engines.
+/// Messages and answers of engines, and files that list engines.
 inline void engine(std::string_view text) {
     try {
         const EngineHello hello = read_hello(text);

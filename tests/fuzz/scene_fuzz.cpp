@@ -1,4 +1,4 @@
-// Any bytes as scene files, most of them JSON that the built-in scenes have been taken apart for: see oracles.h.
+// Fuzzes the reader of scene files. Most inputs are JSON made of parts of the built-in scenes; see oracles.h.
 #include "fuzz/oracles.h"
 #include "fuzz/structured.h"
 

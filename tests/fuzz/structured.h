@@ -1,5 +1,5 @@
-// The structured mutator as libFuzzer calls it, for the one target that includes this. $POLHODE_PLAIN_MUTATOR, not
-// empty, leaves all to libFuzzer's own: to compare.
+// Connects the structured JSON mutator to libFuzzer, for the one target that includes this header. A non-empty
+// $POLHODE_PLAIN_MUTATOR selects libFuzzer's own mutator, for comparison.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ inline bool is_plain() {
     return asked != nullptr && *asked != '\0';
 }
 
-/// The mutator that has the texts for examples.
+/// A mutator with these texts as examples.
 inline JsonMutator mutator_of(std::span<const BuiltinText> texts) {
     std::vector<std::string_view> examples;
     for (const BuiltinText& one : texts) examples.push_back(one.text);
@@ -33,7 +33,7 @@ inline std::size_t mutated(const JsonMutator& mutator, std::uint8_t* data, std::
     return is_plain() ? LLVMFuzzerMutate(data, size, most) : mutator.mutate(data, size, most, seed, LLVMFuzzerMutate);
 }
 
-/// A part of one in the other; where that gives nothing, the first with its bytes changed.
+/// Replaces a part of the first input by one of the second. If that is impossible, changes the bytes of the first.
 inline std::size_t crossed(const JsonMutator& mutator, std::string_view first, std::string_view second,
                            std::uint8_t* out, std::size_t most, unsigned seed) {
     if (!is_plain())

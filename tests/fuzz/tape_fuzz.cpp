@@ -1,4 +1,5 @@
-// Any bytes as a tape: machine code and the interpreters give the same bits (tests/integrators/tape/tape_oracle.h).
+// Builds a tape from the input; machine code and interpreters must agree bit for bit
+// (integrators/tape/tape_oracle.h).
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Any bytes as trajectory files, and as conventions: see oracles.h.
+// Fuzzes the readers of trajectory files and of --convention; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Any bytes as numbers, texts and expressions: see oracles.h.
+// Fuzzes the readers of numbers, quoted texts and regular expressions; see oracles.h.
 #include "fuzz/oracles.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Robot files against motions that were computed without polhode (tests/import/README.md): one construct a file.
+// Imported robot files against motions computed without polhode (tests/import/README.md), one construct per file.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,8 +23,8 @@ using nlohmann::json;
 
 const std::string battery_folder = source_dir() + "/tests/import";
 
-// Of the motion, and rad. The solver's tolerance is 1e-12; the computed motions are good to 4e-10 where MuJoCo reduces
-// a mesh, and to 1e-11 elsewhere.
+// Tolerance relative to the motion, and in rad. The solver's tolerance is 1e-12. The expected motions are accurate to
+// 4e-10 where MuJoCo reduces a mesh and to 1e-11 elsewhere.
 constexpr double allowed = 1e-8;
 
 json read_json(const std::string& name) {
@@ -84,8 +84,8 @@ bool ends_with_scope(const std::string& name, const std::string& last) {
     return name.size() > tail.size() && name.compare(name.size() - tail.size(), tail.size(), tail) == 0;
 }
 
-// The scene's bodies among the expected ones: by name, by the last parts of a name with ::, those without a name by
-// their order.
+// Matches the scene's bodies with the expected ones: by equal names, then by the last parts of names with ::, then
+// expected bodies without a name in order.
 std::vector<std::optional<std::size_t>> match_bodies(const Scene& scene, const json& bodies) {
     std::vector<std::optional<std::size_t>> matches(scene.bodies.size());
     std::vector<bool> is_taken(bodies.size());
@@ -106,7 +106,7 @@ struct BatteryDifference {
     double attitude = 0;  ///< rad
 };
 
-// Where a body stands for several links that are one rigid body, its frame is that of the link of its name.
+// Several links that form one rigid body are one body; its frame is that of the link with its name.
 BatteryDifference compare_motions(const Scene& scene, const Trajectory& trajectory, const json& expected,
                                   const std::vector<std::optional<std::size_t>>& matches) {
     const json& moments = expected["moments"];
@@ -137,7 +137,7 @@ BatteryDifference compare_motions(const Scene& scene, const Trajectory& trajecto
     return largest;
 }
 
-// Every rigid body that moves is there with its whole mass, and nothing else.
+// Every moving rigid body is present with its whole mass, and no other body is.
 void expect_same_bodies(const Scene& scene, const json& bodies,
                         const std::vector<std::optional<std::size_t>>& matches) {
     std::map<int, double> expected, imported;
@@ -145,7 +145,7 @@ void expect_same_bodies(const Scene& scene, const json& bodies,
         if (body["welded_to"] >= 0) expected[body["welded_to"]] += body["mass"].get<double>();
     for (std::size_t i = 0; i < matches.size(); ++i) {
         if (!matches[i]) {
-            // a link without mass between two joints
+            // a massless link between two joints
             if (scene.bodies[i].body.mass == 0) continue;
             ADD_FAILURE() << "body " << scene.bodies[i].name << " is not expected";
             continue;
@@ -183,7 +183,7 @@ std::string format_difference(double x) {
     return text;
 }
 
-// The message of the refusal, or an empty string.
+// Imports the file. Returns the message if it is refused, else an empty string.
 std::string import_or_refusal(const json& entry, Scene& scene) {
     try {
         scene = import_file(entry);
@@ -250,7 +250,7 @@ TEST_P(ImportBattery, MovesAsComputedElsewhere) {
     const BatteryDifference largest = compare_motions(scene, trajectory, expected, matches);
     EXPECT_LE(largest.position, allowed);
     EXPECT_LE(largest.attitude, allowed);
-    // published values, to the digits that they have
+    // published values, to the digits given
     const json at_end = entry.value("at_end", json::object());
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const std::string& name = scene.bodies[i].name;
@@ -271,7 +271,7 @@ INSTANTIATE_TEST_SUITE_P(Files, ImportBattery, ::testing::ValuesIn(battery_files
     return text;
 });
 
-// Every file of the folder is in the battery, and every one that is read has an expected motion.
+// Every file in the folder is in the battery, and every accepted file has an expected motion.
 TEST(ImportBatteryFiles, EachFileHasAnExpectedMotionOrARefusal) {
     const json expected = read_json("expected.json")["files"];
     for (const std::string& file : battery_files()) {

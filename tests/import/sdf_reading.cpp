@@ -1,5 +1,5 @@
-// Where libsdformat has the links and joints of SDFormat files, as JSON lines: what `compute --check-sdf` compares
-// sdf_to_mjcf.py with.
+// Prints the poses of links and joints in SDFormat files, as libsdformat computes them, as JSON lines. sdf_to_mjcf.py
+// is compared with these poses by `compute --check-sdf`.
 #include <cstdio>
 #include <iostream>
 #include <sdf/sdf.hh>
@@ -87,7 +87,7 @@ int main(int count, char** arguments) {
     sdf::ParserConfig config;
     for (int i = 2; i < count; ++i) {
         const std::string file = arguments[i], folder = arguments[1];
-        // model:// and relative URIs lie in the folder
+        // resolve model:// and relative URIs in the same folder
         config.SetFindCallback([folder](const std::string& uri) {
             return folder + "/" + uri.substr(uri.find("://") == uri.npos ? 0 : uri.find("://") + 3);
         });

@@ -1,4 +1,4 @@
-// Every run ends within its limits, whatever the method, and a run that goes astray says when and where.
+// Every method stays within its limits, and a run that diverges reports the time and the last state.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -82,7 +82,7 @@ void work_for(double seconds) {
     }
 }
 
-/// A right-hand side that takes long, in a run that would take for ever.
+/// A slow right-hand side in a very long run.
 TEST_P(Bounds, LooksAtTheClockWhenEvaluationsAreSlow) {
     const Method& method = *GetParam();
     Scene scene = free_body(50);
@@ -102,17 +102,17 @@ TEST_P(Bounds, LooksAtTheClockWhenEvaluationsAreSlow) {
     const double spent = processor_time() - start;
     if (t.status == Status::unsupported) return;
     EXPECT_TRUE(t.limit_reached) << name_of(t.status) << " " << t.message;
-    // some pose the scene in axes of their own first, which takes a thousand evaluations
+    // some methods first pose the scene in other axes, which takes a thousand evaluations
     EXPECT_LT(spent, 0.25);
 }
 
-/// The time after "t = " in a message.
+/// The time that follows "t = " in a message.
 double time_in(const std::string& message) {
     const std::size_t at = message.find("t = ");
     return at == std::string::npos ? std::numeric_limits<double>::quiet_NaN() : std::stod(message.substr(at + 4));
 }
 
-/// A torque that is not a number from t = 0.5 on: the step is named in which it came, and the state before.
+/// A torque that becomes NaN at t = 0.5 s: the message names the step where this happens and the state before.
 TEST_P(Bounds, NamesTheStepInWhichTheMotionIsLost) {
     const Method& method = *GetParam();
     const auto torque = [](const LoadState& s) {
@@ -129,7 +129,7 @@ TEST_P(Bounds, NamesTheStepInWhichTheMotionIsLost) {
         EXPECT_FALSE(t.limit_reached) << t.message;
         // the longest step by tolerance is about 2 s
         EXPECT_NEAR(time_in(t.message), 0.5, t.step > 0 ? 2.001 * t.step : 2) << t.message;
-        // and is the last one counted
+        // and it is the last step counted
         if (t.status == Status::diverged && t.step > 0) {
             EXPECT_NEAR(static_cast<double>(t.steps) * t.step, time_in(t.message), 1.5 * t.step) << t.message;
         }
@@ -141,7 +141,7 @@ TEST_P(Bounds, NamesTheStepInWhichTheMotionIsLost) {
     }
 }
 
-/// dw/dt = w^2 w: infinite at t = 1/2, |w| = 1/sqrt(1 - 2t) before.
+/// dw/dt = w^2 w: |w| = 1/sqrt(1 - 2t) becomes infinite at t = 1/2 s.
 TEST_P(Bounds, NamesABlowUpInFiniteTime) {
     const Method& method = *GetParam();
     if (method.name.starts_with("point_")) GTEST_SKIP() << "springs and steps go by the scene's largest rate: infinite";
@@ -199,7 +199,7 @@ TEST(Limits, AreRefusedWhereTheyMeanNothing) {
 }
 
 TEST(Limits, HoldForATruthAndLeaveNothingBehind) {
-    // a motion of this test's own, so that no cache knows it
+    // a unique motion, so that the truth is not in the cache
     Scene scene = heavy_top(20);
     scene.initial.angular_velocity[1] =
         1e-3 * static_cast<double>(std::chrono::system_clock::now().time_since_epoch().count() % 1000);
@@ -216,7 +216,7 @@ TEST(Limits, HoldForATruthAndLeaveNothingBehind) {
 }
 
 TEST(SolverCounts, TellRejectionsWhereSolversDo) {
-    // a stiff start, and a torque that comes unannounced: every error control takes a step back
+    // a torque that sets in suddenly: every error control must reject a step
     Scene scene = free_body(4);
     scene.loads = {
         UserTorque{"sudden", [](const LoadState& s) { return Vector3<double>(0, s.t > 1.234 ? 50 : 0, 0); }, {}}};
@@ -233,7 +233,7 @@ TEST(SolverCounts, TellRejectionsWhereSolversDo) {
     EXPECT_FALSE(solve(scene, *find_method("odeint_rk4"), settings).counts.rejected_steps.has_value());
 }
 
-/// Vibration that is hardly damped lies where BDF of order 5 is unstable.
+/// Weakly damped vibration lies where BDF of order 5 is unstable.
 TEST(SolverCounts, TellWhatStabilityLimitDetectionDid) {
     Scene scene = free_body(20);
     scene.initial.orientation = {0.96, 0.28, 0, 0};

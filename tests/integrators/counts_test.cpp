@@ -1,4 +1,4 @@
-// Reported counts of right-hand sides against counted calls, for every method.
+// Reported counts of right-hand sides against the number of calls, for every method.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@
 namespace polhode {
 namespace {
 
-/// What a method counts under a user-defined torque; integrators/README.md lists what is not the number of calls.
+/// What a method counts under a user-defined torque; integrators/README.md lists the counts that are not the calls.
 enum class Count {
     calls,
     sweeps,            ///< passes over all distances, ten per call
-    calls_after_pose,  ///< the method poses a scene of its own, which calls the torque, too
+    calls_after_pose,  ///< the method poses the scene again, which calls the torque as well
 };
 
 Count count_of(const Method& method, const Scene& scene) {
@@ -28,10 +28,10 @@ Count count_of(const Method& method, const Scene& scene) {
     return Count::calls;
 }
 
-/// Methods that evaluate a record of the equations, made when the run starts, instead of a user-defined system.
+/// Methods that evaluate a record of the equations made at the start of the run instead of the user-defined system.
 bool records_equations(const Method& method) { return method.name == "taylor" || method.name == "extrapolation"; }
 
-/// Settings with 1, 10 and 1000 samples, kept and not.
+/// Settings with 1, 10 and 1000 samples, kept or not.
 std::vector<Settings> all_settings(const Method& method, double duration) {
     std::vector<Settings> all;
     for (const long samples : {1L, 10L, 1000L})
@@ -51,8 +51,7 @@ std::string description_of(const Settings& settings) {
                        settings.step ? "by step" : "by tolerance");
 }
 
-/// Bodies under a torque that counts its calls: without and with events, with a pivot, and with a translation that the
-/// method integrates.
+/// Bodies under a torque that counts its calls: without and with events, with a pivot, and with integrated translation.
 std::vector<Scene> counting_scenes(long& calls) {
     const UserTorque counting{"counting",
                               [&calls](const LoadState& now) {
@@ -70,8 +69,8 @@ std::vector<Scene> counting_scenes(long& calls) {
 
 class Counts : public ::testing::TestWithParam<const Method*> {};
 
-// The count holds for runs that end early, too: angles meet gimbal lock, springs break. A run by fixed steps that
-// diverges reports the evaluations up to the step that led astray; it went further and came back to find that step.
+// The counts also hold for runs that end early, because angles meet gimbal lock or springs break. A run by fixed steps
+// that diverges reports the evaluations up to the step that led astray; it went further before it found that step.
 TEST_P(Counts, AreTheCallsOfAUserTorque) {
     const Method& method = *GetParam();
     long calls = 0;
@@ -107,7 +106,7 @@ TEST_P(Counts, AreTheCallsOfAUserTorque) {
     }
 }
 
-/// A pendulum in its angle whose right-hand sides in doubles are counted.
+/// A pendulum in its angle that counts its right-hand sides in doubles.
 struct CountedPendulum {
     std::shared_ptr<long> calls;
 
@@ -144,7 +143,7 @@ TEST_P(Counts, AreTheCallsOfAUserDefinedSystem) {
         const long called = *calls;
         ASSERT_EQ(run.status, Status::ok) << run.message;
         if (records_equations(method)) {
-            // at most the two evaluations of extrapolation's first step, at the start and after the event
+            // at most two evaluations for the first step of extrapolation, at the start and after the event
             EXPECT_LE(called, 4) << description_of(settings);
             EXPECT_GT(run.rhs_evaluations, 0);
         } else {

@@ -1,4 +1,4 @@
-// What every method owes, whatever it is.
+// Requirements on every method.
 #include <gtest/gtest.h>
 
 #include "integrators/method.h"
@@ -13,7 +13,7 @@ std::string name_of_method(const ::testing::TestParamInfo<const Method*>& info) 
     return std::string(info.param->name);
 }
 
-/// Errors are formed sample by sample: a time that is off by rounding is another time.
+/// Samples are at exactly the times of the contract, because errors are formed sample by sample.
 TEST_P(EveryMethod, SamplesAtTheTimesOfTheContract) {
     for (const Scene& scene : {polhode::testing::free_body(10), polhode::testing::heavy_top(2.3)})
         for (const bool step : {true, false}) {
@@ -23,7 +23,7 @@ TEST_P(EveryMethod, SamplesAtTheTimesOfTheContract) {
                 settings.samples = 25;
                 (step ? settings.step : settings.tolerance) = setting;
                 const Trajectory trajectory = solve(scene, *GetParam(), settings);
-                if (trajectory.status != Status::ok) continue;  // other tests ask why
+                if (trajectory.status != Status::ok) continue;  // other tests check the status
                 ASSERT_EQ(trajectory.samples.size(), 26U);
                 for (long k = 0; k <= 25; ++k)
                     ASSERT_EQ(trajectory.samples[static_cast<std::size_t>(k)].t, sample_time(scene.duration, k, 25));
@@ -31,7 +31,7 @@ TEST_P(EveryMethod, SamplesAtTheTimesOfTheContract) {
         }
 }
 
-/// The end alone, which is what is timed, is the end of the run that looks at every sample.
+/// A timed run, which keeps only the end, ends in the same state as a run that records every sample.
 TEST_P(EveryMethod, EndsTheSameWhetherItRecordsOrNot) {
     const Scene scene = polhode::testing::heavy_top(2);
     Settings settings;

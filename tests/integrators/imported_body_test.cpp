@@ -1,5 +1,5 @@
-// Bodies given by what they are made of move as the same bodies given by their numbers; their truth is of the exact
-// body, not of the rounded one.
+// A body given by shapes, meshes or files moves like the same body given by numbers, and its truth is that of the
+// exact body, not of the rounded one.
 #include <gtest/gtest.h>
 
 #include <boost/multiprecision/mpfr.hpp>
@@ -43,7 +43,7 @@ TEST(ImportedBody, MovesBitForBitAsTheOneWrittenByHand) {
     }
 }
 
-// Any scalar evaluates the same exact function: 128 bits against 100 digits, products of turned parts included.
+// Every scalar type evaluates the same exact function: 128 bits agree with 100 digits, with rotated parts as well.
 TEST(ImportedBody, IsExactInEveryScalar) {
     using R =
         boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<100>, boost::multiprecision::et_off>;
@@ -67,8 +67,8 @@ TEST(ImportedBody, IsExactInEveryScalar) {
     }
 }
 
-// The binary64 tensor of a composite is not its body: over 60 s of a free tumble the two part by more than the truth's
-// bound, and the truth is that of the parts.
+// The binary64 tensor of a composite differs from its exact tensor: over 60 s of free tumbling the two motions differ
+// by more than the truth's bound, and the truth is that of the parts.
 TEST(ImportedBody, HasTheTruthOfItsPartsNotOfTheirRoundedSum) {
     const FreshCache cache;
     Scene parts = find_scene("l_shape");

@@ -1,4 +1,4 @@
-// Whatever may take long stops soon after it is asked to, and says so.
+// Every long computation stops soon after an interruption is requested and reports it.
 #include "text/interruption.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace polhode {
 namespace {
 
-/// Says yes from the n-th question on.
+/// Returns true from call n + 1 on.
 Interruption::Question yes_after(std::atomic<int>& asked, int n) {
     return [&asked, n] { return ++asked > n; };
 }

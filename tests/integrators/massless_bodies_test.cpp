@@ -1,5 +1,5 @@
-// Bodies without mass, point masses and rods by every method for mechanisms and by the reference solution, against
-// equations of motion that are written out here or that another scene has.
+// Massless bodies, point masses and rods with every method for mechanisms and with the reference solution, compared
+// with equations of motion written out here or with equivalent scenes.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +20,7 @@ namespace {
 using massless::body_of, massless::joint_of, massless::scene_of;
 using Many = Real<50>;
 
-// theta1, theta2, their rates: the double pendulum of point masses, angles from the vertical.
+// theta1, theta2 and their rates: the double pendulum of point masses, angles from the vertical.
 using Angles = std::array<Many, 4>;
 
 Angles rates(const massless::PointMassPendulum& p, const Angles& y) {
@@ -34,8 +34,8 @@ Angles rates(const massless::PointMassPendulum& p, const Angles& y) {
     return {y[2], y[3], a1, a2};
 }
 
-// One step of Gragg's modified midpoint rule of 2, 4, .., 2 columns steps, extrapolated in h^2 (Hairer, Norsett, Wanner
-// 1993, II.9): order 2 columns.
+// One step of Gragg's modified midpoint rule with 2, 4, .., 2 columns steps, extrapolated in h^2 to order 2 columns
+// (Hairer, Norsett, Wanner 1993, II.9).
 Angles extrapolated_step(const massless::PointMassPendulum& p, const Angles& y, const Many& H) {
     constexpr std::size_t columns = 14;
     std::vector<Angles> row(columns);
@@ -52,7 +52,7 @@ Angles extrapolated_step(const massless::PointMassPendulum& p, const Angles& y, 
             }
         }
         row[j] = now;
-        // Aitken and Neville, from the right: row[k] is the value of columns k..j
+        // Aitken-Neville from the right: row[k] is the value of columns k..j
         for (std::size_t k = j; k-- > 0;) {
             const Many ratio = Many(j + 1) / Many(k + 1), share = 1 / (ratio * ratio - 1);
             for (std::size_t i = 0; i < 4; ++i) row[k][i] = row[k + 1][i] + share * (row[k + 1][i] - row[k][i]);
@@ -75,7 +75,7 @@ TEST(MasslessBodies, TruthOfThePointMassPendulumHas25DigitsOfTheBooksEquations) 
         const Many x2 = x1 - p.l2 * sin(y[1]), z2 = z1 - p.l2 * cos(y[1]);
         const std::pair<Many, Many> places[] = {{x1, z1}, {x2, z2}};
         for (std::size_t b = 0; b < 2; ++b) {
-            // q, w, p, v
+            // columns: q, w, p, v
             const DecimalColumns& columns = truth.columns[2 * static_cast<std::size_t>(k) + b];
             EXPECT_LT(abs(Many(Many(columns[7]) - places[b].first)), 1e-25) << k << " " << b;
             EXPECT_LT(abs(Many(Many(columns[9]) - places[b].second)), 1e-25) << k << " " << b;
@@ -93,7 +93,7 @@ double distance_of(const Bodies& a, const ReferenceSample* b) {
     return most;
 }
 
-// Each method for mechanisms follows the reference to its order, or says which body it cannot move.
+// Each method for mechanisms follows the reference within its order, or names the body that it does not support.
 TEST(MasslessBodies, EveryMethodSolvesThePointMassPendulumOrSaysWhyNot) {
     const FreshCache cache;
     const Scene scene = massless::PointMassPendulum{}.scene(1);
@@ -123,13 +123,13 @@ TEST(MasslessBodies, EveryMethodSolvesThePointMassPendulumOrSaysWhyNot) {
         ++solved;
     }
     EXPECT_GE(solved, 20);
-    EXPECT_GE(unsupported, 10);  // engines' updates and ida_index2, which divide by each body's mass and moments
+    EXPECT_GE(unsupported, 10);  // engine updates and ida_index2, which divide by each body's mass and moments
     EXPECT_TRUE(refusal(*find_method("ida_index1"), problem).empty());
     EXPECT_FALSE(refusal(*find_method("ida_index2"), problem).empty());
 }
 
-// Two massless sliders and a hinge are a body's three freedoms in a plane: the motion of a free body that starts in
-// that plane and is pushed along it. Both references are compared, of different dimensions.
+// Two massless sliders and a hinge give the three degrees of freedom of planar motion. The motion equals that of a
+// free body that starts in the plane and is loaded within it. The two references have different dimensions.
 TEST(MasslessBodies, APlanarRootMovesAsAFreeBodyInThePlane) {
     const FreshCache cache;
     const NamedBody box = body_of("box", 1.5, {0.5, 0.75, 1}, {0.25, 0, -0.5});
@@ -148,7 +148,7 @@ TEST(MasslessBodies, APlanarRootMovesAsAFreeBodyInThePlane) {
     Scene free = scene_of("free", 1.5);
     free.bodies = {box}, free.loads = loads;
     Initial& start = free.bodies[0].initial;
-    // the centre of mass turns about the hinge: v + w x r, w = (0, 3, 0), r = (0.25, 0, -0.5)
+    // the centre of mass rotates about the hinge: v + w x r, w = (0, 3, 0), r = (0.25, 0, -0.5)
     start.position_W = {0.75, 0, -0.75}, start.velocity_W = {1 - 1.5, 0, 2 - 0.75};
     start.angular_velocity = {0, 3, 0};
     const Reference one = reference(planar, 3), other = reference(free, 3);
@@ -168,15 +168,14 @@ TEST(MasslessBodies, APlanarRootMovesAsAFreeBodyInThePlane) {
         EXPECT_NEAR(one.system[k].kinetic.high, other.system[k].kinetic.high, 1e-13 * other.system[k].kinetic.high);
         for (int i = 0; i < 3; ++i)
             EXPECT_NEAR(one.system[k].angular_momentum_W[i].high,
-                        // that of the free body is about its centre of mass
+                        // the angular momentum of the free body is about its centre of mass
                         (other.system[k].angular_momentum_W[i].high +
                          1.5 * cross(b.rounded().position_W, b.rounded().velocity_W)[i]),
                         1e-12);
     }
 }
 
-// Three hinges that do not meet, with massless links between them, and a heavy body: both formulations agree, and the
-// energy stays.
+// Three hinges that do not meet, massless links and a heavy body: both formulations agree and the energy is conserved.
 TEST(MasslessBodies, ThreeHingesApartWithMasslessLinksKeepTheEnergy) {
     const FreshCache cache;
     Scene scene = scene_of("hinges", 1);
@@ -195,8 +194,8 @@ TEST(MasslessBodies, ThreeHingesApartWithMasslessLinksKeepTheEnergy) {
     EXPECT_GT(std::abs(truth.system[2].kinetic.high - truth.system[0].kinetic.high), 0.1);
 }
 
-// A point mass at the end of a massless arm on a massless slider reaches as far from the rail as the arm is long. It
-// flies there in a straight line, and at t = 1 the mass matrix is singular: no motion goes on.
+// A point mass on a massless arm on a massless slider. It moves in a straight line to the full length of the arm from
+// the rail, which it reaches at t = 1 s. There the mass matrix is singular and the motion cannot be continued.
 TEST(MasslessBodies, ARunIntoASingularMassMatrixEndsWithAStatus) {
     const FreshCache cache;
     Scene scene = scene_of("reach", 2);

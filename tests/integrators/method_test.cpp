@@ -28,14 +28,14 @@ TEST(Descriptors, SayWhatTheMethodsAre) {
     }
 }
 
-// What is refused beforehand ends as `unsupported` with the same words, and the other way round.
+// refusal() and the status `unsupported` of a run agree, with the same message.
 TEST(Descriptors, RefuseWhatTheMethodsDoNotSolve) {
     const Scene scenes[] = {find_scene("every_load"), find_scene("bouncing_ball"), with_user_torque("symmetric")};
     long refused = 0;
     for (const Scene& scene : scenes) {
         const Problem problem = pose(scene);
         for (const Method* method : methods()) {
-            if (method->family == Family::reference) continue;  // its refusal is the truth's own
+            if (method->family == Family::reference) continue;  // the truth refuses scenes for its own reasons
             Settings settings;
             settings.samples = 2;
             settings.max_steps = 20;

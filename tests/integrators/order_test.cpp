@@ -1,5 +1,5 @@
-// Every fixed-step method's claim of an order, measured: halving h until round-off, on attitude, against a closed form
-// and against an independent fine solution.
+// The observed order of every fixed-step method: h is halved until round-off, and the attitude is compared with a
+// closed form and with an independent fine solution.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,9 +19,9 @@ using namespace polhode::testing;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// All but those that converge to another motion: with the article's sign, see the end of the file, and without a
-/// gyroscopic term, see game/gyroscopic_test.cpp. In binary32 the order shows at coarse steps alone: see
-/// kernels/binary32_test.cpp.
+/// All fixed-step methods except those that converge to another motion: with the article's sign (see the end of this
+/// file) and without a gyroscopic term (see game/gyroscopic_test.cpp). For binary32, whose order shows only at coarse
+/// steps, see run/binary32_test.cpp.
 std::vector<const Method*> stepped() {
     std::vector<const Method*> found;
     for (const Method* method : methods())
@@ -32,20 +32,19 @@ std::vector<const Method*> stepped() {
     return found;
 }
 
-// What rounding leaves: measured 1e-13 rad at T = 100 on the free bodies, 1e-13 at T = 8 on the top, growing with T.
+// Rounding error: measured 1e-13 rad at T = 100 s for the free bodies and at T = 8 s for the top, growing with T.
 constexpr double floor_at_100 = 5e-12;
 
-/// A scene of some duration, and the steps that are refined until the error is down at `floor`. A high order needs a
-/// long T, so that there is a range between its pre-asymptotic steps and round-off.
+/// A scene with its reference attitude and the range of steps, refined until the error reaches `floor`. High orders
+/// need a long T to leave a range between the pre-asymptotic steps and round-off.
 struct Judge {
     Scene scene;
-    Quaternion<double> attitude;  ///< the truth at the end
+    Quaternion<double> attitude;  ///< the reference at the end
     double first;                 ///< s, the coarsest step
     double floor;                 ///< rad
 };
 
-/// One error for each step size first, first / sqrt 2, first / 2, .. down to the floor; empty where the method does not
-/// take the scene.
+/// The errors at the steps first, first / sqrt 2, first / 2, .. until the floor; empty if the scene is not supported.
 std::vector<double> errors(const Judge& judge, const Method& method) {
     constexpr long most_steps = optimised_build ? 100'000 : 20'000;
     std::vector<double> found;
@@ -58,7 +57,7 @@ std::vector<double> errors(const Judge& judge, const Method& method) {
         if (T / *settings.step > most_steps) break;
         const Trajectory trajectory = solve(problem, method, settings);
         if (trajectory.status == Status::unsupported) return {};
-        // a coarse step may be unstable, or its implicit equations unsolvable; a finer one not
+        // coarse steps may be unstable or their implicit equations unsolvable, finer steps must work
         const bool coarse = found.empty() || std::isinf(found.back());
         EXPECT_TRUE(trajectory.status == Status::ok || coarse) << method.name << ": " << trajectory.message;
         if (trajectory.status != Status::ok && !coarse) return {};
@@ -68,17 +67,17 @@ std::vector<double> errors(const Judge& judge, const Method& method) {
     return found;
 }
 
-/// The slope of log(error) against log(step) over the finest three steps (a factor of 2) with an error above `floor`;
-/// 0 where there are not three.
+/// The slope of log(error) against log(step) over the three finest steps (a factor of 2) with errors above `floor`; 0
+/// if there are fewer than three.
 double observed_order(const std::vector<double>& found, double floor) {
     std::size_t n = found.size();
     while (n > 0 && !(found[n - 1] > floor)) --n;
     return n < 3 ? 0 : std::log2(found[n - 3] / found[n - 1]);
 }
 
-/// The momentum form, in free motion or under gravity about a pivot: d(L)/dt = r x m g and dq/dt = 1/2 (0, w_W) q in
-/// world axes, by Gragg's midpoint rule extrapolated in 64 bits of mantissa: it shares neither formulation, nor method,
-/// nor arithmetic with what it judges.
+/// The momentum form in free motion or under gravity about a pivot: d(L)/dt = r x m g and dq/dt = 1/2 (0, w_W) q in
+/// world axes, solved by Gragg's extrapolated midpoint rule with 64-bit mantissas. Formulation, method and arithmetic
+/// are independent of the tested methods.
 using Real = long double;
 
 struct MomentumForm {
@@ -135,7 +134,8 @@ struct MomentumForm {
     Vector3<Real> weight_W;
 };
 
-/// By the momentum form, with so many steps a second: halving them moves it by far less than what is looked at.
+/// A reference by the momentum form at this number of steps per second; checks that halving the steps changes it by
+/// much less than `floor`.
 Judge momentum_judge(const Scene& scene, double per_second, double first, double floor) {
     static std::map<std::string, Quaternion<double>> known;
     const std::string key = scene.name + std::to_string(scene.duration);
@@ -148,8 +148,8 @@ Judge momentum_judge(const Scene& scene, double per_second, double first, double
     return {scene, known[key], first, floor};
 }
 
-/// Methods of high order that add with compensation: their error is seen down to a few roundings, and has to be, as it
-/// is of many stages (splitting) or small at every step (modified moments).
+/// High-order methods with compensated summation. Their errors must be measured down to a few roundings, because they
+/// have many stages (splitting) or small errors at every step (modified moments).
 bool rounds_little(const Method& method) {
     return method.order > 6 && (method.name.starts_with("splitting") || method.name.starts_with("moser_veselov"));
 }
@@ -158,13 +158,13 @@ constexpr double low_floor = 1e-13;
 Judge symmetric_judge(const Method& method) {
     const int order = method.order;
     const Scene scene = symmetric_body(order > 6 ? 50 : order > 4 ? 20 : 3);
-    // so high an order leaves three halvings of h between the steps that can be solved and round-off
+    // such a high order leaves three halvings of h between the solvable steps and round-off
     if (order > 8 && !rounds_little(method)) return {scene, symmetric_attitude(scene, scene.duration), 2, 5e-13};
-    // a relaxed step of order 8 is left as it is once its energy error is round-off: from 10^-11 rad on
+    // relaxation of order 8 is skipped once the energy error is round-off: below 10^-11 rad
     const double floor = rounds_little(method) ? low_floor : order > 6 ? 2e-11 : floor_at_100;
     return {scene, symmetric_attitude(scene, scene.duration), 0.5, floor};
 }
-/// I = (1, 2, 3) for the lower orders; for the high ones, whose pre-asymptotic steps reach deep there, the body of
+/// I = (1, 2, 3) for lower orders. High orders, whose pre-asymptotic range is long on this body, use the body of
 /// Hairer & Vilmart (2006).
 Judge asymmetric_judge(const Method& method) {
     const int order = method.order;
@@ -178,7 +178,7 @@ Judge asymmetric_judge(const Method& method) {
 }
 Judge top_judge(const Method& method) {
     if (rounds_little(method)) {
-        // slow: the error of a kick shows beside that of the free motion
+        // a slow top: the error of the kicks is comparable to that of the free motion
         Scene scene = heavy_top(12);
         scene.name = "slow top", scene.initial.angular_velocity = {0, 0, 5};
         return momentum_judge(scene, 16, 0.25, low_floor);
@@ -193,16 +193,16 @@ class Order : public ::testing::TestWithParam<const Method*> {
         const Method& method = *GetParam();
         const auto found = errors(judge, method);
         if (found.empty()) {
-            // a method that does not take the scene says so
+            // an unsupported scene is reported as such
             EXPECT_EQ(with_step(judge.scene, method.name.data(), judge.first).status, Status::unsupported);
             return;
         }
         if (judge.scene.loads.empty() && method.name.starts_with("splitting_exact")) {
-            // the free motion itself: round-off is left at the coarsest step, and no order to be seen
+            // exact for free motion: round-off at the coarsest step, so no order can be observed
             EXPECT_LT(found.front(), judge.floor);
             return;
         }
-        // w that is kept in world axes, and turned into the body's and back, rounds more
+        // w kept in world axes and transformed to body axes and back rounds more
         const double floor =
             method.family == Family::engine_update && method.order > 1 ? 1000 * judge.floor : judge.floor;
         const double order = observed_order(found, floor);
@@ -210,8 +210,8 @@ class Order : public ::testing::TestWithParam<const Method*> {
         if (method.order <= 8 || rounds_little(method)) {
             EXPECT_NEAR(order, method.order, 0.1) << ::testing::PrintToString(found);
         } else {
-            // Far from the limit of small steps. A turn's phase is right to one order more: the leading error of a
-            // Radau formula is in the length of q.
+            // Not yet asymptotic. The phase of a rotation is accurate to one order more, because the leading error of
+            // a Radau formula is in the length of q.
             EXPECT_GT(order, method.order - 0.5) << ::testing::PrintToString(found);
             EXPECT_LT(order, method.order + 1.0) << ::testing::PrintToString(found);
         }
@@ -225,7 +225,7 @@ TEST_P(Order, IsTheClaimedOneOnAHeavyTop) { expect_claim(top_judge(*GetParam()))
 INSTANTIATE_TEST_SUITE_P(All, Order, ::testing::ValuesIn(stepped()),
                          [](const auto& of) { return std::string(of.param->name); });
 
-/// The attitude of omega = (1, 1, 1), I = (1, 2, 3) at T = 10 by `name` with h = 1/240, 1/480, .. 1/3840.
+/// The attitude at T = 10 s by `name` with h = 1/240, 1/480, .. 1/3840 s, for omega = (1, 1, 1), I = (1, 2, 3).
 std::vector<Quaternion<double>> article_attitudes(const char* name) {
     std::vector<Quaternion<double>> found;
     for (int n = 2400; n <= 38400; n *= 2) {
@@ -237,7 +237,7 @@ std::vector<Quaternion<double>> article_attitudes(const char* name) {
     return found;
 }
 
-// fehlberg78's error at this step is round-off; its order is measured above against a closed form
+// at this step fehlberg78 has only round-off error; its order is verified above against a closed form
 Quaternion<double> article_truth() { return with_step(free_body(10), "odeint_fehlberg78", 1e-2).samples.back().q; }
 
 TEST(Article, MendedConvergesWithOrderOne) {
@@ -252,13 +252,13 @@ TEST(Article, MendedConvergesWithOrderOne) {
 TEST(Article, AsWrittenFlattensAtAboutTwoPointFourRadians) {
     const Quaternion<double> truth = article_truth();
     const auto found = article_attitudes("article_as_written");
-    EXPECT_EQ(article_attitudes("article_sign_as_written"), found);  // no force: the sign is the only slip
+    EXPECT_EQ(article_attitudes("article_sign_as_written"), found);  // no force: the sign is the only error
     std::vector<double> errors;
     for (const auto& q : found) errors.push_back(attitude_error(q, truth));
     EXPECT_NEAR(errors.back(), 2.4, 0.05);
-    // no order: from the coarsest step to one sixteenth of it the error does not even halve
+    // no convergence: refining the coarsest step by 16 does not even halve the error
     EXPECT_GT(errors.back(), errors.front() / 2);
-    // it does converge with order 1, to I dw/dt = + w x I w: the distances between successive attitudes halve
+    // it converges with order 1 to the motion of I dw/dt = + w x I w: distances between successive attitudes halve
     for (std::size_t i = 2; i < found.size(); ++i)
         EXPECT_NEAR(std::log2(attitude_error(found[i - 2], found[i - 1]) / attitude_error(found[i - 1], found[i])), 1.0,
                     0.2);

@@ -1,4 +1,4 @@
-// Methods that are added while the program runs, here where no other test goes through the list.
+// Methods registered at run time; in a separate program because other tests iterate over the list.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ TEST(AddMethod, StandsLastAndIsReplacedByItsName) {
     EXPECT_EQ(methods().size(), copy.size() + 1);
     EXPECT_NE(find_method("added_here"), first);
     EXPECT_EQ(find_method("added_here")->identity, "second");
-    // what was given out before is as it was, and still there
+    // the list returned earlier is unchanged and still valid
     EXPECT_TRUE(std::ranges::equal(before, copy));
     EXPECT_EQ(first->identity, "first");
     EXPECT_FALSE(has_own_methods());

@@ -1,4 +1,4 @@
-// Systems of the user's own, of a size that only the running program knows.
+// User-defined systems, whose size is known only at run time.
 #include "motion/own_system.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace polhode {
 namespace {
 
-/// n bodies side by side that know nothing of each other, each by the library's own LoadedMotion.
+/// n independent bodies in one system, each with the library's LoadedMotion.
 struct SideBySide {
     std::shared_ptr<const std::vector<Problem>> alone;
 
@@ -67,9 +67,9 @@ double largest_difference(const Sample& a, const Sample& b) {
                      length(a.position_W - b.position_W), length(a.velocity_W - b.velocity_W)});
 }
 
-// By fixed steps an explicit method does the same to each body whoever stands beside it: round-off of a state of size 1
-// over 300 steps is 300 x 1e-16 at the most. An implicit one is solved to its own round-off, a thousandth of 1e-9. By a
-// tolerance R either run errs by R a step, and the motion amplifies no error.
+// An explicit method with fixed steps does the same to each body as alone: 300 steps of round-off on a state of size
+// 1 give at most 300 x 1e-16. Implicit equations are solved to a thousandth of 1e-9. With a tolerance R each run errs
+// by R per step, and these motions do not amplify errors.
 TEST(OwnSystem, BodiesSideBySideMoveAsEachDoesAlone) {
     const auto alone = std::make_shared<const std::vector<Problem>>(three_bodies());
     const Problem together = pose(SideBySide{alone}, 3);
@@ -111,7 +111,7 @@ TEST(OwnSystem, AMethodThatNeedsTheBodySaysSo) {
     EXPECT_NE(trajectory.message.find("supports only rigid bodies"), std::string::npos) << trajectory.message;
 }
 
-/// A mass on a spring that is struck at t = 1: x'' = -x.
+/// A mass on a spring, x'' = -x, with an impulse at t = 1.
 struct StruckMass {
     double kick = 2;
 
@@ -133,7 +133,7 @@ struct StruckMass {
     }
 };
 
-// x = cos t, and kick sin(t - 1) more after t = 1; a sample at the event shows the motion after it.
+// x = cos t, plus kick sin(t - 1) after t = 1. A sample at the event shows the motion after it.
 TEST(OwnSystem, EventsStrikeIt) {
     const Problem problem = pose(StruckMass(), 2.0);
     for (const char* name : {"cvode_adams", "cvode_bdf", "taylor", "radau", "dop853", "extrapolation"}) {
@@ -146,8 +146,8 @@ TEST(OwnSystem, EventsStrikeIt) {
     }
 }
 
-/// A pendulum of length 1 m in its angle from the lowest point, let go at the angle `amplitude`: a'' = -w^2 sin a. Its
-/// body is a point at (sin a, -cos a) whose velocity's first component is the angle's rate.
+/// A pendulum of length 1 m, state: angle from the lowest point and its rate, released at `amplitude`: a'' = -w^2 sin
+/// a. Its body is a point at (sin a, -cos a); the first component of its velocity is the rate of the angle.
 struct Pendulum {
     double rate = 3, amplitude = 2;
 
@@ -167,7 +167,7 @@ struct Pendulum {
     }
 };
 
-/// A planet about a sun of mu = 1 in an ellipse of half axis 1, from its nearest point on: r'' = -r / |r|^3.
+/// A planet about a sun with mu = 1 on an ellipse with semi-major axis 1, from the periapsis on: r'' = -r / |r|^3.
 struct Planet {
     double eccentricity = 0.3;
 
@@ -192,9 +192,9 @@ template <class Model, class Expected>
 void expect_closed_form(const Model& model, double duration, Expected&& expected) {
     const Problem problem = pose(model, duration);
     for (const char* name : {"taylor", "radau", "dop853", "extrapolation", "cvode_adams"})
-        // 1e-7, 1e-10, 1e-13 and 1e-15: each of the orders that taylor has
+        // 1e-7, 1e-10, 1e-13 and 1e-15 select the different orders of taylor
         for (const double tolerance : {1e-7, 1e-10, 1e-13, 1e-15}) {
-            // a method of many small steps, each of which may err by the tolerance
+            // a method with many small steps, each of which may err by the tolerance
             const bool multistep = std::string_view(name) == "cvode_adams";
             if (tolerance < 1e-13 && multistep) continue;
             Settings settings;
@@ -213,8 +213,8 @@ void expect_closed_form(const Model& model, double duration, Expected&& expected
         }
 }
 
-// sin(a / 2) = k cd(w t, k), k = sin(amplitude / 2); a' = -2 w k k' sd(w t, k), for cd' = -k'^2 sd nd and cos(a / 2) =
-// k' nd
+// sin(a / 2) = k cd(w t, k), k = sin(amplitude / 2); a' = -2 w k k' sd(w t, k), because cd' = -k'^2 sd nd and
+// cos(a / 2) = k' nd.
 TEST(OwnSystem, APendulumSwingsAsJacobisFunctionsSay) {
     const Pendulum pendulum;
     const double k = std::sin(pendulum.amplitude / 2), other = std::cos(pendulum.amplitude / 2);

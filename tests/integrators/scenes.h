@@ -1,4 +1,4 @@
-// Scenes and closed forms that the integrators' tests share.
+// Scenes and closed forms shared by the integrators' tests.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace polhode::testing {
 
-/// The attitude error of the contract: rotation angle between the two, rad.
+/// The attitude error as defined in the contract: the rotation angle between the two, in rad.
 inline double attitude_error(const Quaternion<double>& q, const Quaternion<double>& reference) {
     const Quaternion<double> d = conjugate(reference) * q;
     return 2 * std::atan2(std::sqrt(dot(vector_part(d), vector_part(d))), std::abs(d.w));
@@ -33,8 +33,8 @@ inline Scene symmetric_body(double duration) {
     return scene;
 }
 
-/// Its attitude at t, in closed form (Landau & Lifshitz 1976, section 33): R(t) turns by |L| t / I1 about L, after
-/// (1 - I3/I1) w3 t about the symmetry axis.
+/// The attitude of symmetric_body() in closed form (Landau & Lifshitz 1976, section 33): a rotation about L by the
+/// angle |L| t / I1 after a rotation about the symmetry axis by (1 - I3/I1) w3 t.
 inline Quaternion<double> symmetric_attitude(const Scene& scene, double t) {
     const double I1 = scene.body.inertia_B[0][0], I3 = scene.body.inertia_B[2][2];
     const Vector3<double>& w = scene.initial.angular_velocity;
@@ -45,7 +45,7 @@ inline Quaternion<double> symmetric_attitude(const Scene& scene, double t) {
            Quaternion<double>{std::cos(spin), 0, 0, std::sin(spin)};
 }
 
-/// Lagrange's top: gravity about a fixed point.
+/// Lagrange's top: a symmetric body with a fixed point, under gravity.
 inline Scene heavy_top(double duration) {
     Scene scene;
     scene.name = "heavy top", scene.duration = duration;
@@ -58,7 +58,7 @@ inline Scene heavy_top(double duration) {
     return scene;
 }
 
-/// A flying body with offset centre of mass, full tensor, and every load of a scene file, windows and impulses.
+/// A body in flight with an offset centre of mass, a full tensor, every load of a scene file, windows and impulses.
 inline Scene everything(double duration) {
     Scene scene;
     scene.name = "everything", scene.duration = duration;
@@ -85,7 +85,7 @@ inline Scene everything(double duration) {
     return scene;
 }
 
-/// The named method on a scene by fixed steps, or by a tolerance; the test fails if there is no such method.
+/// Solves the scene by the named method with a fixed step or a tolerance. The test fails if the method does not exist.
 inline Trajectory with_step(const Scene& scene, const char* method, double step, long samples = 1) {
     Settings settings;
     settings.step = step, settings.samples = samples;

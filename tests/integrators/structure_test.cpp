@@ -1,4 +1,4 @@
-// What the structure-preserving methods claim to keep, over many steps; what they are made from; what they refuse.
+// Structure-preserving methods: drift of conserved quantities over many steps, coefficients of the methods, refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,12 +19,11 @@ namespace {
 
 using namespace polhode::testing;
 
-// 10^6 steps of 1/100 s, or fewer
+// 10^6 steps of 1/100 s, fewer in builds without optimisation
 constexpr long most_structure_steps = optimised_build ? 1'000'000 : 10'000;
 constexpr double structure_step = 0.01;
 
-/// How far what is kept has gone from its start, at a thousand times: energy and the length of L as parts of their
-/// size, L_W as a vector, the length of q.
+/// The drift at a thousand times: energy and |L| relative to their size, L_W as a vector, and the length of q.
 struct Drift {
     std::vector<double> t, energy, momentum, momentum_length, momentum_z, norm;
 };
@@ -58,7 +57,7 @@ Drift drift(const Scene& described, const char* method, long steps, double h) {
     return found;
 }
 
-/// The exponent of error ~ t^p; an error that stays at a few roundings has none worth a bound.
+/// Checks that the exponent p of error ~ t^p is below 0.8. An error of a few roundings has no significant exponent.
 void expect_no_bias(const Drift& found, const std::vector<double>& error, const char* what) {
     if (worst(error) < 4e-15) return;
     const auto growth = error_growth(found.t, error);
@@ -91,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(All, KeepsMomentumAndEnergy, ::testing::ValuesIn(keep_m
 
 class KeepsMomentum : public Structure {};
 TEST_P(KeepsMomentum, OfAFreeBodyToRoundOff) {
-    // many stages a step: fewer steps
+    // fewer steps for methods with many stages
     const long steps = find_method(GetParam())->order > 4 ? most_structure_steps / 4 : most_structure_steps;
     const Drift found = drift(free_body(1), GetParam(), steps, structure_step);
     EXPECT_LT(worst(found.norm), 1e-15);
@@ -99,7 +98,7 @@ TEST_P(KeepsMomentum, OfAFreeBodyToRoundOff) {
 }
 INSTANTIATE_TEST_SUITE_P(All, KeepsMomentum, ::testing::ValuesIn(keep_momentum), name_of_case);
 
-// the splitting's error in the energy comes and goes: its worst of the second half is that of the first
+// The energy error of splitting is bounded: its maximum in the second half of the run is that of the first half.
 TEST(Structure, SplittingsEnergyErrorStaysTheStepsOwn) {
     for (const char* method : {"splitting2", "splitting4", "splitting_exact2", "moser_veselov4"}) {
         const Drift found = drift(heavy_top(1), method, most_structure_steps / 4, 0.002);
@@ -128,7 +127,7 @@ TEST(Structure, ImplicitMidpointKeepsQuadraticFormsAndNoOthers) {
     }
 }
 
-/// h -> -h undoes a symmetric step, to round-off.
+/// A symmetric step with -h reverses the step with h up to round-off.
 TEST(Structure, FlowsAreSymmetric) {
     const Problem problem = pose(free_body(1));
     const Vector3<double> y(1, 2, 3);
@@ -148,7 +147,7 @@ TEST(Structure, FlowsAreSymmetric) {
     expect_undone(DiscreteMoserVeselov<5>(problem));
 }
 
-/// Short steps by the Taylor series, long ones by Jacobi's functions: two formulations, one motion.
+/// Short steps use the Taylor series and long ones Jacobi's functions: two independent formulations of the same motion.
 TEST(Structure, FreeMotionIsExactAtEveryStep) {
     Scene scene = free_body(1);
     for (const Vector3<double>& moments :
@@ -167,7 +166,7 @@ TEST(Structure, FreeMotionIsExactAtEveryStep) {
     }
 }
 
-/// Hairer & Vilmart (2006) print the first terms: with C = |y|^2 / 2 and H the energy,
+/// The first terms printed in Hairer & Vilmart (2006): with C = |y|^2 / 2 and H the energy,
 /// a_1 = -(1/I1 + 1/I2 + 1/I3) H / 3 + (I1 + I2 + I3) C / (6 I1 I2 I3),
 /// b_1 = (I1 + I2 + I3) H / (6 I1 I2 I3) - C / (3 I1 I2 I3).
 TEST(Structure, FirstModifiedMomentsAreThePublishedOnes) {
@@ -179,8 +178,7 @@ TEST(Structure, FirstModifiedMomentsAreThePublishedOnes) {
     EXPECT_NEAR(found.b(1), sum * H / (6 * product) - C / (3 * product), 1e-14);
 }
 
-/// Sum of g_i^k: 1 for k = 1, 0 for odd k below the order: the conditions that a symmetric composition of symmetric
-/// steps meets at least.
+/// The sum of g_i^k is 1 for k = 1 and 0 for odd k below the order: necessary conditions for symmetric compositions.
 TEST(Structure, CompositionsMeetTheirOrderConditions) {
     for (const int order : {2, 4, 6, 8}) {
         const std::span<const double> g = composition(order);
@@ -197,7 +195,7 @@ TEST(Structure, CompositionsMeetTheirOrderConditions) {
     EXPECT_TRUE(composition(3).empty());
 }
 
-/// Every load that a method takes, against the same motion by another formulation: it converges at its order.
+/// Under every load that a method supports it converges with its order to the same motion by another formulation.
 TEST(Structure, AllLoadsOfASceneAtTheClaimedOrder) {
     for (const char* name : {"splitting2", "splitting4", "splitting6", "splitting_exact4", "moser_veselov6",
                              "munthe_kaas4", "commutator_free4", "implicit_midpoint"}) {
@@ -215,7 +213,7 @@ TEST(Structure, AllLoadsOfASceneAtTheClaimedOrder) {
     }
 }
 
-/// Steps far too long, loads far too stiff: a result or a status with its reason, in bounded time.
+/// Far too long steps and far too stiff loads end in bounded time, with a result or with a status and its reason.
 TEST(Structure, ImpossibleStepsEndInANamedStatus) {
     Scene stiff = heavy_top(10);
     stiff.loads.push_back(Drag{{1e6, 1e6, 1e6}, 0, {}});

@@ -1,4 +1,4 @@
-// What is asked of each integrator of our own near the end of binary64: 10^-12 rad at a tolerance of 10^-14.
+// polhode's own integrators close to the limit of binary64: errors of 10^-12 rad at a tolerance of 10^-14.
 #include <gtest/gtest.h>
 
 #include "integrators/run/march.h"
@@ -16,7 +16,7 @@ struct Tight {
 
 class TightTolerance : public ::testing::TestWithParam<Tight> {};
 
-// fast tops over hundreds of radians: where the time's own rounding, or a Newton iteration that stops early, shows
+// Over hundreds of radians of fast tops, rounding of the time or an incomplete Newton iteration would show.
 TEST_P(TightTolerance, IsWorthTwelveDigits) {
     const Scene scene = find_scene(GetParam().scene);
     constexpr long samples = 4;

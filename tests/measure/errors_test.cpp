@@ -1,3 +1,4 @@
+// Errors of one body on trajectories made by hand, compared with values computed by hand.
 #include "measure/errors.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +29,8 @@ Scene free_body() {
     return scene;
 }
 
-// A truth that stands still in attitude and turns about x at 2 rad/s: only what the errors read matters here.
+// A reference with constant attitude and an angular velocity of 2 rad/s about x. It is not a motion: only the values
+// that the error measures read matter.
 Reference reference_at_rest(int samples) {
     Reference reference;
     reference.available = true;
@@ -72,7 +74,7 @@ TEST(AttitudeError, SeesTheLowPartOfTheTruth) {
 }
 
 TEST(Errors, MomentumIsComparedAsAVector) {
-    // the right energy and length of L in a wrong direction: a turned attitude shows in L, not in E
+    // the energy and |L| are right but the attitude is rotated: the error shows in the vector L, not in E
     const Scene scene = free_body();
     const Reference reference = reference_at_rest(2);
     const Quaternion<double> q{std::cos(0.5), 0, std::sin(0.5), 0};  // 1 rad about y
@@ -218,7 +220,7 @@ TEST(Errors, WhatIsNotANumberHasNoMaximum) {
     }
 }
 
-// The kinetic energy of the truth: m v^2 / 2 in flight, and of a body on a pivot I w^2 / 2 about the pivot alone.
+// The kinetic energy of the reference: m v^2 / 2 is included in flight; on a pivot it is I w^2 / 2 about the pivot.
 TEST(SceneMeasure, HasTheKineticEnergyOfFlightOnlyWhereItFlies) {
     Scene scene = free_body();
     scene.body.mass = 2;

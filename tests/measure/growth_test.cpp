@@ -33,7 +33,7 @@ RC_GTEST_PROP(ErrorGrowth, FindsTheExponentOfAPower, ()) {
 }
 
 TEST(ErrorGrowth, IsHalfOfARandomWalkAndThreeHalvesOfItsSum) {
-    // Brouwer's law, on the average of walks with fixed seeds; one walk alone strays by a few tenths
+    // Brouwer's law, as the mean over random walks with fixed seeds; single exponents vary by a few tenths
     const std::vector<double> t = times(20000);
     double walk_mean = 0, sum_mean = 0;
     constexpr int walks = 50;
@@ -60,7 +60,7 @@ TEST(ErrorGrowth, OfABoundedErrorIsNil) {
 
 TEST(ErrorGrowth, LooksNoFurtherThanSaturation) {
     const std::vector<double> t = times(2000);
-    std::vector<double> e = power(t, 1e-4, 2);  // reaches 1 rad at t = 100, then wraps
+    std::vector<double> e = power(t, 1e-4, 2);  // reaches 1 rad at t = 100 s, then wraps
     for (double& x : e) x = std::abs(std::remainder(x, 2 * M_PI));
     const auto growth = error_growth(t, e, 1);
     ASSERT_TRUE(growth);
@@ -95,7 +95,7 @@ TEST(ErrorGrowth, IsThatOfTheSizeOfErrorsBelowZero) {
 }
 
 TEST(ErrorGrowth, TellsHowFarItsHalvesAreApart) {
-    // t up to 100, t^2 / 100 from there on: of the two decades that are looked at, one each
+    // the last two decades are fitted: t up to 100, t^2 / 100 beyond, so each half has its own slope
     const std::vector<double> t = times(2000);
     std::vector<double> e;
     for (const double x : t) e.push_back(1e-9 * (x <= 100 ? x : x * x / 100));
@@ -120,7 +120,7 @@ TEST(ErrorGrowth, NeedsFourPoints) {
 
 TEST(ErrorEnvelope, HasNoPointAtTheStart) {
     EXPECT_EQ(error_envelope({0, 1, 2}, {1, 1, 1}).t, (std::vector<double>{1, 2}));
-    // evenly spaced to round-off: a point that lies there but for it is taken
+    // evenly spaced up to round-off: a point that misses its place by round-off is included
     const double next = std::pow(10, 1 / 20.0);
     EXPECT_EQ(error_envelope({1, next * (1 - 1e-15)}, {1, 1}).t.size(), 2U);
 }

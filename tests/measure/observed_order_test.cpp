@@ -17,7 +17,7 @@ std::vector<double> halved(double from, int count) {
     return steps;
 }
 
-// error = min(saturation, C h^p) + floor: what a convergence run looks like from coarse to fine
+// A typical convergence run from coarse to fine: error = min(saturation, C h^p) + floor.
 std::vector<double> errors_of(const std::vector<double>& steps, double order, double saturation, double floor) {
     std::vector<double> errors;
     for (double h : steps) errors.push_back(std::min(saturation, 10 * std::pow(h, order)) + floor);
@@ -36,7 +36,7 @@ TEST(ObservedOrder, IsThePowerOfTheStep) {
 
 TEST(ObservedOrder, LeavesOutSaturationAndRoundOff) {
     const auto steps = halved(1.6, 14);
-    // 10 h^4 exceeds 3 for h > 0.74; at h = 0.0004 the floor is 40 % of it and the local slope 3.5
+    // 10 h^4 exceeds 3 for h > 0.74; at h = 0.0004 the floor is 40 % of the error and the local slope is 3.5
     const auto fit = observed_order(steps, errors_of(steps, 4, 3, 1e-13));
     ASSERT_TRUE(fit);
     EXPECT_NEAR(fit->order, 4, 0.05);
@@ -60,19 +60,19 @@ TEST(ObservedOrder, PrefersConvergenceToLongSaturation) {
 }
 
 TEST(ObservedOrder, LeavesOutWhatExceedsTheSaturation) {
-    // three coarse points that look like order 1 by chance, then order 2
+    // three coarse points near saturation have order 1 by chance; the finer ones have order 2
     const std::vector<double> steps{0.8, 0.4, 0.2, 0.1, 0.05, 0.025};
     const std::vector<double> errors{4, 2, 1.01, 0.16, 0.04, 0.01};
     const auto fit = observed_order(steps, errors, 1);
     ASSERT_TRUE(fit);
     EXPECT_NEAR(fit->order, 2, 1e-10);
-    // where every error is near it nothing has converged
+    // errors near saturation show no convergence
     EXPECT_FALSE(observed_order({0.4, 0.2, 0.1}, {2.4, 2.4, 2.4}, 1));
     EXPECT_FALSE(observed_order({0.4, 0.2, 0.1}, {0.8, 0.4, 0.2}, 1));
     EXPECT_TRUE(observed_order({0.4, 0.2, 0.1}, {0.32, 0.16, 0.08}, 1));
 }
 
-// A fast top by a first-order update: where the attitude is lost, its error is below a radian by chance.
+// A fast top solved by a first-order update: where the attitude is lost, some errors are below 1 rad by chance.
 TEST(ObservedOrder, LeavesOutStepsLongerThanOneThatLosesTheAttitude) {
     const std::vector<double> steps{0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125};
     const auto fit = observed_order(steps, {0.21, 0.35, 0.2, 2.47, 0.5, 0.09}, 1);
@@ -115,19 +115,19 @@ TEST(ObservedOrder, LeavesOutWhatIsNoPoint) {
 }
 
 TEST(ObservedOrder, LeavesOutSaturation) {
-    // error 4 h^2; the coarsest lies beyond the saturation of 1, the next upon it
+    // error 4 h^2; the coarsest point is beyond the saturation of 1, the next is at it
     const auto fit = observed_order({1, 0.5, 0.25, 0.125}, {4, 1, 0.25, 0.0625}, 1);
     ASSERT_TRUE(fit);
     EXPECT_NEAR(fit->order, 2, 1e-12);
     EXPECT_EQ(fit->points, 3);
     EXPECT_NEAR(fit->from, 0.125, 1e-15);
     EXPECT_NEAR(fit->to, 0.5, 1e-15);
-    // two points show no order
+    // two points are too few for an order
     EXPECT_FALSE(observed_order({1, 0.5, 0.125}, {4, 1, 0.0625}, 1));
 }
 
 TEST(ObservedOrder, TakesWhatAgreesWithinThreePercent) {
-    // local slopes 2 and 2.04 agree, and with 2.2 they do not
+    // local slopes of 2 and 2.04 agree; 2.2 does not agree with them
     std::vector<double> steps{1}, errors{1};
     for (const double slope : {2.2, 2.04, 2.0}) {
         steps.push_back(steps.back() / 2);
@@ -138,7 +138,7 @@ TEST(ObservedOrder, TakesWhatAgreesWithinThreePercent) {
     EXPECT_EQ(fit->points, 3);
     EXPECT_NEAR(fit->order, 2.02, 1e-12);
     EXPECT_EQ(fit->to, 0.5);
-    // slopes of 1, 1.2 and 3 agree nowhere: the steadiest three points
+    // slopes of 1, 1.2 and 3 do not agree: the three points with the steadiest slopes are fitted
     const auto rough =
         observed_order({1, 0.5, 0.25, 0.125}, {1, 1 / 8.0, 1 / 8.0 / std::exp2(1.2), 1 / 16.0 / std::exp2(1.2)});
     ASSERT_TRUE(rough);
@@ -146,7 +146,7 @@ TEST(ObservedOrder, TakesWhatAgreesWithinThreePercent) {
     EXPECT_NEAR(rough->order, 1.1, 1e-12);
 }
 
-// errors with these slopes between neighbours, the finest step first
+// The fit to errors with these local slopes, from the finest step to the coarsest.
 std::optional<ObservedOrder> order_of_slopes(const std::vector<double>& slopes) {
     std::vector<double> steps{0x1p-10}, errors{1e-6};
     for (const double slope : slopes) {
@@ -158,10 +158,10 @@ std::optional<ObservedOrder> order_of_slopes(const std::vector<double>& slopes) 
 
 TEST(ObservedOrder, ComparesTheSlopesBetweenNeighbours) {
     EXPECT_EQ(order_of_slopes({2, 2.04, 2})->points, 4);
-    // 5 % apart: the other three points
+    // slopes that differ by 5 % do not agree: the other three points are fitted
     EXPECT_EQ(order_of_slopes({2, 2.1, 2.1})->points, 3);
     EXPECT_NEAR(order_of_slopes({2, 2.1, 2.1})->order, 2.1, 1e-12);
-    // slopes that drift agree with their neighbours alone
+    // drifting slopes agree only with their neighbours
     EXPECT_EQ(order_of_slopes({2, 2.05, 2.1, 2.15})->points, 3);
     EXPECT_NEAR(order_of_slopes({2, 2.05, 2.1, 2.15})->order, 2.125, 1e-12);
 }

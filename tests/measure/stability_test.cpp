@@ -1,4 +1,4 @@
-// The classes of what becomes of a run, on trajectories made by hand.
+// Classification of run outcomes, on trajectories made by hand.
 #include "measure/stability.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr long last = 8;
 
-// a body that turns at `rate` about z, every second sampled
+// A body that rotates at `rate` about z, sampled once per second.
 Reference turning(double rate) {
     Reference reference;
     reference.available = true;
@@ -44,10 +44,10 @@ Errors errors_of(double attitude, double omega, double energy) {
 }
 
 TEST(Stability, IsBoundedByTheMotionsOwnSize) {
-    EXPECT_TRUE(is_stable(errors_of(3, 2, 4)));  // turning the other way, at the right rate
+    EXPECT_TRUE(is_stable(errors_of(3, 2, 4)));  // rotates in the opposite direction at the right rate
     EXPECT_FALSE(is_stable(errors_of(0, 4.1, 0)));
     EXPECT_FALSE(is_stable(errors_of(0, 0, 8.1)));
-    EXPECT_FALSE(is_stable(Errors{}));  // nothing to judge by
+    EXPECT_FALSE(is_stable(Errors{}));  // no errors available
     Errors nan = errors_of(0, std::nan(""), 0);
     EXPECT_FALSE(is_stable(nan));
 }
@@ -59,7 +59,7 @@ TEST(Stability, RestIsWhereTheTrueMotionIsNot) {
         EXPECT_FALSE(is_damped_to_rest(turning_at(rate, 0.2 * rate), turning(rate)));
     }
     EXPECT_FALSE(is_damped_to_rest(turning_at(0, 0), turning(0)));
-    // the true motion is at rest by then as well
+    // the reference is at rest by then as well
     Reference stops = turning(1);
     for (long k = 4; k <= last; ++k) stops.samples[static_cast<std::size_t>(k)].angular_velocity_B = {};
     EXPECT_FALSE(is_damped_to_rest(turning_at(1, 0), stops));
@@ -93,17 +93,17 @@ TEST(Stability, HoldsAtItsBounds) {
 }
 
 TEST(Stability, RestIsToldByTheLastQuarterAndTheLargestRate) {
-    // at rest from the middle on: so in the last quarter, and a body that turns in it again is not
+    // only the last quarter counts: a body at rest until then that rotates in it again is not damped to rest
     Trajectory turns_again = turning_at(1, 1);
     for (std::size_t k = 4; k < 7; ++k) turns_again.samples[k].angular_velocity_B = {};
     EXPECT_FALSE(is_damped_to_rest(turns_again, turning(1)));
     Trajectory stops = turning_at(1, 0);
     EXPECT_TRUE(is_damped_to_rest(stops, turning(1)));
-    // the truth ends at a thousandth of its largest rate's size: that is at rest as well
+    // a reference that slows down to a thousandth of its largest rate is at rest as well
     Reference slows = turning(1);
     for (std::size_t k = 7; k <= 8; ++k) slows.samples[k].angular_velocity_B = {Pair(0), Pair(0), Pair(9e-4)};
     EXPECT_FALSE(is_damped_to_rest(stops, slows));
-    // of three samples the last one
+    // with three samples the last quarter is the last sample
     Reference three = turning(1);
     three.samples.resize(3);
     Trajectory short_stop = turning_at(1, 0);

@@ -1,3 +1,4 @@
+// Errors of several bodies on trajectories made by hand, compared with values computed by hand.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -12,7 +13,7 @@
 namespace polhode {
 namespace {
 
-// between -2 and 2
+// uniform in [-2, 2]
 double small_number() { return *rc::gen::inRange(-2000, 2001) / 1000.0; }
 Vector3<double> small_vector() { return {small_number(), small_number(), small_number()}; }
 
@@ -24,8 +25,7 @@ ReferenceSample true_sample(const Sample& s) {
     return r;
 }
 
-// Two bodies that stand 2 m apart on x and turn about z at 3 rad/s, each by itself; the joint holds the middle between
-// them.
+// Two bodies 2 m apart on x that rotate independently about z at 3 rad/s. The joint is half-way between them.
 Scene two_turning_bodies(bool tied) {
     Scene scene;
     scene.name = "two", scene.duration = 1;
@@ -74,7 +74,7 @@ TEST(SystemErrors, AreTheWorstBodysAndItIsNamed) {
         if (m.name == "reaction") continue;
         EXPECT_EQ(errors_of(scene, trajectory, truth)[m.name].max.value_or(-1), 0) << m.name;
     }
-    // at one time the right one is turned by 1/4 rad, at another the left one by 1/8, shifted and too fast
+    // at one time the right body is rotated by 1/4 rad; at another the left one by 1/8 rad, shifted and too fast
     trajectory.samples[5].q = {std::cos(0.125), 0, 0, std::sin(0.125)};
     trajectory.samples[6].q = {2 * std::cos(0.0625), 0, 0, 2 * std::sin(0.0625)};
     trajectory.samples[6].position_W[1] = 0.5, trajectory.samples[6].angular_velocity_B[2] = 3.75;
@@ -89,10 +89,10 @@ TEST(SystemErrors, AreTheWorstBodysAndItIsNamed) {
     EXPECT_EQ(*e["position"].max, 0.5);
     EXPECT_NEAR(*e["omega"].max, 0.25, 1e-15);
     EXPECT_NEAR(*e["norm"].max, 1, 1e-15);
-    // L = 4 w of each, and nothing of the way of the centres of mass, which are at rest
+    // L = 4 w for each body, with no orbital part because the centres of mass are at rest
     EXPECT_NEAR(*e["momentum"].max, 0.75 * 4 / (2 * 3 * 4), 1e-15);
     EXPECT_NEAR(*e["energy"].max, (3.75 * 3.75 - 9) / (2 * 9), 1e-15);
-    // the left body's point, (1, 0, 0) from it, is 1/2 above the right one's, and both are turned away from there
+    // the left body's joint point, (1, 0, 0) from its centre, is 1/2 m above the right one's, and rotated by 1/8 rad
     const double across = 0.5 + std::sin(0.125), along = std::cos(0.125) - 1;
     EXPECT_NEAR(*e["joint_gap"].max, std::hypot(across, along), 1e-15);
     EXPECT_EQ(*e["joint_turn"].max, 0);
@@ -102,14 +102,14 @@ TEST(SystemErrors, WhatTurnsOppositelyHasNoMomentumAndItsErrorIsAbsolute) {
     const Scene scene = two_turning_bodies(false);
     Trajectory trajectory = turning_bodies(3, -3);
     Reference truth = truth_of(trajectory);
-    // the truth's own round-off
+    // round-off of a computed reference: low parts of order 1e-28
     for (ReferenceSample& s : truth.samples) s.angular_velocity_B[0].low = 1e-28, s.velocity_W[0].low = 1e-27;
     trajectory.samples[8].angular_velocity_B[2] += 0x1p-20;
     trajectory.samples[8].velocity_W[1] += 0x1p-30;
     const Errors e = errors_of(scene, trajectory, truth);
     EXPECT_NEAR(*e["momentum"].max, 0x1p-18 - 0x1p-29, 1e-15);
     EXPECT_NEAR(*e["linear_momentum"].max, 0x1p-29, 1e-18);
-    // at rest, too
+    // a reference at rest, up to round-off: the error is absolute
     trajectory = turning_bodies(0, 0);
     truth = truth_of(trajectory);
     for (ReferenceSample& s : truth.samples) s.angular_velocity_B[0].low = 1e-28;
@@ -122,11 +122,11 @@ TEST(SystemErrors, MomentaAreThoseThatTheSystemHas) {
     for (Sample& s : trajectory.samples) s.velocity_W = {0, 0.5, 0};
     const Reference truth = truth_of(trajectory);
     trajectory.samples[9].velocity_W = {0, 0.75, 0};
-    // free: about the centre of mass of both, which is at the origin: 2 kg (1/4 m/s less the mean 1/8) of arms 1 m
+    // free: about the common centre of mass at the origin: 2 kg times 1/4 m/s minus the mean of 1/8 m/s, at arms of 1 m
     Errors e = errors_of(two_turning_bodies(false), trajectory, truth);
     EXPECT_NEAR(*e["momentum"].max, 2 * 0.125 * 2 / 24, 1e-15);
     EXPECT_NEAR(*e["linear_momentum"].max, 2 * 0.25 / 2, 1e-15);
-    // tied to the world: about the world's origin, and no p
+    // tied to the world: about the world's origin, and linear momentum is not compared
     e = errors_of(two_turning_bodies(true), trajectory, truth);
     EXPECT_NEAR(*e["momentum"].max, 2 * 0.25 / 24, 1e-15);
     EXPECT_FALSE(e["linear_momentum"].max);
@@ -143,13 +143,13 @@ TEST(SystemErrors, ReactionsAreRelativeToTheLargest) {
     EXPECT_EQ(*errors_of(scene, trajectory, truth)["reaction"].max, 0);
     trajectory.reactions[1].force_W[0] = 1;
     EXPECT_NEAR(*errors_of(scene, trajectory, truth)["reaction"].max, 0.25, 1e-15);
-    // no torque: what the largest force does 1 m from the centre of mass
+    // the largest torque is zero: the scale is that of the largest force at 1 m from the centre of mass
     trajectory.reactions[1].torque_W[0] = 2;
     EXPECT_NEAR(*errors_of(scene, trajectory, truth)["reaction"].max, 0.5, 1e-15);
-    // what redundant constraints leave open does not count
+    // components that redundant constraints leave undetermined (NaN) do not count
     truth.reactions[1].torque_W[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_NEAR(*errors_of(scene, trajectory, truth)["reaction"].max, 0.25, 1e-15);
-    // unless both know them, there is no error
+    // without reactions of the reference there is no error
     truth.reactions.clear();
     EXPECT_FALSE(errors_of(scene, trajectory, truth)["reaction"].max);
 }
@@ -170,7 +170,7 @@ TEST(SystemErrors, OtherNumbersOfBodiesAndOtherTimesAreRefused) {
     const Trajectory trajectory = turning_bodies();
     Reference truth = truth_of(trajectory);
     truth.samples[7].t += 1e-9;
-    EXPECT_NO_THROW(error_series(scene, trajectory, truth));  // the second body's time is not looked at
+    EXPECT_NO_THROW(error_series(scene, trajectory, truth));  // only the first body's time is compared
     truth.samples[6].t += 1e-9;
     EXPECT_THROW(error_series(scene, trajectory, truth), std::invalid_argument);
     truth.bodies = 1;
@@ -194,7 +194,7 @@ TEST(SystemErrors, GoAsFarAsTheTruthDoes) {
 TEST(SystemErrors, WhatIsNotANumberIsTheWorst) {
     const Scene scene = two_turning_bodies(false);
     const Reference truth = truth_of(turning_bodies());
-    // of either body, and the other one is off by something
+    // NaN in either body wins over a finite error of the other one
     for (const std::size_t broken : {4U, 5U}) {
         Trajectory trajectory = turning_bodies();
         trajectory.samples[broken].q.w = std::numeric_limits<double>::quiet_NaN();
@@ -226,7 +226,7 @@ TEST(SystemErrors, TheMomentumIsComparedAsAVector) {
 TEST(SystemErrors, TheEnergyIsRelativeToTheLargerOfItselfAndTheKineticOne) {
     Scene scene = two_turning_bodies(false);
     scene.loads = {Gravity{{0, 0, -9}, {}}};
-    // the bodies turn with 36 J, and have 36 J more or less for each metre that both are up or down
+    // kinetic energy 36 J; potential energy 36 J per metre of common height
     for (const double height : {1.0, -1.0}) {
         Trajectory trajectory = turning_bodies();
         for (Sample& s : trajectory.samples) s.position_W[2] = height;
@@ -242,7 +242,7 @@ TEST(SystemErrors, OfSeveralJointsAreTheWorstOnes) {
     scene.joints[1].name = "other", scene.joints[1].child = "left", scene.joints[1].child_point = {1, 0, 0};
     Trajectory trajectory = turning_bodies();
     Reference truth = truth_of(trajectory);
-    // the forces are largest half-way: 4 N at the second joint
+    // the largest force is 4 N, at the second joint half-way through the run
     for (int k = 0; k < 5; ++k)
         for (const double force : {1.0, k == 2 ? 4.0 : 2.0}) {
             trajectory.reactions.push_back({{0, 0, force}, {}});
@@ -252,10 +252,10 @@ TEST(SystemErrors, OfSeveralJointsAreTheWorstOnes) {
     trajectory.reactions[8].force_W[0] = 0.5;
     const ErrorSeries series = error_series(scene, trajectory, truth);
     EXPECT_EQ(series["reaction"], (std::vector<double>{0, 0, 0.25, 0, 0.125}));
-    // what the motion does not determine is no part of the largest force either
+    // a force with an undetermined component is not used for the largest force
     truth.reactions[5].force_W[2] = Pair(std::numeric_limits<double>::quiet_NaN());
     EXPECT_EQ(error_series(scene, trajectory, truth)["reaction"], (std::vector<double>{0, 0, 0.5, 0, 0.25}));
-    // and what it does determine of that one is
+    // its determined components are still compared
     truth.reactions[5].force_W[0] = Pair(5), trajectory.reactions[5].force_W[0] = 6;
     EXPECT_EQ(error_series(scene, trajectory, truth)["reaction"], (std::vector<double>{0, 0, 0.2, 0, 0.1}));
 }
@@ -287,7 +287,7 @@ TEST(SystemErrors, SayWhichNumberOfBodiesIsAnother) {
               "the trajectory has a different number of bodies than the scene");
 }
 
-// A body of its own, told as one of several and as a scene's only one.
+// The errors of one body are the same whether the scene has `body` or a list of one body in `bodies`.
 RC_GTEST_PROP(SystemErrors, OfOneBodyAreThoseOfABodyAlone, ()) {
     Scene alone;
     alone.name = "alone", alone.duration = 1;

@@ -1,4 +1,5 @@
-// What is said to stay, against what does along the motion, and against what mechanics says of each system.
+// Invariants claimed for mechanisms, compared with the quantities along a numerical motion and with the known
+// conservation laws of each system.
 #include "motion/conserved_by_mechanism.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,7 @@ Scene scene_of_bodies(std::vector<NamedBody> bodies, std::vector<Joint> joints, 
     return scene;
 }
 
-// two bodies on a hinge, turning in flight
+// two bodies joined by a hinge, rotating in flight
 Scene flying_pair(std::vector<Load> loads = {}) {
     NamedBody base = skew_body("base");
     base.initial.angular_velocity = {1, 0.5, -0.75}, base.initial.velocity_W = {0.5, 0.25, 1};
@@ -49,7 +50,7 @@ Scene flying_pair(std::vector<Load> loads = {}) {
     return scene_of_bodies({base, skew_body("arm")}, {hinge}, std::move(loads));
 }
 
-// two bodies, the first carried by the world
+// two bodies, the first joined to the world
 Scene hung_pair(JointType type, const V3& at, const V3& axis, std::vector<Load> loads = {}) {
     Joint first = turning_joint("first", type, "world", "upper", axis);
     first.parent_point = at;
@@ -62,8 +63,8 @@ Force force_at(const V3& vector, Frame frame, Frame point_frame = Frame::body) {
     return {vector, frame, {0.5, 0, 0}, point_frame, {}, point_frame == Frame::body ? "base" : "arm"};
 }
 
-// The classical Runge-Kutta method of fourth order in joint coordinates, in steps of a thousandth of a second; told of
-// the motion from 0+ on, every fiftieth step.
+// Integrates by the classical fourth-order Runge-Kutta method in joint coordinates with h = 1/1024 s. Passes every
+// fiftieth state to `see`, from 0+ on.
 template <class See>
 void walk(const Problem& problem, const See& see) {
     MechanismModel model = mechanism_of(problem);
@@ -72,7 +73,7 @@ void walk(const Problem& problem, const See& see) {
     model.initial(y.data());
     constexpr double h = 1.0 / 1024;
     for (int step = 0; step <= 512; ++step) {
-        // all loads begin and end at steps
+        // all loads start and end at multiples of h
         model.enter(step * h, y.data());
         if (step % 50 == 0) see(step * h, model.motion(y.data()));
         constexpr double ahead[] = {0, 0.5, 0.5, 1}, weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
@@ -86,7 +87,7 @@ void walk(const Problem& problem, const See& see) {
     }
 }
 
-// The names are those, what they name stays along the motion, and energy or momenta that are not named change.
+// Checks the names of the invariants. Named ones are constant along the motion, other energies and momenta change.
 void expect_kept(const char* what, const Scene& scene, KeptNames expected) {
     SCOPED_TRACE(what);
     const Problem problem = pose(scene);
@@ -180,7 +181,7 @@ TEST(ConservedByMechanism, WithImpulses) {
     const auto impulse = [](Frame frame, double at) {
         return Impulse{{1, 0.5, 0}, frame, {0.5, 0, 0}, Frame::body, at, "arm"};
     };
-    // the values are those after it
+    // the values are those after the impulse at t = 0
     const std::vector<Conserved> before = conserved_by_mechanism(pose(flying_pair())),
                                  after = conserved_by_mechanism(pose(flying_pair({impulse(Frame::world, 0)})));
     ASSERT_EQ(before.size(), 3u);
@@ -226,7 +227,7 @@ TEST(ConservedByMechanism, HungOnAnAxis) {
     expect_kept("a slide", hung_pair(JointType::prismatic, {}, {1, 0, 0}), {keeps_energy});
     expect_kept("a universal joint", hung_pair(JointType::universal, {}, {1, 0, 0}), {keeps_energy});
 
-    // a second tree on the world
+    // a second tree joined to the world
     Scene two = hung_pair(hinge, {}, {1, 0, 0});
     two.bodies.push_back(skew_body("beside"));
     two.joints.push_back(turning_joint("third", hinge, "world", "beside", {-2, 0, 0}));
@@ -242,7 +243,7 @@ TEST(ConservedByMechanism, HungOnAnAxis) {
     rod.name = "rod", rod.type = LoopType::distance, rod.second = "upper", rod.first_point = {0, 0, 3};
     rod.second_point = {0, 0, 0}, rod.length = 3;
     closed.loops = {rod};
-    EXPECT_EQ(conserved_by_mechanism(pose(closed)).size(), 1u);  // a rod to the world, though it pulls at no arm
+    EXPECT_EQ(conserved_by_mechanism(pose(closed)).size(), 1u);  // a distance to the world, although without an arm
 }
 
 TEST(ConservedByMechanism, MotionInPlanes) {
@@ -271,7 +272,7 @@ TEST(ConservedByMechanism, MotionInPlanes) {
     EXPECT_FALSE(plane(one, {turning_joint("first", JointType::universal, "world", "a")}));
     EXPECT_FALSE(plane_of_motion(pose(flying_pair())));
 
-    // and they do stay there
+    // the motion stays in this plane
     const Problem problem = pose(scene_of_bodies(both, pair(hinge, y, slide, {1, 0, 1}), {falling}));
     std::vector<double> heights;
     walk(problem, [&](double, const std::vector<Sample>& samples) {

@@ -1,4 +1,4 @@
-// Invariants found from the loads, against a run of the full equations (13 variables, the tensor as given).
+// Invariants derived from the loads, compared with a run of the full equations (13 variables, the tensor as given).
 #include "motion/conserved.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-// Classical Runge-Kutta on the full system; steps end at the events.
+// Classical Runge-Kutta for the full system; steps end at events.
 std::vector<Sample> run(const Scene& scene, double step) {
     const Problem problem = pose(scene, Formulation::full);
     FullMotion f(problem);
@@ -40,8 +40,8 @@ std::vector<Sample> run(const Scene& scene, double step) {
     return samples;
 }
 
-// The error of RK4 at h = 1e-3 on rates of up to about 5 per second for 3 s: t (5 h)^4 5 / 120 ~ 1e-10 relative;
-// measured 2e-11 at the most, over quantities of size up to 100. A quantity not kept moves by more than 1e-3.
+// The relative error of RK4 at h = 1e-3 s with rates up to about 5 per second over 3 s is t (5 h)^4 5 / 120 ~ 1e-10.
+// The largest measured change is 2e-11, of quantities up to 100. Quantities not conserved change by more than 1e-3.
 constexpr double followed_step = 1e-3, kept = 1e-8, not_kept = 1e-3;
 
 double largest_change(const Problem& problem, const Conserved& one, const std::vector<Sample>& samples) {
@@ -59,7 +59,7 @@ std::vector<std::string> names(const std::vector<Conserved>& all) {
     return list;
 }
 
-// Each claim holds on the run; and energy or momentum that is not claimed does change.
+// Every claimed invariant is constant along the run. Energy and angular momentum change if they are not claimed.
 void expect(const Scene& scene, const std::vector<std::string>& wanted) {
     const Problem problem = pose(scene);
     const std::vector<Conserved> all = conserved(problem);
@@ -145,14 +145,14 @@ TEST(Conserved, TopInTiltedGravityKeepsTheMomentumAlongIt) {
 TEST(Conserved, SphericalTopKeepsTheMomentumAlongItsArm) {
     Scene s = top();
     s.body.inertia_B = diagonal(Vector3<double>(0.75, 1, 0.5));
-    s.body.center_of_mass = {0, 0.5, 0};  // the parallel axes add 0.25, 0, 0.25
+    s.body.center_of_mass = {0, 0.5, 0};  // the parallel axis theorem adds 0.25, 0, 0.25
     s.body.inertia_B = diagonal(Vector3<double>(0.75, 1, 0.75));
     expect(s, {E_kept, Lu_kept, spin_kept});
 }
 
 TEST(Conserved, KovalevskayasTopHasItsIntegral) {
     expect(find_scene("kovalevskaya"), {E_kept, Lu_kept, "Kovalevskaya's integral"});
-    // the same body described in other axes: the equator is still found
+    // the same body in other body axes: the equator is still found
     Scene s = find_scene("kovalevskaya");
     s.duration = 3;
     s.body.inertia_B = diagonal(Vector3<double>(0.75, 2, 1.75));
@@ -165,11 +165,11 @@ TEST(Conserved, GoryachevAndChaplyginsTopHasItsIntegralWhereTheVerticalMomentumV
     Scene s = find_scene("goryachev_chaplygin");
     s.duration = 3;
     expect(s, {E_kept, Lu_kept, integral});
-    // the same body described in other axes, its rates turned likewise
+    // the same body in other body axes, with its rates in these axes
     Scene other = s;
     other.body.inertia_B = diagonal(Vector3<double>(0.75, 4, 3.75));
     other.body.center_of_mass = {0, 0.5, 0};
-    other.initial.orientation = {0.5, -0.5, -0.5, -0.5};  // x, y, z of this body to z, x, y of that one
+    other.initial.orientation = {0.5, -0.5, -0.5, -0.5};  // maps x, y, z of this body to z, x, y of the first one
     other.initial.angular_velocity = {0, 0.5, 1};
     expect(other, {E_kept, Lu_kept, integral});
     s.initial.angular_velocity = {0.5, 1, 0.25};
@@ -209,7 +209,7 @@ TEST(Conserved, ImpulsesBreakWhatTheyKick) {
     Scene s = tumbling();
     s.loads = {Impulse{{0, 0, 2}, Frame::world, {0.5, 0, 0}, Frame::body, 1}};
     expect(s, {Lu_kept, Pu_kept, Pu_kept});
-    // one at t = 0 comes before the first sample
+    // an impulse at t = 0 acts before the first sample
     s.loads = {Impulse{{0, 0, 2}, Frame::world, {0.5, 0, 0}, Frame::body, 0}};
     expect(s, {E_kept, L_kept, P_kept});
 }

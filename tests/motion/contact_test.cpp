@@ -28,7 +28,7 @@ Placement<double> moderate_placement() {
     return {moderate_orientation(), moderate_vector(), moderate_vector(), moderate_vector()};
 }
 
-/// Turned by its rate for a short time.
+/// The placement after the short time h at constant velocities.
 Placement<double> moved(const Placement<double>& from, double h) {
     const Vector3<double> turn = 0.5 * h * from.angular_velocity_W;
     Placement<double> to = from;
@@ -37,7 +37,7 @@ Placement<double> moved(const Placement<double>& from, double h) {
     return to;
 }
 
-/// The rate is the derivative of the distance, for corners, balls and discs.
+/// The rate of a gap agrees with the central difference of its distance, for corners, spheres and discs.
 RC_GTEST_PROP(Gap, HasTheRateOfItsDistance, ()) {
     Scene scene = over_floor(Capsule{0.3, 0.5});
     switch (*rc::gen::inRange(0, 3)) {
@@ -58,7 +58,7 @@ RC_GTEST_PROP(Gap, HasTheRateOfItsDistance, ()) {
     for (std::size_t k = 0; k < geometry.size(); ++k) {
         const double slope =
             (geometry.gap(k, moved(at, h)).distance - geometry.gap(k, moved(at, -h)).distance) / (2 * h);
-        // a disc nearly flat on the plane has a sharp rim: its curvature there is unbounded
+        // the gap of a disc nearly parallel to the plane has unbounded curvature
         const Vector3<double> a =
             transposed(geometry.pieces[k].semi_axes) * rotate_back(at.q, geometry.planes[0].normal_W);
         if (geometry.pieces[k].extended && length(a) < 0.05) continue;
@@ -67,7 +67,7 @@ RC_GTEST_PROP(Gap, HasTheRateOfItsDistance, ()) {
     }
 }
 
-/// The same body described in other axes is as far from the same planes.
+/// Distances to planes do not depend on the body axes.
 RC_GTEST_PROP(ContactGeometry, DoesNotDependOnTheAxesItIsPosedIn, ()) {
     Scene scene = over_floor(Box{{0.3, 0.5, 0.8}});
     scene.planes.push_back({{1, 2, 0}, -3, 0.5, 0});
@@ -87,7 +87,7 @@ TEST(ContactGeometry, TakesTheNormalAtAnyLength) {
 }
 
 TEST(ContactGeometry, OfPartsIsAboutTheirCommonCentreWithoutHoles) {
-    // a box, a ball on a stick beside it, and a hole that nothing touches
+    // a box, a sphere beside it, and a hole that does not touch anything
     PartsBody parts;
     const auto add = [&](const Shape& shape, double density, const Vector3<double>& position) {
         parts.parts.push_back({body_source(ShapedBody{shape, {density, true}}), position, {}});
@@ -100,12 +100,12 @@ TEST(ContactGeometry, OfPartsIsAboutTheirCommonCentreWithoutHoles) {
     scene.planes = {{{-1, 0, 0}, -10, 1, 0}, {{0, 0, 1}, 0, 1, 0}};
     const ContactGeometry<double> geometry = geometry_of(scene);
     const double center = scene.body.center_of_mass[0];
-    // the ball reaches 3.5 from the box's middle towards the wall at x = 10
+    // the sphere extends 3.5 from the centre of the box towards the wall at x = 10
     EXPECT_NEAR(geometry.distance(0, {{}, {0, 0, 5}, {}, {}}), 10 - (3.5 - center), 1e-14);
     EXPECT_NEAR(geometry.distance(1, {{}, {0, 0, 5}, {}, {}}), 4 - scene.body.center_of_mass[2], 1e-14);
 }
 
-/// A point thrown up: z = v t - g t^2 / 2 + h.
+/// A point thrown upward: z = h + v t - g t^2 / 2.
 struct Throw {
     double h, v, g;
     Placement<double> operator()(double t) const {
@@ -122,7 +122,7 @@ TEST(FirstContact, IsTheRootOfTheParabola) {
     EXPECT_FALSE(first_contact(geometry, flight, 0.0, 0.68, 20.0));
 }
 
-/// From the floor up and down again: the start does not count, the return does.
+/// A throw from the floor: the contact at the start does not count, the return does.
 TEST(FirstContact, AfterAnImpactIsTheNext) {
     const ContactGeometry<double> geometry = geometry_of(over_floor(SolidSphere{0.25}));
     for (double off : {0.0, 1e-16, -1e-16}) {
@@ -135,7 +135,7 @@ TEST(FirstContact, AfterAnImpactIsTheNext) {
 }
 
 TEST(FirstContact, FindsADipThatLeavesNoSignAtTheEnds) {
-    // a rod's end swings past the floor: the height is 1 - 1.0001 cos(t)
+    // the end of a rod grazes the floor: its height is 1 - 1.0001 cos(t)
     const ContactGeometry<double> geometry = geometry_of(over_floor(ThinRod{2}));
     const auto at = [](double t) {
         const double angle = t - 1.2345;
@@ -150,7 +150,7 @@ TEST(FirstContact, OfABodyThatIsPressedDownIsNow) {
     const ContactGeometry<double> geometry = geometry_of(over_floor(SolidSphere{0.25}));
     const auto found = first_contact(geometry, Throw{0.25, 0, 10}, 0.0, 1.0, 10.0);
     ASSERT_TRUE(found);
-    EXPECT_LT(*found, 1e-2);  // at its begin or as the parabola leaves the floor
+    EXPECT_LT(*found, 1e-2);  // at the start, or when the parabola leaves the floor
 }
 
 TEST(FirstContact, OfNaNIsNothing) {

@@ -11,9 +11,9 @@ namespace {
 
 using namespace polhode::testing;
 
-/// Central differences with h = 1e-4. The right-hand sides are polynomials of degree 4 at most in any one component
-/// (a rotated tensor of inertia does not occur; R(q) is quadratic, p and v linear), so the error is h^2 times a third
-/// derivative, 1e-8 of the size, plus round-off 1e-16 / h.
+/// Compares the Jacobian with central differences at h = 1e-4. The right-hand sides are polynomials of degree at most
+/// 4 in each component: R(q) is quadratic, p and v are linear, and no rotated tensor occurs. The error is h^2 times a
+/// third derivative, relative 1e-8, plus the round-off 1e-16 / h.
 template <class SystemType>
 void check(const Problem& problem, const Sample& s) {
     constexpr int n = SystemType::dimension;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
 
-// 1000 rows, each seventh of them no body.
+// 1000 rows; every seventh is invalid (negative mass).
 std::string csv() {
     std::string text = "id,mass,wx,wy,wz\n# masses\n";
     for (int i = 1; i <= 1000; ++i)
@@ -26,7 +26,7 @@ std::string csv() {
     return text;
 }
 
-// The same table.
+// The same table in NumPy's format.
 std::string npy() {
     std::string content =
         write_npy_header({{"id", "|S6"}, {"mass", "<f8"}, {"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, 1000);
@@ -62,7 +62,7 @@ void expect_pieces(const Open& open, const EnsembleTable& whole, const char* fir
         for (std::size_t i = 0; i < together.refused.size(); ++i) EXPECT_EQ(together.refused[i].row, 7 * (i + 1));
         EXPECT_NE(together.refused[0].fault.find(first_place), std::string::npos) << together.refused[0].fault;
     }
-    // rows that are left out count, and are not read
+    // skipped rows are counted but not parsed
     const auto stream = open(scene);
     EnsembleTable piece;
     EXPECT_EQ(stream->skip(13), 13u);
@@ -97,7 +97,7 @@ TEST(EnsembleStream, FilesByTheirEnding) {
         std::ofstream(path, std::ios::binary) << (path.ends_with("npy") ? npy() : csv());
         expect_pieces([&](const Scene& s) { return open_ensemble(path, s); }, whole, (path + ": ").c_str());
     }
-    // a file that becomes shorter while it is read
+    // a file that becomes shorter while it is being read
     const std::string path = (directory / "t.npy").string();
     const auto stream = open_ensemble(path, scene);
     std::filesystem::resize_file(path, 5000);
@@ -126,7 +126,7 @@ TEST(EnsembleStream, WithoutABody) {
     EXPECT_EQ(message_of("mass\n-1\n1\n"), "none");
 }
 
-// A record with one field.
+// One record with the mass and another field.
 template <class T>
 std::string one_record(const std::string& name, const std::string& type, const T& value) {
     return write_npy_header({{"mass", "<f8"}, {name, type}}, 1) + std::string("\0\0\0\0\0\0\xf0?", 8) +

@@ -108,9 +108,8 @@ INSTANTIATE_TEST_SUITE_P(Files, BadEnsemble, ::testing::ValuesIn(bad_files("moti
 
 TEST(EnsembleTable, CatalogueOfBadFilesIsWhole) { expect_whole_catalogue("motion/ensemble", ".csv"); }
 
-// The tensor that the frame stands for, against the one given; and the moments against those of 128 bits.
-// Most bodies are told to be sound by fewer comparisons: never one that the rules refuse. Beside a pivot a body that
-// stands at the origin goes by the rules themselves.
+// The fast validity check never accepts a body that the full rules refuse. With a pivot, a body at the origin is
+// always checked by the full rules, so the two results can be compared.
 TEST(EnsembleTable, WhatIsSoundAtAGlanceIsSoundByTheRules) {
     std::mt19937_64 random(3);
     const std::vector<double> edges{0,     -0.0,  1,      1 + 1e-13, 1 + 1e-11, 2,   2 + 1e-11, -1,   1e-310,
@@ -121,7 +120,7 @@ TEST(EnsembleTable, WhatIsSoundAtAGlanceIsSoundByTheRules) {
         EnsembleBody b = ensemble_body(scene_in_flight());
         b.position_W = b.velocity_W = {};
         b.inertia_B = {{Vector3<double>(1, 0, 0), Vector3<double>(0, 1.5, 0), Vector3<double>(0, 0, 2)}};
-        // one to three numbers are something else
+        // replace one to three numbers
         for (std::size_t changes = 1 + random() % 3; changes > 0; --changes) {
             double* const numbers[] = {
                 &b.mass,          &b.inertia_B[0][0], &b.inertia_B[1][1],    &b.inertia_B[2][2], &b.inertia_B[0][1],
@@ -166,7 +165,7 @@ TEST(FastPrincipalFrame, StandsForTheTensor) {
 }
 
 TEST(Translation, KeepsTheEquationOfMotion) {
-    // against small steps of the midpoint rule on dv/dt = a - k v, extrapolated
+    // compare with the midpoint rule for dv/dt = a - k v at small steps, extrapolated
     const Vector3<double> a(0.3, -9.8, 0.1), p0(1, 2, 3), v0(-4, 5, 0.5);
     for (const double k : {0.0, 1e-9, 0.3, 4.0, -0.5}) {
         const double t = 1.5;

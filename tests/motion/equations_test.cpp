@@ -1,5 +1,5 @@
-// The one right-hand side against the momentum form, written separately from the loads themselves: d(L_W)/dt = tau_W,
-// m dv/dt = F, and dE/dt = the power of what has no potential.
+// The right-hand side against the momentum form, written independently from the definitions of the loads:
+// d(L_W)/dt = tau_W, m dv/dt = F, and dE/dt = power of the loads without a potential.
 #include "motion/equations.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// What acts at t = 0, by each load's definition: total force, torque about the pivot or the centre of mass, world
-/// axes.
+/// The loads at t = 0 by their definitions: total force, torque about the pivot or the centre of mass, in world axes.
 struct Action {
     Vector3<double> force_W, torque_W;
     double power_without_potential = 0;
@@ -61,7 +60,7 @@ Action action(const Scene& scene, const Sample& s) {
     return sum;
 }
 
-/// d/dt of R(q) v for a v fixed in the body, by differentiating the rotation itself.
+/// d/dt of R(q) v for v fixed in the body, by automatic differentiation of the rotation.
 Vector3<double> rate_of_rotated(const Quaternion<double>& q, const Quaternion<double>& rate, const Vector3<double>& v) {
     const auto with = [](double value, double slope) {
         Dual<1> d(value);
@@ -73,8 +72,8 @@ Vector3<double> rate_of_rotated(const Quaternion<double>& q, const Quaternion<do
     return {turned[0].slope[0], turned[1].slope[0], turned[2].slope[0]};
 }
 
-/// Round-off: numbers of size `size` go through some hundred operations, among them the inverse of a tensor whose
-/// moments differ by a factor of 100 at most (parallel axes included).
+/// Round-off of some hundred operations on numbers of size `size`, including the inverse of a tensor whose moments
+/// have a ratio of at most 100 (parallel axes included).
 double roundoff(double size) { return 1e-12 * (1 + size); }
 
 void check_momentum_form(const Problem& problem, const Sample& s, const Rates& rates, bool translation) {
@@ -85,7 +84,7 @@ void check_momentum_form(const Problem& problem, const Sample& s, const Rates& r
     const Vector3<double> L_rate = rate_of_rotated(s.q, rates.q, I * w) + rotate(s.q, I * rates.angular_velocity_B);
     RC_ASSERT(distance(L_rate, acting.torque_W) <
               roundoff(100 * (length(acting.torque_W) + length(I * w) * length(w))));
-    // the attitude turns at w
+    // the attitude rotates at w
     for (const Vector3<double>& v : {Vector3<double>(1, 0, 0), Vector3<double>(0.3, -0.5, 0.7)})
         RC_ASSERT(distance(rate_of_rotated(s.q, rates.q, v), rotate(s.q, cross(w, v))) < roundoff(length(w)));
     RC_ASSERT(std::abs(s.q.w * rates.q.w + dot(vector_part(s.q), vector_part(rates.q))) < roundoff(length(w)));
@@ -121,7 +120,7 @@ RC_GTEST_PROP(RightHandSide, FullMotionInThePrincipalFrameIsTheMomentumForm, ())
     check_momentum_form(problem, s, rates_by<LoadedMotion>(problem, s), true);
 }
 
-/// The system that the scene is posed as has the derivative of the full one, whatever was left out.
+/// The derivative of the scene's reduced formulation agrees with that of the full one.
 RC_GTEST_PROP(RightHandSide, ReducedAndFullAgree, ()) {
     const Scene scene = moderate_scene();
     const Problem reduced = pose(scene), full = pose(scene, Formulation::full);
@@ -151,8 +150,8 @@ RC_GTEST_PROP(RightHandSide, ReducedAndFullAgree, ()) {
         RC_ASSERT(distance(rates.velocity_W, expected.velocity_W) < roundoff(10 * length(expected.velocity_W) + size));
 }
 
-/// A body that turns about a principal axis alone: what the scalar system leaves out stays zero in the full one, and
-/// the rest is the same rate. A pendulum, or a driven and damped spin.
+/// Rotation about a principal axis only (a pendulum, or a driven and damped spin): the variables that the scalar
+/// system omits have zero rate in the full one, and the others have the same rates.
 RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
     Scene scene;
     scene.name = "one axis", scene.duration = 1;
@@ -178,7 +177,7 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
     }
     const Problem reduced = pose(scene), full = pose(scene, Formulation::full);
     RC_ASSERT(reduced.needs.system == SystemKind::principal_axis_rotation);
-    // any state of it: rate w, turned by the angle of (c, s) from the start
+    // any state: rate w, rotated from the start by the angle of (c, s)
     const double turned = moderate(-3, 3);
     const std::array<double, 3> y{moderate(-2, 2), std::cos(turned), std::sin(turned)};
     std::array<double, 3> rate{};
@@ -188,7 +187,7 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
     const Vector3<double> axis_B = rotate(reduced.body.q_BP, reduced.body.axis);
     const double size = 100 * (1 + std::abs(y[0]) + length(expected.angular_velocity_B));
     RC_ASSERT(distance(rate[0] * axis_B, expected.angular_velocity_B) < roundoff(size));
-    // dq = q0 (dc, ds e) in posed axes
+    // dq = q0 (dc, ds e) in the posed axes
     const Vector3<double> spin = rate[2] * reduced.body.axis;
     const Quaternion<double> q_rate =
         reduced.body.initial_q * Quaternion<double>{rate[1], spin[0], spin[1], spin[2]} * conjugate(reduced.body.q_BP);
@@ -196,8 +195,8 @@ RC_GTEST_PROP(RightHandSide, OneAxisAndFullAgree, ()) {
               roundoff(size));
 }
 
-/// dE/dt along the motion, by a central difference of the energy in 128 bits: q +- e dq has the same length on both
-/// sides, and e = 1e-10 leaves e^2 and 1e-34 / e, both far below the 1e-16 of the rates.
+/// dE/dt along the motion by a central difference of the energy in 128 bits. q +- e dq have the same length. With
+/// e = 1e-10 the errors, of order e^2 and 1e-34 / e, are far below the 1e-16 of the rates.
 RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
     const Scene scene = moderate_scene();
     const Problem problem = pose(scene, Formulation::full);
@@ -220,7 +219,7 @@ RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
     RC_ASSERT(std::abs(rate - acting.power_without_potential) < roundoff(size));
 }
 
-/// A user's torque is told the state in the body's own axes, and its answer is taken in them, whatever axes are posed.
+/// A user-defined torque receives the state in body axes and returns a vector in body axes, for any posed axes.
 RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
     Scene scene = moderate_scene();
     scene.loads.clear();
@@ -242,7 +241,7 @@ RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
 }
 
 TEST(Impulse, JumpsByDefinition) {
-    // textbook: I dw = r x J about the centre of mass, m dv = J; about a pivot I dw = r x J and no dv of its own
+    // textbook: I dw = r x J about the centre of mass and m dv = J; about a pivot I dw = r x J, and dv follows from it
     Body body;
     body.mass = 2, body.inertia_B = diagonal(Vector3<double>(1, 2, 4));
     const FullInertia<double> inertia{body.inertia_B, inverse(body.inertia_B)};

@@ -1,3 +1,4 @@
+// Impulses of contacts: conservation, Hecker's formula, friction computed by hand, simultaneous contacts.
 #include "motion/impact.h"
 
 #include <gtest/gtest.h>
@@ -31,12 +32,12 @@ double kinetic_energy(const StruckBody<double>& body) {
 }
 
 Vector3<double> momentum(const StruckBody<double>& body) { return (1 / body.inverse_mass) * body.velocity_W; }
-/// About the world's origin.
+/// Angular momentum about the world's origin.
 Vector3<double> angular_momentum(const StruckBody<double>& body) {
     return inverse(body.inverse_inertia_W) * body.angular_velocity_W + cross(body.position_W, momentum(body));
 }
 
-/// Two bodies that meet, and what they do after.
+/// Two colliding bodies before and after the impact.
 struct Meeting {
     StruckBody<double> a, b, a_after, b_after;
     Contact<double> contact;
@@ -52,13 +53,13 @@ struct Meeting {
     double energy() const { return kinetic_energy(a) + kinetic_energy(b); }
 };
 
-/// One in four meets an immovable body.
+/// A random impact; in one of four cases the second body is immovable.
 Meeting moderate_meeting(double restitution, double friction, bool both_movable = false) {
     Meeting m;
     m.a = moderate_body();
     if (both_movable || *rc::gen::inRange(0, 4) != 0) m.b = moderate_body();
     m.contact = {moderate_vector(), moderate_direction(), restitution, friction};
-    // three in four approach
+    // in three of four cases the bodies approach
     if (dot(m.contact.normal_W, m.before()) > 0 && *rc::gen::inRange(0, 2) == 0)
         m.contact.normal_W = -m.contact.normal_W;
     m.impulse = contact_impulse(m.a, m.b, m.contact);
@@ -68,7 +69,7 @@ Meeting moderate_meeting(double restitution, double friction, bool both_movable 
     return m;
 }
 
-// Numbers of the order of one to ten through some dozen operations, moments down to 0.2.
+// Rounding of several dozen operations on numbers between 1 and 10, with moments down to 0.2.
 constexpr double rounding = 1e-11;
 
 RC_GTEST_PROP(ContactImpulse, KeepsBothMomenta, ()) {
@@ -89,7 +90,7 @@ RC_GTEST_PROP(ContactImpulse, ReversesTheNormalSpeedByTheRestitution, ()) {
     }
 }
 
-/// The formula of the slides, term by term.
+/// The impulse agrees with Hecker's formula from the slides, term by term.
 RC_GTEST_PROP(ContactImpulse, IsHeckersFormula, ()) {
     const double e = moderate(0, 1);
     const Meeting m = moderate_meeting(e, 0);
@@ -108,13 +109,13 @@ RC_GTEST_PROP(ContactImpulse, KeepsEnergyAtFullRestitutionWithoutFriction, ()) {
     RC_ASSERT(std::abs(m.gained_energy()) < rounding * (1 + m.energy()));
 }
 
-/// A smooth contact pulls at nothing along the plane: what the momentum of the body does there is nothing.
+/// Without friction the impulse has no component along the plane.
 RC_GTEST_PROP(ContactImpulse, IsAlongTheNormalWithoutFriction, ()) {
     const Meeting m = moderate_meeting(moderate(0, 1), 0);
     const Vector3<double>& n = m.contact.normal_W;
     const Vector3<double> change = momentum(m.a_after) - momentum(m.a);
     RC_ASSERT(length(change - dot(n, change) * n) < rounding);
-    // so a sphere keeps its tangential velocity: the impulse passes through its centre
+    // therefore a sphere keeps its tangential velocity: the impulse passes through its centre
     StruckBody<double> sphere = m.a;
     sphere.inverse_inertia_W = diagonal(Vector3<double>(2, 2, 2));
     Contact<double> under = m.contact;
@@ -140,15 +141,15 @@ RC_GTEST_PROP(ContactImpulse, StaysInCoulombsConeAndGainsNoEnergy, ()) {
     }
 }
 
-/// A rough ball with back spin, by hand: m = 2, r = 0.5, I = 2 m r^2 / 5, v = (3, 0, -4), w = (0, -10, 0).
+/// A rough ball with back spin, computed by hand: m = 2, r = 0.5, I = 2 m r^2 / 5, v = (3, 0, -4), w = (0, -10, 0).
 TEST(ContactImpulse, OfARoughBallSticksOrSlides) {
     const double m = 2, r = 0.5, I = 0.4 * m * r * r, e = 0.5;
     const StruckBody<double> ball{
         1 / m, diagonal(Vector3<double>(1 / I, 1 / I, 1 / I)), {0, 0, r}, {3, 0, -4}, {0, -10, 0}};
-    // slip at the ground 3 - w r = 3 + 5 = 8; normal impulse (1 + e) m 4 = 12
+    // slip velocity at the ground 3 - w r = 3 + 5 = 8; normal impulse (1 + e) m 4 = 12
     const Vector3<double> sliding = contact_impulse<double>(ball, {}, {{0, 0, 0}, {0, 0, 1}, e, 0.1});
     EXPECT_LT(distance(sliding, {-1.2, 0, 12}), 1e-14);
-    // to stick: J_t (1/m + r^2/I) = J_t 7/(2m) = 8, J_t = 32/7, less than mu 12 from mu = 8/21 on
+    // sticking: J_t (1/m + r^2/I) = J_t 7/(2m) = 8, so J_t = 32/7, less than 12 mu for mu > 8/21
     const Vector3<double> sticking = contact_impulse<double>(ball, {}, {{0, 0, 0}, {0, 0, 1}, e, 0.5});
     EXPECT_LT(distance(sticking, {-32.0 / 7, 0, 12}), 1e-13);
     StruckBody<double> after = ball;
@@ -167,7 +168,7 @@ TEST(ContactImpulse, WorksInManyDigits) {
                          {Real(0), Real(0), Real(1)},
                          {Real(0), Real(0), Real(-1)},
                          {}};
-    // j = 2 / (1/3 + 1/7) = 21/5 with an arm of 1
+    // j = 2 / (1/3 + 1/7) = 21/5 with an arm of 1 m
     const Vector3<Real> J = contact_impulse<Real>(rod, {}, {{Real(1), Real(0), Real(0)}, {Real(0), Real(0), Real(1)}});
     EXPECT_LT(abs(J[2] - Real(21) / 5), Real(1e-48));
 }
@@ -179,7 +180,7 @@ std::vector<Contact<double>> under_box(double e, double friction, double bottom)
     return corners;
 }
 
-/// A box that lands flat bounces flat: no contact comes before another.
+/// A box that lands flat rebounds without spin: its four contacts are simultaneous.
 TEST(ResolveImpact, OfABoxThatLandsFlatBringsNoSpin) {
     for (double e : {0.0, 0.5, 1.0}) {
         StruckBody<double> box{0.5, diagonal(Vector3<double>(0.7, 1.1, 0.6)), {0, 0, 0.5}, {0.25, 0, -3}, {0, 0, 2}};
@@ -190,7 +191,7 @@ TEST(ResolveImpact, OfABoxThatLandsFlatBringsNoSpin) {
     }
 }
 
-/// Several contacts at once: no order of them matters, energy is kept at e = 1, and none approaches afterwards.
+/// Several contacts: their order does not matter, e = 1 conserves the energy, and no contact approaches afterwards.
 RC_GTEST_PROP(ResolveImpact, DoesNotDependOnTheOrderOfContacts, ()) {
     const double e = *rc::gen::arbitrary<bool>() ? 1 : moderate(0, 1);
     StruckBody<double> body = moderate_body();

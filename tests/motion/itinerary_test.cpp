@@ -1,4 +1,4 @@
-// The walk through a run, on legs and samples chosen to meet every case of the rule.
+// The sequence of legs and samples of a run, for every case of its rule.
 #include "motion/itinerary.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ Scene scene_with(std::vector<double> impulses, double duration) {
     return scene;
 }
 
-// "0:" enters leg 0, "a" to "d" are the samples in order, "|" stands where the leg is gone along
+// "0:" enters leg 0, "a" to "d" show the samples in order, and "|" integrates along the leg.
 std::string walked(const std::vector<Leg>& legs, SampleQueue samples) {
     std::string text;
     char name = 'a';
@@ -92,7 +92,7 @@ TEST(Itinerary, WhatStopsTheWalkStopsItAtOnce) {
     }
 }
 
-// The driver that goes from sample to sample sees each event where the one that goes from event to event does.
+// A driver that goes from sample to sample applies each event at the same place as one that goes from event to event.
 TEST(Itinerary, EventsAreDueWhereTheirLegShowsTheSample) {
     const std::vector<Leg> legs = itinerary(scene_with({0, 0.5, 1, 3}, 3));
     EventQueue<Leg> events(legs);

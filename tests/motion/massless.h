@@ -1,4 +1,4 @@
-// Scenes of several bodies without mass, point masses and rods.
+// Scenes of several bodies with massless bodies, point masses and rods.
 #pragma once
 
 #include <string>
@@ -32,7 +32,7 @@ inline Scene scene_of(std::string name, double duration) {
     return scene;
 }
 
-/// The double pendulum of textbooks: two point masses on massless strings that stay taut, hinges along y.
+/// The textbook double pendulum: two point masses on massless rods, hinges along y.
 struct PointMassPendulum {
     double m1 = 1, m2 = 0.75, l1 = 1, l2 = 0.5, g = 9.75, theta1 = 1.25, theta2 = -0.5, w1 = 0.25, w2 = -1;
 

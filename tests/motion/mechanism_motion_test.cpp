@@ -1,3 +1,4 @@
+// Energy, momenta, joint coordinates and joint errors of given motions, compared with the definition of each joint.
 #include "motion/mechanism_motion.h"
 
 #include <gtest/gtest.h>
@@ -11,14 +12,14 @@
 namespace polhode {
 namespace {
 
-// between -2 and 2
+// uniform in [-2, 2]
 double middling() { return *rc::gen::inRange(-2000, 2001) / 1000.0; }
 Vector3<double> moderate_vector() { return {middling(), middling(), middling()}; }
 Quaternion<double> moderate_orientation() {
     const Quaternion<double> q{middling(), middling(), middling(), middling()};
     return squared_norm(q) < 1e-3 ? Quaternion<double>{} : normalized(q);
 }
-// an axis that is no axis of the frame
+// an axis not parallel to a coordinate axis
 Vector3<double> moderate_axis() { return {1 + std::abs(middling()), middling(), middling()}; }
 Quaternion<Wide> wide_unit(const Quaternion<double>& q) { return normalized(cast<Wide>(q)); }
 
@@ -60,7 +61,7 @@ Scene two_fixed_bodies() {
     return scene;
 }
 
-// The motions of a parent and of its child on the joint, at rest.
+// The motions of a parent and its child on the joint, at rest.
 std::vector<BodyMotion<Wide>> jointed(const Scene& scene, const Quaternion<Wide>& q_parent,
                                       const Vector3<Wide>& parent_center_W, const Quaternion<Wide>& J,
                                       const Vector3<Wide>& slide = {}) {
@@ -107,9 +108,9 @@ RC_GTEST_PROP(MechanismMotion, OneBodyHasTheInvariantsOfABodyAlone, ()) {
     RC_ASSERT(double(length(found.linear_momentum_W - Wide(alone.body.mass) * m.velocity_W)) < 1e-30);
 }
 
-// Particles make up bodies: sums over points, without tensors.
+// Momenta and energy of bodies agree with sums over their particles, computed without inertia tensors.
 TEST(MechanismMotion, MomentaAndEnergyAreThoseOfTheParticles) {
-    // bodies of six points at +-d_i on their axes, of mass m / 6 each: moments m/3 (d_j^2 + d_k^2)
+    // each body is six points at +-d_i on its axes, of mass m / 6 each: moments m/3 (d_j^2 + d_k^2)
     const Vector3<double> d[2] = {{0.5, 1, 1.5}, {2, 0.25, 0.75}};
     const double mass[2] = {6, 12};
     Scene scene;
@@ -154,7 +155,7 @@ TEST(MechanismMotion, MomentaAndEnergyAreThoseOfTheParticles) {
     const Vector3<Wide> center = (1 / Wide(18)) * (Wide(6) * motions[0].position_W + Wide(12) * motions[1].position_W);
     const Vector3<Wide> drift = (1 / Wide(18)) * (Wide(6) * motions[0].velocity_W + Wide(12) * motions[1].velocity_W);
     expect_near(MechanismMeasure<Wide>(scene).invariants(0, motions, none), summed(center, drift));
-    // tied to the world: about its origin
+    // tied to the world: momenta about the world's origin
     scene.joints.assign(1, {});
     scene.joints[0].name = "j";
     scene.joints[0].type = JointType::spherical;
@@ -182,7 +183,7 @@ TEST(MechanismMotion, APointSpringHasThePotentialOfItsStretch) {
                    PointSpring{"world", {1, 1, 1}, "a", {0.5, 0, 0}, 2, 0, {}}};
     std::vector<BodyMotion<Wide>> motions(2);
     motions[1].position_W = {4, 4, -2};
-    // from (1, 0, 0) to (4, 4, 0): stretched by 4; from (1, 1, 1) to the origin
+    // a spring from (1, 0, 0) to (4, 4, 0), stretched by 4; another from (1, 1, 1) to the origin
     const MechanismMeasure<Wide> measure(scene);
     JointCoordinates none(scene);
     EXPECT_NEAR(double(measure.invariants(1.5, motions, none).energy), 8 * 16 / 2.0 + 2 * 3 / 2.0, 1e-15);
@@ -209,7 +210,7 @@ RC_GTEST_PROP(MechanismMotion, AnglesCountTurnsInTheEnergyOfARevoluteJoint, ()) 
     const MechanismMeasure<Wide> measure(scene);
     JointCoordinates coordinates(scene);
     const Quaternion<Wide> q_parent = wide_unit(moderate_orientation());
-    // a tenth of a radian a sample by its rate: beyond a turn in either direction
+    // 10 rad per sample, more than one rotation, in either direction: the rate determines the number of rotations
     const double rate = *rc::gen::arbitrary<bool>() ? 20 : -20;
     scene.joints.front().rate = {rate, 0};
     for (int i = 0; i <= 20; ++i) {
@@ -217,7 +218,7 @@ RC_GTEST_PROP(MechanismMotion, AnglesCountTurnsInTheEnergyOfARevoluteJoint, ()) 
         auto motions = jointed(scene, q_parent, {1, 2, 3}, turn_by(axis, x));
         const Vector3<Wide> a = cast<Wide>(axis);
         motions[1].angular_velocity_B = (Wide(rate) / length(a)) * a;
-        // the parent turns too, as a whole with the child
+        // the parent rotates too, together with the child
         const Vector3<Wide> w_W{0.25, -3, 1};
         motions[0].angular_velocity_B = rotate_back(motions[0].q, w_W);
         motions[1].angular_velocity_B = motions[1].angular_velocity_B + rotate_back(motions[1].q, w_W);
@@ -288,7 +289,7 @@ TEST(MechanismMotion, TheAnglesOfAUniversalJointAreFollowedByTheirRates) {
         EXPECT_NEAR(coordinates.values()[0][0], 7 * t, 1e-12);
         EXPECT_NEAR(coordinates.values()[0][1], -5 * t, 1e-12);
     }
-    // known from elsewhere
+    // coordinates set from an external source
     coordinates.set(20, std::array<std::array<double, 2>, 1>{{{1, 100}}});
     auto motions = jointed(scene, {}, {}, turn_by(joint.axes[0], 1) * turn_by(joint.axes[1], 100));
     std::vector<BodyMotion<double>> rounded;
@@ -324,14 +325,14 @@ TEST(MechanismMotion, PrismaticAndSphericalJointsHaveTheirPotentials) {
     scene.joints[0].stiffness = {10, 0};
     scene.joints[0].rest_orientation = {0.8, 0.6, 0, 0};
 
-    // a turn of 2 rad beyond rest: k (1 - cos 2)
+    // rotated by 2 rad from rest: k (1 - cos 2)
     motions = jointed(scene, wide_unit({0.5, -0.5, 0.5, 0.5}), {7, 8, 9},
                       wide_unit({0.8, 0.6, 0, 0}) * turn_by({1, 2, -1}, 2));
     EXPECT_NEAR(double(MechanismMeasure<Wide>(scene).invariants(0, motions, coordinates).energy),
                 10 * (1 - std::cos(2.0)), 1e-14);
 }
 
-// Each joint held as it should be, then pulled apart and turned by known amounts.
+// A correct joint has no violation. One displaced and rotated by known amounts has these violations.
 RC_GTEST_PROP(MechanismMotion, JointsAreClosedWhereTheyShouldBeAndOffByWhatTheyAreMoved, ()) {
     Scene scene = with_bodies(2);
     const JointType type =
@@ -357,7 +358,7 @@ RC_GTEST_PROP(MechanismMotion, JointsAreClosedWhereTheyShouldBeAndOffByWhatTheyA
     const JointViolations<Wide> closed = measure.violations(jointed(scene, q_parent, {3, 2, 1}, free_turn, free_slide));
     RC_ASSERT(double(closed.gap) < 1e-30);
     RC_ASSERT(double(closed.turn) < 1e-30);
-    // across the axis: (1 + .., a, b) x (0, 0, 1) = (a, -(1 + ..), 0)
+    // perpendicular to the axis: (1 + .., a, b) x (0, 0, 1) = (a, -(1 + ..), 0)
     const Vector3<double> across = cross(axis, Vector3<double>(0, 0, 1));
     const double apart = 0.125, angle = 0.0625;
     const Vector3<Wide> moved = free_slide + (Wide(apart) / length(cast<Wide>(across))) * cast<Wide>(across);
@@ -405,14 +406,14 @@ TEST(MechanismMotion, LoopsAreMeasuredAndTheWorstIsNamed) {
     motions[1].q = turn_by({1, 1, 0}, 0.25);
     motions[1].position_W = {3.3, 4.4, 0};
     off = measure.violations(motions);
-    // the points (3.3, 4.4, 0) + R (0, 0, 1/8) and (3, 4, 0)
+    // the distance of the points (3.3, 4.4, 0) + R (0, 0, 1/8) and (3, 4, 0)
     const Vector3<Wide> apart =
         Vector3<Wide>(Wide(3.3) - 3, Wide(4.4) - 4, 0) + rotate(motions[1].q, Vector3<Wide>(0, 0, 0.125));
     EXPECT_NEAR(double(off.gap), double(length(apart)), 1e-16);
     EXPECT_EQ(off.gap_joint, 2U);
     EXPECT_NEAR(double(off.turn), 0.25, 1e-15);
     EXPECT_EQ(off.turn_joint, 2U);
-    // a motion that is no number is off most of all
+    // a NaN in the motion gives the violation NaN
     std::vector<BodyMotion<double>> lost(2);
     lost[0].position_W[1] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_TRUE(std::isnan(MechanismMeasure<double>(scene).violations(lost).gap));

@@ -1,4 +1,4 @@
-// Tables of other starts of a mechanism: which number goes where, and what is refused.
+// Tables of initial states of a mechanism: the meaning of each column, and refusals.
 #include "motion/mechanism_table.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ std::string refusal_of(const std::string& text) {
 TEST(MechanismTable, EachColumnSetsItsOwnNumberOnly) {
     const Scene scene = scene_of_all_joints();
     const auto columns = mechanism_columns(scene);
-    // of a joint of one coordinate 5, universal 4, spherical 7; of each body its mass, of the base 13 numbers more
+    // columns: one-coordinate joints 5, universal 4, spherical 7, fixed 0; one mass per body; 13 more for the free base
     EXPECT_EQ(columns.size(), 5u + 5 + 7 + 4 + 6 + 13);
     Scene numbered = scene;
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].number(numbered) = 100 + static_cast<double>(i);

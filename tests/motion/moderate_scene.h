@@ -1,4 +1,4 @@
-// Random scenes with numbers of the order of one, so that round-off can be told from a wrong term.
+// Random scenes with numbers of order one, so that a wrong term differs clearly from round-off.
 #pragma once
 
 #include <rapidcheck.h>
@@ -16,13 +16,13 @@ inline double moderate(double low, double high) {
 inline Vector3<double> moderate_vector() { return {moderate(-2, 2), moderate(-2, 2), moderate(-2, 2)}; }
 inline Frame any_frame() { return *rc::gen::arbitrary<bool>() ? Frame::body : Frame::world; }
 
-/// Of length 1 but for rounding.
+/// A unit quaternion, up to rounding.
 inline Quaternion<double> moderate_orientation() {
     const Quaternion<double> q{moderate(0.1, 1), moderate(-1, 1), moderate(-1, 1), moderate(-1, 1)};
     return normalized(q);
 }
 
-/// A third of the windows do not hold t = 0.
+/// A window; one third of them exclude t = 0.
 inline Window moderate_window() {
     switch (*rc::gen::inRange(0, 3)) {
         case 0:
@@ -49,7 +49,7 @@ inline Load moderate_load() {
     }
 }
 
-/// Moments between 0.2 and 4 that a body can have, about its centre of mass; in half the cases turned to other axes.
+/// A valid tensor about the centre of mass with moments between 0.2 and 4; in half the cases in rotated axes.
 inline Matrix3<double> moderate_inertia() {
     const double a = moderate(0.1, 2), b = moderate(0.1, 2), c = moderate(0.1, 2);
     Matrix3<double> inertia = diagonal(Vector3<double>(a + b, b + c, c + a));
@@ -62,7 +62,7 @@ inline Matrix3<double> moderate_inertia() {
     return inertia;
 }
 
-/// No impulses; one in three is held at a pivot.
+/// A scene without impulses; one in three has a pivot.
 inline Scene moderate_scene() {
     Scene scene;
     scene.name = "random", scene.duration = 1;
@@ -83,7 +83,7 @@ inline Scene moderate_scene() {
     return scene;
 }
 
-/// A state of the body as a sample, its own axes; at a pivot p and v follow from the rest.
+/// A random state as a sample, w in body axes; with a pivot, p and v follow from q and w.
 inline Sample moderate_state(const Problem& problem) {
     Sample s;
     s.q = moderate_orientation();
@@ -93,14 +93,14 @@ inline Sample moderate_state(const Problem& problem) {
     return s;
 }
 
-/// The rates of a sample's blocks, body axes for w and q = q_WB.
+/// The rates of a sample's blocks: w and q = q_WB in body axes.
 struct Rates {
     Vector3<double> angular_velocity_B, position_W, velocity_W;
     Quaternion<double> q;
 };
 
-/// By the compile-time system at t = 0, on the problem's first segment, brought to the body's own axes. Blocks that the
-/// system lacks stay zero.
+/// Rates at t = 0 from the system of this compile-time type, in the problem's first segment, transformed to body
+/// axes. Blocks that the system lacks stay zero.
 template <class SystemType>
 Rates rates_by(const Problem& problem, const Sample& s) {
     constexpr int n = SystemType::dimension;

@@ -1,4 +1,4 @@
-// What a scene is posed as, and what is said to be left out.
+// Which formulation each scene is posed as, and what it is documented to omit.
 #include "motion/needs.h"
 
 #include <gtest/gtest.h>
@@ -26,9 +26,9 @@ struct Case {
     int dimension;
     Symmetry symmetry;
     Translation translation;
-    std::vector<std::string> left_out;  ///< in any order, all of them
+    std::vector<std::string> left_out;  ///< all of them, in any order
 
-    // by its name: GoogleTest would print its bytes, of which some between members were never written
+    // prints the name: GoogleTest's default would read uninitialised padding bytes
     friend std::ostream& operator<<(std::ostream& out, const Case& given) { return out << given.name; }
 };
 
@@ -45,7 +45,7 @@ Scene thrown(Scene scene) {
     scene.initial.velocity_W = {1, 2, 3};
     return scene;
 }
-/// The inertia turned away from the body's axes by 2 atan(1/2) about x: entries in rational numbers.
+/// The inertia rotated by 2 atan(1/2) about x: rational entries.
 Scene tilted(Scene scene) {
     const double c = 0.6, s = 0.8, I2 = scene.body.inertia_B[1][1], I3 = scene.body.inertia_B[2][2];
     scene.body.inertia_B[1][1] = c * c * I2 + s * s * I3;
@@ -250,7 +250,7 @@ TEST(Needs, TellsWhatDependsOnTime) {
     EXPECT_FALSE(pose(body_with({1, 2, 3}, {1, 1, 1})).needs.time_dependent);
     EXPECT_TRUE(
         pose(with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::body, {0.5, 1}}})).needs.time_dependent);
-    // a window that ends after the run, and begins before it, is none
+    // a window that covers the whole run causes no time dependence
     EXPECT_FALSE(
         pose(with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::body, {-1, 5}}})).needs.time_dependent);
     const Needs user = pose(with(body_with({1, 2, 3}, {1, 1, 1}), {nothing})).needs;
@@ -258,7 +258,7 @@ TEST(Needs, TellsWhatDependsOnTime) {
     EXPECT_TRUE(user.user_torque);
 }
 
-/// The scalar system is the pendulum's equation: I dw/dt = - m g l sin(angle), from any starting angle.
+/// The scalar system is the pendulum equation I dw/dt = -m g l sin(angle), for any initial angle.
 TEST(PrincipalAxis, IsThePendulum) {
     const double angle = 0.8, m = 1, l = 0.5, I = 1 + m * l * l;
     Scene scene = with(held(body_with({1, 2, 2.5}, {0.7, 0, 0}), {0, 0, -l}), {gravity_down});

@@ -1,4 +1,4 @@
-// Posing: initial states, events, segments, and the translation that has a closed form.
+// Posing a scene: initial states, events, segments, and the closed form of the translation.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// Each formulation's initial state stands for what the scene says.
+/// The initial state of each formulation agrees with the scene.
 template <class SystemType>
 Sample start(const Problem& problem) {
     std::array<double, SystemType::dimension> y{};
@@ -33,14 +33,14 @@ RC_GTEST_PROP(InitialState, IsTheScenes, ()) {
     const Quaternion<double> q = scene.initial.orientation;
     for (Formulation formulation : {Formulation::reduced, Formulation::full}) {
         const Sample s = start(pose(scene, formulation));
-        // q and -q are one attitude; each number passes a few products
+        // q and -q are the same attitude; each number has passed a few products
         const double sign = s.q.w * q.w + dot(vector_part(s.q), vector_part(q)) < 0 ? -1 : 1;
         RC_ASSERT(std::abs(sign * s.q.w - q.w) + distance(sign * vector_part(s.q), vector_part(q)) < 1e-14);
         const bool in_world = scene.initial.angular_velocity_frame == Frame::world;
         const Vector3<double> w = in_world ? rotate(s.q, s.angular_velocity_B) : s.angular_velocity_B;
         RC_ASSERT(distance(w, scene.initial.angular_velocity) < 1e-13);
         if (scene.pivot) {
-            // the pivot is at the world's origin, at rest
+            // the pivot is at rest at the world's origin
             const Vector3<double> to_pivot = rotate(s.q, *scene.pivot - scene.body.center_of_mass);
             RC_ASSERT(length(s.position_W + to_pivot) < 1e-13);
             RC_ASSERT(length(s.velocity_W + cross(rotate(s.q, s.angular_velocity_B), to_pivot)) < 1e-12);
@@ -60,7 +60,7 @@ TEST(Segments, BeginAtEveryEventInside) {
     EXPECT_EQ(event_times(scene), (std::vector<double>{0, 0.5, 1, 2, 3, 4}));
     const Problem problem = pose(scene, Formulation::full);
     ASSERT_EQ(problem.segments.size(), 5u);
-    // from <= t < until
+    // windows are from <= t < until
     const Vector3<double> expected[5] = {{0, 0, 1}, {}, {1, 1, 0}, {0, 1, 0}, {0, 1, 0}};
     for (int i = 0; i < 5; ++i) {
         EXPECT_EQ(problem.segments[i].forcing.torque, expected[i]) << i;
@@ -74,8 +74,8 @@ TEST(Segments, BeginAtEveryEventInside) {
     EXPECT_EQ(event_times(scene).size(), 7u);
 }
 
-/// The closed form of p and v against the differential equation, by a Runge-Kutta loop of the test's own over
-/// m dv/dt = m g + F - c v with windows and an impulse.
+/// The closed form of p and v agrees with a Runge-Kutta integration of m dv/dt = m g + F - c v in this test, with
+/// windows and an impulse.
 RC_GTEST_PROP(Translation, InClosedFormIsTheIntegratedOne, ()) {
     Scene scene;
     scene.name = "thrown", scene.duration = 2;
@@ -83,7 +83,7 @@ RC_GTEST_PROP(Translation, InClosedFormIsTheIntegratedOne, ()) {
     scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 2.5));
     scene.initial.angular_velocity = {1, 1, 1};
     scene.initial.position_W = moderate_vector(), scene.initial.velocity_W = moderate_vector();
-    // from no drag to one that ends within a fraction of the run, and one at which a series takes over
+    // from no drag to one that decays within a fraction of the run; 1e-9 uses the series
     const double c = *rc::gen::element(0.0, 1e-9, 0.2, 1.0, 20.0);
     const Vector3<double> g = moderate_vector(), F = moderate_vector(), J = moderate_vector();
     scene.loads = {Gravity{g, {}}, Force{F, Frame::world, {}, Frame::body, {0.5, 1.25}}, Drag{{}, c, {0.25, 3}},
@@ -100,7 +100,7 @@ RC_GTEST_PROP(Translation, InClosedFormIsTheIntegratedOne, ()) {
         if (i == n / 2) v = v + (1 / scene.body.mass) * J;
         if (i % 500 == 0) {
             const Sample s = FreeRotation(problem).motion(t, state.data());
-            // h^4 (c/m)^4 is 1e-8 at most, over 5! and under decay: below 1e-9
+            // the error h^4 (c/m)^4 / 5! with h c/m <= 1e-2, damped: below 1e-9
             RC_ASSERT(distance(s.position_W, p) < 1e-9);
             RC_ASSERT(distance(s.velocity_W, v) < 1e-9);
         }
@@ -126,7 +126,7 @@ TEST(Scales, CoverTheMotion) {
     EXPECT_NEAR(problem.scales.velocity, std::hypot(3, 100), 1);
 }
 
-/// Where pose() finds a part of the scene that the equations would ignore; empty where it finds none.
+/// The place of the scene part that pose() refuses to ignore; empty if pose() succeeds.
 template <class Change>
 std::string ignored_part(const Scene& scene, Change&& change) {
     Scene changed = scene;

@@ -1,4 +1,4 @@
-// The tape: what is folded, what is shared, and what a recording keeps.
+// The tape: constant folding, sharing of common subexpressions, and removal of unused nodes.
 #include "motion/traced.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(Traced, SinesComeWithTheirCosinesAndSignsStayOutside) {
     EXPECT_EQ(also_c.factor, 1);
     EXPECT_EQ(v.tape.nodes[s.node].b, c.node);
     EXPECT_EQ(v.tape.nodes[c.node].b, s.node);
-    // of 2 x: of a node that is 2 x
+    // the argument 2 x: sign factors out, and the argument is a node for 2 x
     Number twice = -2.0 * v.x;
     sine_cosine(twice, twice, c);
     EXPECT_EQ(twice.factor, -1);
@@ -79,7 +79,7 @@ TEST(Traced, RootsAreOfNodes) {
     EXPECT_EQ(v.tape.nodes[v.tape.nodes[of_four.node].a].factor_a, 4);
 }
 
-/// Works out more than it needs: two sines, of whose pairs it uses one number each.
+/// Computes more than it uses: an unused product, and two sine-cosine pairs of which one value each is used.
 struct Wasteful {
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -95,7 +95,7 @@ struct Wasteful {
 TEST(Record, KeepsWhatRatesDependOnAndPairsWhole) {
     const Recording<double> recording = record<double>(Wasteful{}, 2);
     const std::vector<Node<double>>& nodes = recording.tape.nodes;
-    // 2 state, 2 y1, its sine and cosine, those of y0, y0 + 2, the root, the quotient
+    // 2 state variables, 2 y1, its sine and cosine, those of y0, y0 + 2, the root, the quotient
     ASSERT_EQ(nodes.size(), 10u);
     for (int i = 0; i < 10; ++i) {
         const Node<double>& node = nodes[i];
@@ -123,7 +123,7 @@ TEST(Tape, OfAHundredThousandNodesIsQuicklyMadeInOrder) {
     const auto begin = std::chrono::steady_clock::now();
     TwoVariables v;
     std::vector<Number> all{v.x, v.y};
-    // each number twice: the second time it is found
+    // each number is recorded twice; the second time the existing node is found
     for (int pass = 0; pass < 2; ++pass)
         for (int i = 0; i < 50'000; ++i) {
             const Number product = all[i] * all[i + 1], sum = product + 1.0;

@@ -11,7 +11,7 @@ TEST(TrajectoryCsv, WritesTheGoldenText) {
     first.q = {1, 0, 0, 0}, first.angular_velocity_B = {1, 2, 3};
     Sample second;
     second.t = 0.1;
-    second.q = {0, 2, 0, 0};  // half a turn about x, not normalised: written as it is, w turned by it normalised
+    second.q = {0, 2, 0, 0};  // rotated by pi about x, not normalised: w uses the normalised q
     second.angular_velocity_B = {1, 2, 3};
     second.position_W = {1.0 / 3, 1e-300, -0.5};
     second.velocity_W = {1e22, 5e-324, 0.1};

@@ -1,3 +1,4 @@
+// Reading of trajectory files: files of polhode and of other programs, several bodies, refusals.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -86,7 +87,7 @@ TEST(TrajectoryFile, BodiesStandInAnyOrderAtEachTime) {
     EXPECT_EQ(file.rows[2].q, (Quaternion<double>{0, 0, 0, 1}));
     EXPECT_EQ(file.rows[3].q, (Quaternion<double>{0, 0, 1, 0}));
     EXPECT_EQ(file.rows[2].t, 0.5);
-    // in the order of a scene's
+    // bodies in the order of the scene
     const std::vector<std::string> names{"leg", "arm"};
     file = parse_trajectory(two_bodies, "f", QuaternionColumns::by_name, names);
     EXPECT_EQ(file.bodies, names);
@@ -135,7 +136,7 @@ TEST(TrajectoryFile, MessagesTellWhichBodyIsMissingOrTooMany) {
         "or for some of "
         "them");
     EXPECT_EQ(fault_of_scene(header + "0" + arm + "0" + leg), "");
-    // some of the scene's bodies, the same at each time
+    // a file with some of the scene's bodies, the same ones at each time
     EXPECT_EQ(fault_of_scene(header + "0" + leg + "1" + leg), "");
     EXPECT_EQ(fault_of_scene(header + "0" + leg + "1" + leg + "1" + arm),
               "run.csv: line 4, column body: body \"arm\" has no line at the first time; give one line per "
@@ -164,11 +165,11 @@ TEST(TrajectoryFile, TakesColumnsByNameInAnyOrder) {
 TEST(TrajectoryFile, TakesWhatOtherProgramsWrite) {
     const TrajectoryFile plain = parse_trajectory("t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n", "f");
     for (const char* text : {
-             "\xef\xbb\xbft,qw,qx,qy,qz\r\n0,1,0,0,0\r\n1,0,1,0,0\r\n",                // as spreadsheets save it
-             "# by hand\nt, qw, qx,\tqy , qz\n 0, 1, 0, 0, 0\n# half-way\n1,0,1,0,0",  // spaces, comments, no last \n
+             "\xef\xbb\xbft,qw,qx,qy,qz\r\n0,1,0,0,0\r\n1,0,1,0,0\r\n",                // as written by spreadsheets
+             "# by hand\nt, qw, qx,\tqy , qz\n 0, 1, 0, 0, 0\n# half-way\n1,0,1,0,0",  // spaces, comments, no final \n
              "t,qw,qx,qy,qz\n0,1,0,0,0\n1,0,1,0,0\n\n \r\n",                           // blank lines at the end
-             "t,qw,qx,qy,qz\n+0.0,1.,0e5,.0,00\n1e0,0,10E-1,0,0\n",                    // decimals in other words
-             "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // too small is nearest to zero
+             "t,qw,qx,qy,qz\n+0.0,1.,0e5,.0,00\n1e0,0,10E-1,0,0\n",                    // unusual spellings of decimals
+             "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // underflow to zero
          }) {
         TrajectoryFile file = parse_trajectory(text, "f");
         const std::string read_past = file.read_past;
@@ -190,7 +191,7 @@ TEST(TrajectoryFile, NumbersAreTheNearestBinary64) {
     EXPECT_EQ(time("3e-324"), 5e-324);
     EXPECT_EQ(time("1.7976931348623158e308"), std::numeric_limits<double>::max());
     EXPECT_EQ(time("0.0000000000000000000000000000001e31"), 1);
-    // a locale with a decimal comma changes nothing
+    // a locale with a decimal comma has no effect
     for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE"})
         if (std::setlocale(LC_ALL, name) != nullptr) {
             EXPECT_EQ(time("0.5"), 0.5);
@@ -236,13 +237,13 @@ TEST(BadTrajectories, FilesThatCannotBeReadAreNamed) {
     }
 }
 
-/// Rates go into a file in world axes and come back in body axes: two roundings of each turn, some ulp of its length.
+/// Rates are written in world axes and read back in body axes: two roundings per rotation, a few ulp of their length.
 RC_GTEST_PROP(SamplesOf, GivesTheRatesBackThatWereWritten, ()) {
     Trajectory trajectory;
     Sample s;
     s.q = testing::moderate_orientation(), s.angular_velocity_B = testing::moderate_vector();
     s.position_W = testing::moderate_vector(), s.velocity_W = testing::moderate_vector();
-    // of any length: it scales out
+    // q of any length: the length cancels
     const double length = std::exp2(*rc::gen::inRange(-300, 300));
     s.q = {length * s.q.w, length * s.q.x, length * s.q.y, length * s.q.z};
     trajectory.samples = {s};
@@ -254,14 +255,14 @@ RC_GTEST_PROP(SamplesOf, GivesTheRatesBackThatWereWritten, ()) {
     RC_ASSERT(back[0].position_W == s.position_W);
     RC_ASSERT(back[0].velocity_W == s.velocity_W);
     RC_ASSERT(testing::distance(back[0].angular_velocity_B, s.angular_velocity_B) < 1e-14);
-    // and p from the origin: p - R c, back again
+    // p is recovered from the position of the origin, p - R c
     const Vector3<double> arm_W = (1 / squared_norm(s.q)) * rotate(s.q, center);
     file.has_position = false, file.has_origin = true;
     file.rows[0].position_W = s.position_W - arm_W;
     RC_ASSERT(testing::distance(samples_of(file, center)[0].position_W, s.position_W) < 1e-14);
 }
 
-// a quarter turn about z: the body's x is the world's y
+// a quarter rotation about z: the body's x axis is the world's y axis
 TEST(SamplesOf, TurnsRatesAndMovesTheOrigin) {
     TrajectoryFile file;
     file.has_angular_velocity = file.has_origin = true;

@@ -1,5 +1,5 @@
-// Bodies without mass, point masses and rods in trees: where the mass matrix is singular the scene is refused with the
-// body and the joint; where it is not, accelerations are those of the formulas in mechanics' textbooks.
+// Massless bodies, point masses and rods in trees. A scene with a singular mass matrix is refused with the names of
+// the body and the joint. Otherwise the accelerations agree with textbook formulas.
 #include "motion/tree_inertia.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ std::string fault_of(const Scene& scene) {
     return "";
 }
 
-// An arm on a hinge, and at its end a tip held by a joint.
+// An arm on a hinge with a tip joined to its end.
 Scene arm_and_tip(const NamedBody& tip, const Joint& wrist) {
     Scene scene = scene_of("arm", 1);
     scene.bodies = {body_of("arm", 1, {0.5, 0.5, 0.25}, {0, 0, -0.5}), tip};
@@ -73,7 +73,7 @@ TEST(TreeInertia, NamesTheBodyAndTheMotionWithoutInertia) {
     EXPECT_EQ(fault_of(arm_and_tip(no_mass, wrist(JointType::fixed))), "");
 }
 
-// The joint whose motion has no inertia is named, not the one below it: a massless link between two parallel hinges.
+// With a massless link between two coaxial hinges, the message names the inner joint, whose motion has no inertia.
 TEST(TreeInertia, NamesTheInnerJointOfTwoParallelHinges) {
     Scene scene = scene_of("links", 1);
     scene.bodies = {body_of("link", 0), body_of("tip", 1, {0.5, 0.5, 0.5})};
@@ -81,14 +81,14 @@ TEST(TreeInertia, NamesTheInnerJointOfTwoParallelHinges) {
                     joint_of("outer", JointType::revolute, "link", "tip", {0, 0, 1})};
     EXPECT_NE(fault_of(scene).find("/bodies/0: \"link\" has no inertia about joint \"inner\""), std::string::npos)
         << fault_of(scene);
-    // apart, or not parallel, they have some
+    // hinges with parallel but separate axes, or with axes that are not parallel, have inertia
     scene.joints[1].parent_point = {0.25, 0, 0};
     EXPECT_EQ(fault_of(scene), "");
     scene.joints[1].parent_point = {}, scene.joints[1].axes[0] = {0, 1, 1};
     EXPECT_EQ(fault_of(scene), "");
 }
 
-// An imported robot is told of by the place in its own file.
+// A message about an imported robot names the place in the robot's file.
 TEST(TreeInertia, NamesTheLineOfAnImportedRobot) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "polhode_tree_inertia";
     std::filesystem::create_directories(folder);
@@ -108,7 +108,7 @@ TEST(TreeInertia, NamesTheLineOfAnImportedRobot) {
     std::filesystem::remove_all(folder);
 }
 
-// What no joint carries needs mass and moments, of its own or of what is fixed to it.
+// A free body needs mass and moments, from itself or from bodies fixed to it.
 TEST(TreeInertia, AFreeBaseNeedsInertia) {
     Scene scene = scene_of("flight", 1);
     scene.bodies = {body_of("frame", 0), body_of("box", 2, {0.5, 0.75, 1}, {0.5, 0, 0})};
@@ -135,7 +135,7 @@ std::vector<double> derivative_at_start(const Scene& scene) {
     return dy;
 }
 
-// A thin rod of length L on a hinge across its end: theta'' = -3 g sin(theta) / (2 L).
+// A thin rod of length L hinged at its end: theta'' = -3 g sin(theta) / (2 L).
 TEST(TreeInertia, ARodSwingsAsTheBookSays) {
     const double L = 1.5, m = 2, g = 9.75, theta = 0.75;
     Scene scene = scene_of("rod", 1);
@@ -146,7 +146,7 @@ TEST(TreeInertia, ARodSwingsAsTheBookSays) {
     EXPECT_NEAR(derivative_at_start(scene)[1], -3 * g * std::sin(theta) / (2 * L), 1e-14);
 }
 
-// The equations of the double pendulum of point masses.
+// The textbook equations of the double pendulum of point masses.
 TEST(TreeInertia, TwoPointMassesAccelerateAsTheBookSays) {
     const massless::PointMassPendulum p;
     const std::vector<double> dy = derivative_at_start(p.scene(1));

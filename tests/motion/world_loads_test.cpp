@@ -1,4 +1,4 @@
-// The loads in world axes against the equations in body axes.
+// Loads in world axes, compared with the equations in body axes.
 #include "motion/world_loads.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ RC_GTEST_PROP(WorldLoads, AreThoseOfTheEquationsOfMotion, ()) {
     const Vector3<double> torque_W = loads.torque_W(
         0, A, [&] { return s.q; }, A * s.angular_velocity_B, s.position_W, s.velocity_W);
     const Vector3<double> torque_B = torque(forcing, 0, s.angular_velocity_B, s.q, s.position_W, s.velocity_W);
-    // sums of a dozen products of numbers up to ten
+    // sums of a dozen products of numbers up to 10
     RC_ASSERT(distance(torque_W, rotate(s.q, torque_B)) < 1e-12);
     if (!problem.body.pivoted) {
         const Rates rates = rates_by<FullMotion>(problem, s);

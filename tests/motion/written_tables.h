@@ -1,4 +1,4 @@
-// Trajectory files and ensemble tables written from what their readers give: what is read survives being written.
+// Writers for trajectory files and ensemble tables, used to test that readers and writers are inverse to each other.
 #pragma once
 
 #include <initializer_list>
@@ -17,7 +17,7 @@ inline void put_cells(std::string& text, std::initializer_list<double> values) {
 inline void put_cells(std::string& text, const Vector3<double>& v) { put_cells(text, {v[0], v[1], v[2]}); }
 inline void put_cells(std::string& text, const Quaternion<double>& q) { put_cells(text, {q.w, q.x, q.y, q.z}); }
 
-/// The file as CSV, with the columns that it has in the usual order; parse_trajectory() reads the same rows back.
+/// The file as CSV with its columns in the usual order; parse_trajectory() reads back the same rows.
 inline std::string write_trajectory(const TrajectoryFile& file) {
     std::string text = file.bodies.empty() ? "t,qw,qx,qy,qz" : "t,body,qw,qx,qy,qz";
     if (file.has_angular_velocity) text += ",wx,wy,wz";
@@ -38,7 +38,7 @@ inline std::string write_trajectory(const TrajectoryFile& file) {
     return text;
 }
 
-/// The table as CSV with all columns; parse_ensemble() reads the same bodies back. `pivoted`: without p and v.
+/// The table as CSV with all columns; parse_ensemble() reads back the same bodies. `pivoted` omits p and v.
 inline std::string write_ensemble(const EnsembleTable& table, bool pivoted) {
     std::string text = "qw,qx,qy,qz,wx,wy,wz,";
     text += pivoted ? "" : "px,py,pz,vx,vy,vz,";

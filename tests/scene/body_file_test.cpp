@@ -1,4 +1,4 @@
-// Bodies by what they are made of, against closed forms, each other, and the same body written by hand.
+// Bodies from every kind of source, compared with closed forms, with each other, and with the same body given by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ void expect_same(const Body& a, const Body& b, double tolerance) {
     }
 }
 
-// Mass 2; moments from the tables of textbooks, written as they are printed there.
+// Mass 2 kg; moments from textbook tables, in their printed form.
 TEST(BodyFile, ShapesHaveTheMomentsOfTheTables) {
     const auto moments = [](const char* shape) {
         const Body body = scene_of(std::string(R"("mass": 2, "shape": )") + shape).body;
@@ -62,32 +62,32 @@ TEST(BodyFile, ShapesHaveTheMomentsOfTheTables) {
     expect(moments(R"({"type": "ellipsoid", "semi_axes": [1, 2, 3]})"), 2 * 13 / 5.0, 2 * 10 / 5.0, 2 * 5 / 5.0);
     expect(moments(R"({"type": "torus", "major_radius": 3, "minor_radius": 1})"), 2 * (9 + 1.25) / 2,
            2 * (9 + 1.25) / 2, 2 * (9 + 0.75));
-    // a whole body needs three moments, so a rod is a part: with a point mass off its line
+    // a rod has a zero moment, so it must be a part: here with two point masses off its axis
     const Body rod = scene_of(R"("parts": [{"mass": 2, "shape": {"type": "rod", "length": 3}},
                                           {"points": [[1, 1, 0, 0], [1, -1, 0, 0]]}])")
                          .body;
     expect({rod.inertia_B[0][0], rod.inertia_B[1][1], rod.inertia_B[2][2]}, 1.5, 1.5 + 2, 2);
     expect(moments(R"({"type": "disc", "radius": 2})"), 2, 2, 4);
     expect(moments(R"({"type": "plate", "half_extents": [1, 2]})"), 2 * 4 / 3.0, 2 / 3.0, 2 * 5 / 3.0);
-    // of a cone cut at half its height: the whole less its tip, by the parallel axis theorem
+    // a cone cut at half its height: the whole cone minus its tip, by the parallel axis theorem
     const double V = std::numbers::pi * 4 * 4 / 3, v = V / 8, m = 2 * V / (V - v), n = m - 2;
-    const double z = (m * 1 - n * 2.5) / 2;  // centre above the base: h/4 of the cone, 2 + 2/4 of the tip
+    const double z = (m * 1 - n * 2.5) / 2;  // centre above the base: h/4 for the cone, 2 + 2/4 for the tip
     const double across =
         m * (3.0 / 20 * 4 + 3.0 / 80 * 16 + (1 - z) * (1 - z)) - n * (3.0 / 20 + 3.0 / 80 * 4 + (2.5 - z) * (2.5 - z));
     const double along = 0.3 * (m * 4 - n);
     const Vector3<double> frustum = moments(R"({"type": "frustum", "bottom_radius": 2, "top_radius": 1, "height": 2})");
     EXPECT_NEAR(frustum[0], across, 1e-14 * across);
     EXPECT_NEAR(frustum[2], along, 1e-14 * along);
-    // a capsule as its parts: the half spheres' centres are 3 r / 8 beyond the tube
+    // a capsule as its parts: the centres of the hemispheres are 3 r / 8 beyond the tube
     const double tube = 4.0, caps = 4.0 / 3, k = 2 / (tube + caps);
-    const double half = 0.4 - 9 / 64.0;  // of a half sphere of mass 1 across its axis, about its centre
+    const double half = 0.4 - 9 / 64.0;  // hemisphere of mass 1: moment across its axis, about its centre of mass
     const double tumble = k * (tube * (3 + 16) / 12 + caps * (half + (2 + 3 / 8.0) * (2 + 3 / 8.0)));
     const Vector3<double> capsule = moments(R"({"type": "capsule", "radius": 1, "half_height": 2})");
     EXPECT_NEAR(capsule[0], tumble, 1e-15 * tumble);
     EXPECT_NEAR(capsule[2], k * (tube / 2 + caps * 0.4), 1e-15);
 }
 
-// Every digit of the closed forms in binary64, measured against 128 bits.
+// The closed forms are accurate to the last digits of binary64, compared with 128 bits.
 TEST(BodyFile, ClosedFormsAreRightToTheLastDigits) {
     const Shape shapes[] = {Box{{0.3, 1.7, 0.013}},
                             SolidSphere{0.7},
@@ -112,7 +112,7 @@ TEST(BodyFile, ClosedFormsAreRightToTheLastDigits) {
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
                 const double off = std::abs(double(Wide(body.inertia[i][j]) - truth.inertia[i][j]));
-                // a moment to its own digits, a product to the largest's
+                // moments relative to themselves, products relative to the largest entry
                 EXPECT_LE(off, 1e-14 * (i == j ? body.inertia[i][i] : largest(body.inertia)))
                     << shape.index() << i << j;
             }
@@ -126,7 +126,7 @@ TEST(BodyFile, OneBoxInSixWays) {
         expect_same(scene_of(std::string(R"("mesh": ")") + file + R"(", "density": 3)").body, box, 1e-15);
         expect_same(scene_of(std::string(R"("mesh": ")") + file + R"(", "mass": 24)").body, box, 1e-15);
     }
-    // two halves, and a greater box with two holes
+    // two halves, and a larger box with two holes
     expect_same(scene_of(R"("parts": [
                             {"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "density": 3, "position": [0, 0, 0.5]},
                             {"shape": {"type": "box", "half_extents": [1, 0.5, 1]}, "mass": 12, "position": [0, 0, -0.5],
@@ -145,7 +145,7 @@ TEST(BodyFile, OneBoxInSixWays) {
                 scene_of(R"("mass": 24, "inertia": [12, 12, 12])").body, 1e-15);
 }
 
-// The surfaces of a ball and a torus come near the closed form with the square of the edge; a box's is exact.
+// Meshes of a sphere and a torus converge to the closed form with the square of the edge length; a box is exact.
 TEST(BodyFile, SurfacesConverge) {
     const auto error = [](const Mesh& mesh, const Shape& shape) {
         EXPECT_EQ(mesh_fault(mesh), "");
@@ -175,7 +175,7 @@ TEST(BodyFile, OneLinkInThreeFormats) {
     for (const auto& [file, link] :
          {std::pair{"arm.urdf", "base"}, std::pair{"arm.xml", "base"}, std::pair{"arm.sdf", "arm::base"}})
         expect_same(imported(file, link), by_hand, 0);
-    // turned by roll, pitch, yaw about fixed axes: R = Rz Ry Rx, written out
+    // rotated by roll, pitch and yaw about fixed axes: R = Rz Ry Rx, written out
     const double a = 0.3, b = -0.7, c = 1.1;
     const Matrix3<double> R{
         {Vector3<double>(std::cos(c) * std::cos(b), std::cos(c) * std::sin(b) * std::sin(a) - std::sin(c) * std::cos(a),
@@ -190,12 +190,12 @@ TEST(BodyFile, OneLinkInThreeFormats) {
         expect_same(imported(file, "turned"), turned, 1e-15);
         expect_same(imported(file, "turned"), imported("arm.urdf", "turned"), 0);
     }
-    // MJCF turns principal moments alone
+    // MJCF rotates only the principal moments
     Body principal = by_hand;
     principal.inertia_B = R * diagonal(Vector3<double>(0.4, 0.5, 0.6)) * transposed(R);
     expect_same(imported("arm.xml", "turned"), principal, 1e-15);
     expect_same(imported("arm.xml", "zaxis"), scene_of(R"("mass": 1, "inertia": [2.5, 2, 1])").body, 1e-15);
-    // a quarter turn about z by a quaternion of length 2.8 changes the first two moments about
+    // a quarter rotation about z, by a quaternion of length 2.8, swaps the first two moments
     expect_same(imported("arm.xml", "principal"), scene_of(R"("mass": 1, "inertia": [2, 1, 2.5])").body, 1e-15);
 }
 
@@ -207,17 +207,17 @@ TEST(BodyFile, AnglesOfMjcfAreReadByItsCompiler) {
             "'/></body></worldbody></mujoco>";
         return body_of(body_source(parse_robot_body(text, "m.xml", "b")));
     };
-    // degrees and turned axes x, y, z are what it says of itself
+    // degrees and the rotating axes x, y, z are the defaults
     const Body told = body("<compiler angle='degree' eulerseq='xyz'/>", "30 40 50");
     expect_same(body("", "30 40 50"), told, 0);
     expect_same(body("<compiler angle='radian'/>", "0.5235987755982988 0.6981317007977318 0.8726646259971648"), told,
                 1e-15);
-    // about fixed axes in the other order
+    // fixed axes in the opposite order
     expect_same(body("<compiler eulerseq='ZYX'/>", "50 40 30"), told, 1e-15);
     EXPECT_THROW(body("<compiler eulerseq='xyZ'/>", "1 2 3"), InputError);
 }
 
-// What is written reads back to the same body, and its text is its own canonical form; a changed file is another scene.
+// A written scene reads back to the same body, and its text is canonical. A changed mesh file makes a different scene.
 TEST(BodyFile, WritesWhatItRead) {
     for (
         const char* body :
@@ -256,7 +256,7 @@ TEST(BodyFile, FilesAreBesideTheScene) {
     EXPECT_EQ(scene.body.mass, 8);
 }
 
-// The article's box with a sphere: its angular momentum is not along its angular velocity.
+// The article's box with a sphere: its angular momentum is not parallel to its angular velocity.
 TEST(BodyFile, AnAttachedSphereTurnsTheMomentumAside) {
     const Scene scene = find_scene("box_with_sphere");
     const Vector3<double> w = scene.initial.angular_velocity, L = scene.body.inertia_B * w;

@@ -1,4 +1,4 @@
-// Scenes of several bodies: read, written, and what their messages say.
+// Scenes of several bodies: reading, writing and messages.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -101,7 +101,7 @@ RC_GTEST_PROP(WriteMechanism, ReadsBackToTheSameScene, ()) {
     RC_ASSERT(write_scene(b) == text);
 }
 
-// The golden file, written by hand with what is left out left out, and as the program writes it.
+// The golden file is written by hand and omits defaults; it agrees with what the program writes.
 TEST(MechanismFile, ReadsEveryKey) {
     const Scene s = parse_scene(golden_text("mechanism.json"), "mechanism.json");
     ASSERT_TRUE(is_mechanism(s));
@@ -143,7 +143,7 @@ TEST(MechanismFile, ReadsEveryKey) {
     EXPECT_EQ(cardan.rest, (std::array<double, 2>{0.5, 0.6}));
     EXPECT_EQ(cardan.damping, (std::array<double, 2>{0.7, 0.8}));
     EXPECT_EQ(s.joints[4].type, JointType::fixed);
-    // what is left out
+    // defaults of omitted keys
     EXPECT_EQ(s.joints[5].parent_orientation, Quaternion<double>{});
     EXPECT_EQ(s.joints[5].parent_point, Vector3<double>());
     EXPECT_EQ(s.joints[5].coordinate[0], 0);
@@ -169,7 +169,7 @@ TEST(MechanismFile, ReadsEveryKey) {
 
 TEST(MechanismFile, AcceptsWhatTheRulesAllow) {
     const char* joint = R"({"name": "a", "type": "revolute", "parent": "lower", "child": "upper", "axis": [0, 0, 5]})";
-    // a child before its parent; a free body; names that bodies and joints share; a motor of a prismatic joint
+    // valid: a child before its parent, a free body, the same name for a body and a joint, a motor on a prismatic joint
     EXPECT_EQ(mechanism_fault(""), "");
     EXPECT_EQ(mechanism_fault(joint), "");
     EXPECT_EQ(mechanism_fault(
@@ -185,7 +185,7 @@ TEST(MechanismFile, AcceptsWhatTheRulesAllow) {
     EXPECT_TRUE(is_mechanism(alone));
 }
 
-// A key of the reference is one that the reader takes: with any other beside it that one is the fault.
+// The reader knows every key of the reference: with the unknown key "zzz" beside it, the message is about "zzz".
 TEST(MechanismFile, EveryKeyOfTheReferenceIsRead) {
     int keys = 0;
     for (const FileKey& key : scene_keys()) {
@@ -234,7 +234,7 @@ TEST(MechanismFile, MessagesTellWhatWasMeant) {
               "\"bodies\", \"joints\" and \"loops\" for several");
 }
 
-// What a mechanism made in C++ can hold and a file cannot.
+// Errors that a mechanism made in C++ can have but a file cannot.
 TEST(Validate, ChecksMechanismsMadeInCode) {
     const auto fault = [](auto&& change) -> std::string {
         Scene s;

@@ -1,4 +1,4 @@
-// The table of MJCF's constructs: complete for all versions, and each row's verdict shown by a document that uses it.
+// The table of MJCF constructs: complete for all versions, and each row's verdict is verified with a document.
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
@@ -47,7 +47,7 @@ std::vector<SchemaLine> schema_lines() {
 
 bool is_covered(const std::vector<SchemaLine>& lines, const std::string& parent, const std::string& element, int depth);
 
-// Whether elements of this tag are always irrelevant or omitted as a whole, with all that is inside.
+// Whether elements with this tag are always irrelevant or omitted as a whole, including their contents.
 bool is_covered_parent(const std::vector<SchemaLine>& lines, const std::string& parent, int depth) {
     bool any = false;
     for (const SchemaLine& line : lines) {
@@ -70,11 +70,11 @@ TEST(MjcfConstructs, ListEveryElementAndAttributeOfAllVersions) {
     const std::vector<SchemaLine> lines = schema_lines();
     ASSERT_GT(lines.size(), 200u);
     for (const SchemaLine& line : lines) {
-        // MuJoCo's table calls the world a body, and writes optional plugins' element "required"
+        // MuJoCo's table calls the world a body and prints "required" for the element of optional plugins
         if (line.parent == "required" || line.element == "required") continue;
         if (is_covered(lines, line.parent, line.element, 0)) continue;
         EXPECT_TRUE(find_row(line.parent, line.element, "")) << line.parent << " " << line.element;
-        if (line.parent == "default") continue;  // the attributes are those of the element itself
+        if (line.parent == "default") continue;  // these attributes are those of the element itself
         for (const std::string& attribute : line.attributes)
             EXPECT_TRUE(find_row(line.parent, line.element, attribute))
                 << line.parent << " " << line.element << " " << attribute;
@@ -89,7 +89,7 @@ TEST(MjcfConstructs, AreEachListedOnceWithANote) {
     }
 }
 
-// What the importer makes of a document: the scene with its notes, or the refusal.
+// The result of importing a document: the scene with its notes, or the refusal.
 struct Outcome {
     std::string text;
     std::vector<std::string> omitted;
@@ -134,7 +134,7 @@ std::string document_with(const std::string& parent, const std::string& xml) {
     return "<mujoco><" + parent + ">" + xml + "</" + parent + ">" + world + "</mujoco>";
 }
 
-// A document with an element that has these attributes, in a place where they can act.
+// A document with an element that has these attributes, where they have an effect.
 std::string document_of(const std::string& parent, const std::string& element, const std::string& attributes) {
     const std::string open = "<" + element + " " + attributes;
     if (element == "mujoco") return open + ">" + world + "</mujoco>";
@@ -208,7 +208,7 @@ std::string document_of(const std::string& parent, const std::string& element, c
     return document_with(parent, open + "/>");
 }
 
-// Rows whose effect needs other files or classes: mjcf_import_test.cpp shows them.
+// Rows that need other files or classes; mjcf_import_test.cpp tests them.
 bool is_shown_elsewhere(const RobotConstruct& row) {
     if (row.element == "include" || row.element == "attach" || row.element == "default" || row.element == "model")
         return true;
@@ -230,7 +230,7 @@ bool is_shown_elsewhere(const RobotConstruct& row) {
     return keys.contains({row.element, row.attribute});
 }
 
-// A value of an omitted attribute that acts.
+// A value for which an omitted attribute would have an effect.
 std::string acting_value(std::string_view attribute) {
     static const std::map<std::string_view, std::string> values{
         {"wind", "wind='1 0 0' density='1'"}, {"conflict", "conflict='merge'"}, {"sleep", "sleep='enable'"},
@@ -263,7 +263,7 @@ TEST(MjcfConstructs, AttributesActAsTheTableSays) {
             EXPECT_EQ(outcome(document_of(parent, element, attribute + "='" + neutral + "'")).text, without.text)
                 << place;
         } else {
-            // another value changes the scene or its notes, or what is no value is refused
+            // another value changes the scene or its notes, or an invalid value is refused
             bool reacts = false;
             for (const char* value : {"no value", "0", "2", "true", "false", "3 2 1"})
                 reacts = reacts ||
@@ -277,7 +277,7 @@ TEST(MjcfConstructs, ElementsActAsTheTableSays) {
     for (const RobotConstruct& row : mjcf_constructs()) {
         if (!row.attribute.empty() || row.element == "mujoco" || row.verdict == modelled) continue;
         const std::string parent(row.parent), element(row.element), place = parent + " " + element;
-        // the parent alone, or the body's element
+        // the parent alone
         const Outcome without = outcome(document_with(parent, ""));
         ASSERT_EQ(without.text.find("refused"), std::string::npos) << place << without.text;
         const std::string refused = element == "composite" || element == "flexcomp" ? "which is not supported" : "";
@@ -291,13 +291,13 @@ TEST(MjcfConstructs, ElementsActAsTheTableSays) {
             EXPECT_TRUE(has(with.omitted, row.note)) << place << with.text;
         }
     }
-    // without effect
+    // values without effect
     const std::string quiet =
         "<mujoco><tendon><spatial/><fixed limited='false' range='0 1'/></tendon><equality><weld active='false'/>"
         "</equality>" +
         world + "</mujoco>";
     EXPECT_EQ(outcome(quiet).text, outcome("<mujoco>" + world + "</mujoco>").text);
-    // by the values of a class
+    // values from a class
     const std::string by_class =
         "<mujoco><default><tendon stiffness='2'/><equality active='false'/></default><tendon><spatial name='t'/>"
         "</tendon><equality><weld name='w'/></equality>" +

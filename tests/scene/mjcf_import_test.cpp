@@ -1,4 +1,4 @@
-// MJCF: masses, joints and poses against closed forms and the rules of MuJoCo's documentation; refusals.
+// MJCF import: masses, joints and poses against closed forms and the rules in MuJoCo's documentation; refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// A folder of files that is removed at the end.
+// A temporary folder that the destructor removes.
 class Folder {
   public:
     Folder() {
@@ -109,7 +109,7 @@ void expect_moments(const Robot& robot, const std::string& name, const Vector3<d
 
 // --- <default> ---------------------------------------------------------------------------------------------------
 
-// r04: <joint type="free"> takes the values of <default>, <freejoint> does not.
+// r04: <joint type="free"> takes the values of <default>; <freejoint> does not.
 TEST(MjcfImport, FreeJointsAreDampedByDefault) {
     const std::string defaults = "<default><joint damping='0.7' armature='0.4' frictionloss='0.2'/></default>";
     const Robot robot = read(model("<body name='a'><joint type='free' name='fa'/>" + one_kg +
@@ -123,7 +123,7 @@ TEST(MjcfImport, FreeJointsAreDampedByDefault) {
     EXPECT_EQ(joint_named(robot, "fa").motion, RobotMotion::free);
 }
 
-// r05, and classes: a class takes the values of the one around it at that point of the document.
+// r05, and nested classes: a class takes the values of the enclosing class at that point of the document.
 TEST(MjcfImport, DefaultsMergeAndNest) {
     const Robot two = read(model(hinged("a", "<geom type='box' size='0.1 0.2 0.3'/>"),
                                  "<default><joint damping='0.7'/></default><default><geom density='300'/></default>"));
@@ -149,11 +149,11 @@ TEST(MjcfImport, DefaultsMergeAndNest) {
     EXPECT_EQ(values("e"), std::pair(9.0, 2.0));
 }
 
-// An alternative orientation of the class counts more than the element's quaternion; one of the element counts most.
+// An alternative orientation in the class overrides the element's quaternion; one in the element overrides both.
 TEST(MjcfImport, OrientationsOfClasses) {
     const Robot robot = read(model(hinged("a", "<geom quat='1 1 0 0'/>") + hinged("b", "<geom axisangle='1 0 0 90'/>"),
                                    "<default><geom type='box' size='0.1 0.2 0.3' mass='3' euler='0 0 90'/></default>"));
-    // moments of the box about x, y, z: 0.13, 0.1, 0.05
+    // moments of the box about x, y and z: 0.13, 0.1, 0.05
     expect_moments(robot, "a", {0.1, 0.13, 0.05}, 1e-15);
     expect_moments(robot, "b", {0.13, 0.05, 0.1}, 1e-15);
 }
@@ -166,7 +166,7 @@ TEST(MjcfImport, IncludedFilesTakeThePlaceOfTheElement) {
                  "<mujoco>\n<include file='parts/common.xml'/>\n<worldbody><body name='a'>"
                  "<include file='parts/inside.xml'/></body></worldbody></mujoco>");
     folder.write("parts/common.xml", "<mujoco><compiler angle='radian'/>\n<include file='deep.xml'/></mujoco>");
-    folder.write("parts/deep.xml", "<x><option gravity='1 2 3'/></x>");  // beside the file that includes it
+    folder.write("parts/deep.xml", "<x><option gravity='1 2 3'/></x>");  // relative to the including file
     folder.write("parts/inside.xml",
                  "<x><joint name='j' type='slide' axis='0 1 0'/>\n<inertial pos='0 0 0' euler='0 0 1.5707963267948966' "
                  "mass='2' diaginertia='1 2 2.5'/></x>");
@@ -175,7 +175,7 @@ TEST(MjcfImport, IncludedFilesTakeThePlaceOfTheElement) {
     EXPECT_EQ(robot.gravity_source, "<option gravity>");
     EXPECT_EQ(joint_named(robot, "j").place, "parts/inside.xml: line 1");
     expect_moments(robot, "a", {2, 1, 2.5}, 1e-15);
-    // errors name the included file; its numbers are not the main file's own
+    // errors name the included file and its own line numbers
     folder.write("parts/inside.xml", "<x>\n<joint axis='0 0'/></x>");
     EXPECT_EQ(folder.fault("main.xml"), "parts/inside.xml: line 2, <joint>: has 2 numbers in axis; give 3");
     folder.write("parts/inside.xml", "<x><include file='parts/common.xml'/></x>");
@@ -214,8 +214,8 @@ TEST(MjcfImport, AttachesModelsWithTheirOwnSettings) {
                      one_kg + "<body name='a' pos='1 0 0' euler='0 0 1.5'><joint name='j'/>" + one_kg +
                      "<geom type='box' size='0.1 0.2 0.3'/></body></body></worldbody></mujoco>");
     const Robot robot = folder.read("main.xml");
-    EXPECT_EQ(*robot.gravity_W, Vector3<double>(0, 0, -9.81));  // the parent's options count
-    EXPECT_NEAR(mass_of(robot, "x_a"), 48, 1e-13);              // the child's inertiafromgeom
+    EXPECT_EQ(*robot.gravity_W, Vector3<double>(0, 0, -9.81));  // the options of the parent model apply
+    EXPECT_NEAR(mass_of(robot, "x_a"), 48, 1e-13);              // the inertiafromgeom of the attached model applies
     const RobotJoint& x = joint_named(robot, "x_j");
     EXPECT_EQ(double(x.damping[0]), 5);
     expect_near(cast<double>(x.placement.position), {0, 2, 0}, 1e-15);
@@ -224,7 +224,7 @@ TEST(MjcfImport, AttachesModelsWithTheirOwnSettings) {
     EXPECT_EQ(robot.links[joint_named(robot, "y_j").parent].name, "y_p");
     EXPECT_EQ(mass_of(robot, "z_h2"), 1);
     EXPECT_EQ(joint_named(robot, "y_j").place, "arms/child.xml: line 1");
-    // a model by the name of its root; a model that attaches itself
+    // a model named by its root element; a model that attaches itself
     folder.write("main.xml",
                  "<mujoco><asset><model file='child.xml'/></asset><worldbody><attach model='kid' prefix='k'/>"
                  "</worldbody></mujoco>");
@@ -262,12 +262,12 @@ TEST(MjcfImport, FramesMoveWhatIsInside) {
     EXPECT_EQ(double(j.damping[0]), 3);
     expect_near(cast<double>(j.point), {0.1, 0, 1}, 1e-15);
     expect_near(cast<double>(j.axes[0]), {0, 0, 1}, 1e-15);
-    expect_near(center_of(robot, "a"), {0, 0, 3. / 4}, 1e-15);  // the ball is at (0, 0, 3)
+    expect_near(center_of(robot, "a"), {0, 0, 3. / 4}, 1e-15);  // the sphere is at (0, 0, 3)
     expect_near(center_of(robot, "c"), {0, 0, 0}, 1e-15);
     expect_moments(robot, "c", {2, 1, 2.5}, 1e-15);
 }
 
-// Copy i is at R(0) d + .. + R((i - 1) a) d, turned by R(i a); names get the copy's number.
+// Copy i is at R(0) d + .. + R((i - 1) a) d, rotated by R(i a); names get the number of the copy.
 TEST(MjcfImport, ReplicatesBodies) {
     const Robot robot =
         read(model("<replicate count='11' offset='0 0.5 0' euler='0 0 30' sep='_'><body name='a' "
@@ -302,7 +302,7 @@ TEST(MjcfImport, InertialsInEachForm) {
     };
     const double c = std::cos(0.3), s = std::sin(0.3);
     const Matrix3<double> turned = [&] {
-        Matrix3<double> m;  // diag(1, 2, 2.5) turned about z
+        Matrix3<double> m;  // diag(1, 2, 2.5) rotated about z
         m[0] = {c * c + 2 * s * s, -s * c, 0}, m[1] = {-s * c, s * s + 2 * c * c, 0}, m[2] = {0, 0, 2.5};
         return m;
     }();
@@ -320,7 +320,7 @@ TEST(MjcfImport, InertialsInEachForm) {
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) EXPECT_NEAR(I[i][j], turned[i][j], 1e-15) << way;
     }
-    // z to x: a quarter turn about y
+    // z to x: a quarter rotation about y
     const Matrix3<double> I = tensor(d + "zaxis='7 0 0'");
     expect_near({I[0][0], I[1][1], I[2][2]}, {2.5, 2, 1}, 1e-15);
     const Matrix3<double> full = tensor("fullinertia='1 2 2.5 0.1 0.2 0.3'");
@@ -347,7 +347,7 @@ TEST(MjcfImport, MassesOfGeomsOrInertials) {
     EXPECT_EQ(mass("", geom), 5);
     EXPECT_EQ(mass("", geom + one_kg), 1);
     EXPECT_EQ(mass("inertiafromgeom='true'", geom + one_kg), 5);  // r33
-    EXPECT_EQ(mass("inertiafromgeom='true'", one_kg), 1);         // no geom that has mass
+    EXPECT_EQ(mass("inertiafromgeom='true'", one_kg), 1);         // no geom has mass
     EXPECT_EQ(mass("inertiafromgeom='false'", geom), 0);
     EXPECT_EQ(mass("inertiagrouprange='1 2'", geom), 3);
     EXPECT_EQ(mass("inertiagrouprange='1 2' inertiafromgeom='true'", one_kg + "<geom size='1'/>"), 1);
@@ -384,7 +384,7 @@ TEST(MjcfImport, BoundsAndTotalMass) {
     EXPECT_NEAR(mass_of(total, "a"), 12, 1e-14);
     EXPECT_NEAR(mass_of(total, "w"), 2, 1e-15);
     EXPECT_NEAR(tensor_of(total, "a")[0][0], 12. / 3 * 0.13, 1e-15);
-    // fusestatic removes "s" before
+    // fusestatic removes "s" first
     const Robot fused = read(model(body_list, "<compiler settotalmass='14' fusestatic='true'/>"));
     EXPECT_NEAR(mass_of(fused, "a"), 12, 1e-14);
 }
@@ -398,13 +398,13 @@ TEST(MjcfImport, ShellsOfPrimitives) {
     EXPECT_NEAR(mass_of(sphere, "a"), 1000 * 4 * pi * 0.01, 1e-12);
     const double m = mass_of(sphere, "a");
     expect_moments(sphere, "a", {2. / 3 * m * 0.01, 2. / 3 * m * 0.01, 2. / 3 * m * 0.01}, 1e-14);
-    // a cube of half side a: <x^2> = (2 a^2 + 4 a^2 / 3) / 6
+    // a cube with half side a: <x^2> = (2 a^2 + 4 a^2 / 3) / 6
     const Robot cube = shell("type='box' size='0.3 0.3 0.3' mass='6'");
     const double cube_moment = 6 * 2 * (0.09 * 10 / 18.);
     expect_moments(cube, "a", {cube_moment, cube_moment, cube_moment}, 1e-15);
     const Robot box = shell("type='box' size='0.1 0.2 0.3'");
     EXPECT_NEAR(mass_of(box, "a"), 8000 * (0.02 + 0.06 + 0.03), 1e-11);
-    // tube 2 pi r 2h and two discs
+    // a tube of area 2 pi r 2h and two discs
     const double r = 0.1, h = 0.2, side = 4 * pi * r * h, discs = 2 * pi * r * r;
     const Robot tin = shell("type='cylinder' size='0.1 0.2' density='10'");
     EXPECT_NEAR(mass_of(tin, "a"), 10 * (side + discs), 1e-13);
@@ -421,7 +421,7 @@ TEST(MjcfImport, ShellsOfPrimitives) {
     EXPECT_TRUE(is_noted(egg.assumed, "ellipsoid shells, computed by MuJoCo's approximations", "a"));
 }
 
-// A tetrahedron with the corners 0, a e1, b e2, c e3: V = abc/6, its centre at a quarter, <x^2> = 3 a^2 / 80.
+// A tetrahedron with corners 0, a e1, b e2 and c e3: V = abc/6, centre at a quarter of each edge, <x^2> = 3 a^2 / 80.
 const std::string corner = "vertex='0 0 0 2 0 0 0 1 0 0 0 3' face='0 2 1 0 1 3 1 2 3 0 3 2'";
 
 TEST(MjcfImport, MeshesByExactIntegrals) {
@@ -434,12 +434,12 @@ TEST(MjcfImport, MeshesByExactIntegrals) {
     expect_near(center_of(plain, "a"), {0.5, 0.25, 0.75}, 1e-15);
     EXPECT_NEAR(tensor_of(plain, "a")[0][0], 10 * (3 + 27) / 80., 1e-14);
     EXPECT_NEAR(tensor_of(plain, "a")[0][1], 10 * 2 / 80., 1e-15);  // <xy> = -ab/80
-    // x' = scale R^T (x - refpos): about z by a quarter turn back: (y, -x)
+    // x' = scale R^T (x - refpos): refquat rotates by a quarter about z, so R^T maps to (y, -x)
     const Robot moved = body(corner + " refpos='1 0 0' refquat='1 0 0 1' scale='2 -3 1'", "mass='4' pos='0 0 1'");
     EXPECT_NEAR(mass_of(moved, "a"), 4, 1e-15);
     expect_near(center_of(moved, "a"), {0.5, -3 * 0.5, 1.75}, 1e-14);
     EXPECT_NEAR(tensor_of(moved, "a")[2][2], 4 * 3 / 80. * (4 * 1 + 9 * 4), 1e-14);
-    // faces of the hull, and a point inside it
+    // faces of the convex hull, with a vertex inside it
     const Robot hull = body("vertex='0 0 0 2 0 0 0 1 0 0 0 3 0.1 0.1 0.1'", "density='10'");
     EXPECT_NEAR(mass_of(hull, "a"), 10, 1e-14);
     const Robot cube = body("vertex='0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 0.5 0.5 0 0.5 0 0 1 0.25 1'", "");
@@ -448,7 +448,7 @@ TEST(MjcfImport, MeshesByExactIntegrals) {
     const std::string shell = "vertex='0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1' inertia='shell'";
     EXPECT_NEAR(mass_of(body(shell, ""), "a"), 6000, 1e-10);
     EXPECT_NEAR(tensor_of(body(shell, "mass='6'"), "a")[1][1], 6 * 2 * (0.25 * 10 / 18.), 1e-14);
-    // MuJoCo adds absolute volumes; a dent is counted twice
+    // MuJoCo adds absolute volumes, which counts a dent twice
     const std::string dented =
         "vertex='0 0 0 2 0 0 0 2 0 0 0 2 0.1 0.1 0.1' face='0 2 1 0 1 3 0 3 2 1 2 4 2 3 4 3 1 4'";
     const Robot dent = body(dented, "density='1'");
@@ -461,7 +461,7 @@ TEST(MjcfImport, MeshesByExactIntegrals) {
     EXPECT_NEAR(mass_of(body(dented + " inertia='convex'", "density='1'"), "a"), 8 / 6., 1e-14);
 }
 
-// A box whose mesh is fitted by a box has the same mass properties; half the size by fitscale has an eighth of it.
+// A box fitted to the mesh of a box has the same mass properties; fitscale 0.5 leaves an eighth of the mass.
 TEST(MjcfImport, PrimitivesFittedToMeshes) {
     const std::string asset =
         "<asset><mesh name='m' vertex='0 0 0 2 0 0 0 1 0 2 1 0 0 0 4 2 0 4 0 1 4 2 1 4'/></asset>";
@@ -495,7 +495,7 @@ TEST(MjcfImport, MeshesFromFiles) {
     const std::string missing = "<asset><mesh name='corner' file='none.obj'/></asset>";
     folder.write("main.xml", model(body, missing));
     EXPECT_EQ(folder.fault("main.xml").find("main.xml: line 1, <mesh>: "), 0u) << folder.fault("main.xml");
-    // a body that does not move, or has an <inertial>, needs no mesh
+    // static bodies and bodies with <inertial> need no mesh
     folder.write("main.xml", model("<body name='s'><geom type='mesh' mesh='corner'/></body>" +
                                        hinged("a", one_kg + "<geom type='mesh' mesh='corner'/>"),
                                    missing));
@@ -507,7 +507,7 @@ TEST(MjcfImport, MeshesFromFiles) {
 
 // --- joints ------------------------------------------------------------------------------------------------------
 
-// The pose as written is at ref; the scene's coordinate is 0 there.
+// The written pose is at ref; the scene's coordinate is 0 there.
 TEST(MjcfImport, SpringsRestAtSpringrefLessRef) {
     const Robot robot = read(
         model("<body name='a'><joint name='h' ref='30' springref='90' stiffness='2' damping='3'/>" + one_kg +
@@ -532,7 +532,7 @@ TEST(MjcfImport, SpringsRestAtSpringrefLessRef) {
     EXPECT_TRUE(is_noted(cubic.omitted, "nonlinear terms of joint springs and dampers", "c"));
 }
 
-// stiffness = I / (T z)^2, damping = 2 I / T with the inverse inertia 1 / I at the joint, armature included.
+// stiffness = I / (T z)^2 and damping = 2 I / T, with 1 / I the inverse inertia at the joint, armature included.
 TEST(MjcfImport, SpringdamperByTheInertiaAtTheJoint) {
     const Robot one =
         read(model("<body name='a'><joint name='h' axis='0 1 0' springdamper='0.5 0.8' armature='0.03'/>"
@@ -542,17 +542,17 @@ TEST(MjcfImport, SpringdamperByTheInertiaAtTheJoint) {
     const double inertia = 3 + 0.5 + 0.03;
     EXPECT_NEAR(double(joint_named(one, "h").stiffness[0]), inertia / 0.16, 1e-13);
     EXPECT_NEAR(double(joint_named(one, "h").damping[0]), 2 * inertia / 0.5, 1e-13);
-    // the mean of the inverses of 4, 4, 4, 1, 0.5, 0.8
+    // the mean of the inverses of 4, 4, 4, 1, 0.5 and 0.8
     const double mean = 6 / (0.75 + 1 + 2 + 1.25);
     ASSERT_EQ(one.free_damping.size(), 1u);
     EXPECT_NEAR(one.free_damping[0].rotational, 2 * mean / 0.5, 1e-14);
     EXPECT_TRUE(is_noted(one.omitted, "springs of free joints", "f"));
-    // double pendulum of rods without moments: M = [[m1 l^2 + m2 (l + l)^2, 2 m2 l^2], [2 m2 l^2, m2 l^2]] in a line
+    // a straight double pendulum of point masses: M = [[m1 l^2 + m2 (l + l)^2, 2 m2 l^2], [2 m2 l^2, m2 l^2]]
     const std::string bob = "<inertial pos='0 0 -1' mass='1' diaginertia='0 0 0'/>";
     const Robot two = read(model("<body name='a'><joint name='j1' axis='0 1 0' springdamper='1 1'/>" + bob +
                                  "<body name='b' pos='0 0 -1'><joint name='j2' axis='0 1 0' springdamper='1 1'/>" +
                                  bob + "</body></body>"));
-    // M = [[5, 2], [2, 1]], det 1: the inverse's diagonal is 1, 5
+    // M = [[5, 2], [2, 1]] with determinant 1: the diagonal of the inverse is 1, 5
     EXPECT_NEAR(double(joint_named(two, "j1").stiffness[0]), 1, 1e-15);
     EXPECT_NEAR(double(joint_named(two, "j2").stiffness[0]), 1 / 5., 1e-15);
     EXPECT_NE(fault(model("<body><joint springdamper='1 0'/>" + one_kg + "</body>")).find("that is not positive"),
@@ -575,7 +575,7 @@ TEST(MjcfImport, LimitsByLimitedAndAutolimits) {
     EXPECT_TRUE(limits("range='-1 1' limited='true'", "<compiler autolimits='false'/>"));
 }
 
-// Several joints of one body: links without mass in its frame.
+// Several joints on one body become massless links in its frame.
 TEST(MjcfImport, SeveralJointsOfOneBody) {
     const Robot robot =
         read(model("<body name='a' pos='1 0 0'><joint name='x' type='slide' axis='1 0 0'/><joint "
@@ -604,7 +604,7 @@ TEST(MjcfImport, BodiesWithoutJointsAndMocapBodies) {
     EXPECT_NE(fault(model("<body mocap='true'><joint/></body>")).find("is a mocap body with joints"),
               std::string::npos);
     EXPECT_NE(fault(model("<body><body mocap='true'/></body>")).find("inside another body"), std::string::npos);
-    // alignfree: a free body's damping acts at its centre of mass
+    // with alignfree the damping of a free body acts at its centre of mass
     const Robot aligned =
         read(model("<body name='a' pos='1 0 0'><joint type='free' damping='3'/><geom size='0.1' pos="
                    "'0 1 0'/></body>",
@@ -613,7 +613,7 @@ TEST(MjcfImport, BodiesWithoutJointsAndMocapBodies) {
     expect_near(cast<double>(joint_of(aligned, "a").placement.position), {1, 1, 0}, 0);
 }
 
-// r06: generated names differ from all given ones, also from later ones.
+// r06: generated names differ from all given ones, including later ones.
 TEST(MjcfImport, GeneratedNamesCollideWithNothing) {
     const Robot robot = read(model("<body name='arm'><joint/>" + one_kg + "<body><joint name='arm_joint'/>" + one_kg +
                                    "</body><body name='body1'><joint/>" + one_kg + "</body></body>"));

@@ -1,4 +1,4 @@
-// Planes in scene files: read, written, and held against the body.
+// Planes in scene files: reading, writing, and the check that the body starts on the right side.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -27,13 +27,13 @@ TEST(Planes, AreReadWithTheirDefaults) {
     EXPECT_EQ(scene.planes[1].friction, 0.5);
 }
 
-/// The start may touch: that it is there to rounding is no fault.
+/// A body may touch a plane at the start, up to rounding.
 TEST(Planes, MayBeTouchedAtTheStart) {
     const std::string floor = R"([{"normal": [0, 0, 1], "restitution": 1}])";
     EXPECT_NO_THROW(parse_scene(with_planes(floor, "[0, 0, 0.5]"), "test"));
     EXPECT_NO_THROW(parse_scene(with_planes(floor, "[0, 0, 0.49999999999999994]"), "test"));
     EXPECT_THROW(parse_scene(with_planes(floor, "[0, 0, 0.499999]"), "test"), InputError);
-    // 2 z > 1, whatever the normal's length
+    // the condition is 2 z > 1, whatever the length of the normal
     EXPECT_NO_THROW(
         parse_scene(with_planes(R"([{"normal": [0, 0, 2], "offset": 1, "restitution": 1}])", "[0, 0, 1]"), "t"));
     EXPECT_THROW(
@@ -41,14 +41,14 @@ TEST(Planes, MayBeTouchedAtTheStart) {
         InputError);
 }
 
-/// Of a turned box it is the lowest corner that counts, of parts their common hull.
+/// For a rotated box the lowest corner counts, for parts their common hull.
 TEST(Planes, AreHeldAgainstTheTurnedBody) {
     const auto scene = [](const char* body, const char* height) {
         return std::string(R"({"name": "box", "duration": 1, "body": )") + body +
                R"(, "initial": {"orientation": [0.9238795325112867, 0.3826834323650898, 0, 0], "position": [0, 0, )" +
                height + R"(]}, "planes": [{"normal": [0, 0, 1], "restitution": 1}]})";
     };
-    // an eighth of a turn about x: the corner is sqrt(2) below
+    // an eighth of a rotation about x: the lowest corner is sqrt(2) below the centre
     const char* box = R"({"shape": {"type": "box", "half_extents": [1, 1, 1]}, "mass": 1})";
     EXPECT_NO_THROW(parse_scene(scene(box, "1.4143"), "test"));
     EXPECT_THROW(parse_scene(scene(box, "1.4142"), "test"), InputError);
@@ -67,7 +67,7 @@ RC_GTEST_PROP(Planes, ReadBackToTheSamePlanes, ()) {
         plane.normal_W = random_vector();
         if (plane.normal_W == Vector3<double>()) plane.normal_W[0] = 1;
         plane.restitution = *rc::gen::inRange(0, 1001) / 1000.0, plane.friction = std::abs(*real_number());
-        // the origin's side, two metres off the ball
+        // the body is 2 m from the plane, on its positive side
         plane.offset = -3 * (1 + std::sqrt(dot(plane.normal_W, plane.normal_W)));
         plane.offset += dot(plane.normal_W, scene.initial.position_W);
         scene.planes.push_back(plane);

@@ -1,4 +1,4 @@
-// Random valid scenes of several bodies for RapidCheck: trees and loops of every kind.
+// Random valid scenes of several bodies for RapidCheck: trees and loops of every type.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@ inline Vector3<double> random_direction() {
 
 inline std::array<double, 2> random_pair() { return {*real_number(), *real_number()}; }
 
-/// "world", or one of the bodies that stand before `index`.
+/// "world" or a body before `index`.
 inline std::string random_base(const Scene& scene, std::size_t index) {
     const std::size_t chosen = *rc::gen::inRange<std::size_t>(0, index + 1);
     return chosen == index ? "world" : scene.bodies[chosen].name;
 }
 
-/// A joint that carries body `index` on the world or a body before it. What its type has no use for stays as it is.
+/// A joint that carries body `index` on the world or on an earlier body. Members unused by its type keep defaults.
 inline Joint random_joint(const Scene& scene, std::size_t index) {
     Joint j;
     j.name = "joint " + std::to_string(index);
@@ -41,7 +41,7 @@ inline Joint random_joint(const Scene& scene, std::size_t index) {
     j.coordinate = random_pair(), j.rate = random_pair(), j.rest = random_pair();
     j.stiffness = random_pair(), j.damping = random_pair();
     if (j.type == JointType::universal) {
-        // across the first, so not along it
+        // nearly perpendicular to the first axis, so not parallel to it
         const Vector3<double>& a = j.axes[0];
         const Vector3<double> other =
             std::abs(a[0]) < std::abs(a[1]) ? Vector3<double>(1, 0, 0) : Vector3<double>(0, 1, 0);
@@ -96,7 +96,7 @@ inline Scene random_mechanism() {
                                        random_vector()};
         }
     }
-    // something has to move
+    // at least one joint must move
     const auto is_fixed = [](const Joint& joint) { return joint.type == JointType::fixed; };
     if (scene.joints.size() == bodies && std::ranges::all_of(scene.joints, is_fixed))
         scene.joints[0].type = JointType::spherical;

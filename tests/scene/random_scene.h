@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// Of magnitudes from 1e-8 to 1e8, either sign, now and then zero: any bits in the mantissa.
+/// Magnitudes from 1e-8 to 1e8 of either sign, sometimes zero, with all mantissa bits random.
 inline rc::Gen<double> real_number() {
     return rc::gen::map(rc::gen::tuple(rc::gen::inRange<long>(-(1L << 53), 1L << 53), rc::gen::inRange(-27, 28)),
                         [](const auto& parts) {
@@ -56,7 +56,7 @@ inline Load random_load() {
     }
 }
 
-/// A body that exists: moments a + b, b + c, c + a of positive a, b, c; in half the cases turned to other axes.
+/// A valid body: moments a + b, b + c, c + a with positive a, b, c; in half the cases in rotated axes.
 inline Body random_body() {
     Body body;
     body.mass = positive_number();
@@ -74,7 +74,7 @@ inline Body random_body() {
 
 inline Scene random_scene() {
     Scene scene;
-    // none that a spreadsheet takes for a formula
+    // not a name that a spreadsheet takes for a formula
     scene.name = *rc::gen::suchThat(rc::gen::nonEmpty(rc::gen::string<std::string>()),
                                     [](const std::string& name) { return name.find_first_of("=+-@") != 0; });
     for (char& letter : scene.name)

@@ -1,4 +1,4 @@
-// Whole robots: the same one in three formats, against positions multiplied out by hand, and what is merged or refused.
+// Import of whole robots: one robot in three formats, compared with hand-computed positions; merged links and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ const Joint& joint_named(const Scene& scene, const std::string& name) {
     throw std::out_of_range("no joint " + name);
 }
 
-// Where a body is: points of it go to A x + p.
+// The placement of a body: its point x is at A x + p.
 struct Placed {
     Matrix3<double> A = diagonal(Vector3<double>(1, 1, 1));
     Vector3<double> p;
@@ -65,7 +65,7 @@ Placed turned(const Vector3<double>& axis, double angle) {
 Placed moved(const Vector3<double>& by) { return {diagonal(Vector3<double>(1, 1, 1)), by}; }
 Placed rpy(double r, double p, double y) { return turned({0, 0, 1}, y) * turned({0, 1, 0}, p) * turned({1, 0, 0}, r); }
 
-// What the contract says of a joint, from the numbers of a scene: the child in the parent.
+// The pose of the child in the parent, from a scene's numbers and the contract's definition of the joint.
 Placed by_contract(const Joint& j, double x, double y = 0) {
     const Placed q0{rotation_matrix(normalized(j.parent_orientation)), {}};
     Placed J;
@@ -120,11 +120,11 @@ TEST(RobotImport, UrdfJointsMoveAsItsMatricesSay) {
                                                    "links without mass, merged: world_link"}));
 }
 
-// A frame between two links by fixed joints changes no motion, wherever it stands.
+// A massless link joined by fixed joints does not change the motion, wherever it is.
 TEST(RobotImport, LinksWithoutMassAreMergedWithTheirNeighbours) {
     const std::string tilt = "<origin xyz='0.1 0.2 0.3' rpy='0.5 0.6 0.7'/>", on = "<origin xyz='1 0 0' rpy='0 0 1'/>";
     const std::string axis = "<axis xyz='0 0.6 0.8'/>";
-    // in front of the moving joint
+    // before the moving joint
     const Scene before =
         robot_scene(urdf(link("a") + bare("m") + link("b") + bare("tip") + joint("f", "fixed", "a", "m", tilt) +
                          joint("j", "revolute", "m", "b", on + axis) + joint("t", "fixed", "b", "tip", tilt)));
@@ -136,7 +136,7 @@ TEST(RobotImport, LinksWithoutMassAreMergedWithTheirNeighbours) {
     EXPECT_EQ(before.assumed,
               (std::vector<std::string>{"gravity: none; neither the file nor the scene defines it",
                                         "links without mass, dropped: tip", "links without mass, merged: m"}));
-    // behind it, with a second link on the frame
+    // after the moving joint, with a second link on the massless one
     const Scene behind =
         robot_scene(urdf(link("a") + bare("m") + link("b") + link("c") + joint("j", "revolute", "a", "m", on + axis) +
                          joint("f", "fixed", "m", "b", tilt) + joint("k", "prismatic", "m", "c", on + axis)));
@@ -149,13 +149,13 @@ TEST(RobotImport, LinksWithoutMassAreMergedWithTheirNeighbours) {
                 turn * other * moved({0, 0.3, 0.4}), 1e-15);
 }
 
-// Two hinges through one point, a frame without mass between them.
+// Two hinges whose axes meet, with a massless link between them, become a universal joint.
 TEST(RobotImport, TwoHingesThroughOnePointAreAUniversalJoint) {
     const Scene s =
         robot_scene(urdf(bare("root") + bare("m") + link("b") +
                          joint("j", "revolute", "root", "m",
                                "<origin xyz='1 2 3' rpy='0.1 0.2 0.3'/><axis xyz='0 0 1'/><dynamics damping='3'/>") +
-                         // its axis along x' passes the first one's 2 further up
+                         // its axis along x' meets the first axis 2 m further up
                          joint("k", "revolute", "m", "b",
                                "<origin xyz='-0.5 0 2' rpy='0.4 0 0'/><axis xyz='1 0 0'/><dynamics damping='4'/>")));
     ASSERT_EQ(s.joints.size(), 1u);
@@ -168,7 +168,7 @@ TEST(RobotImport, TwoHingesThroughOnePointAreAUniversalJoint) {
                     moved({1, 2, 3}) * rpy(0.1, 0.2, 0.3) * turned({0, 0, 1}, x) * moved({-0.5, 0, 2}) *
                         turned({1, 0, 0}, 0.4) * turned({1, 0, 0}, y),
                     1e-14);
-    // axes that do not meet, or are parallel: the link between stays, as a body without mass
+    // axes that do not meet or are parallel: the massless link remains a body
     for (const auto& [origin, axis] : {std::pair("0 0.001 0", "1 0 0"), std::pair("0 0 0", "0 0 -1")}) {
         const std::string more = std::string("<origin xyz='") + origin + "'/><axis xyz='" + axis + "'/>";
         const Robot robot = parse_robot(
@@ -190,7 +190,7 @@ TEST(RobotImport, TheBaseIsHeldOrFree) {
     EXPECT_EQ(held.joints.size(), 2u);
     ASSERT_EQ(free.joints.size(), 1u);
     EXPECT_EQ(free.bodies[0].initial.position_W, Vector3<double>(0.1, 0.2, 0.3)) << "its origin is the world's";
-    // a floating joint says so itself
+    // a floating joint makes its child free
     const Scene floating = robot_scene(
         urdf(bare("world_link") + link("base") +
              joint("j", "floating", "world_link", "base", "<origin xyz='1 0 0' rpy='0 0 1.5707963267948966'/>")));
@@ -200,7 +200,7 @@ TEST(RobotImport, TheBaseIsHeldOrFree) {
     EXPECT_NEAR(p[1], 0.1, 1e-15);
 }
 
-// The centre of mass of a pendulum link and its tensor, for the constructs below.
+// The mass and tensor of a link, for the tests below.
 std::string urdf_inertia(double xx, double yy, double zz, double xy = 0, double xz = 0, double yz = 0) {
     return "<inertia ixx='" + std::to_string(xx) + "' iyy='" + std::to_string(yy) + "' izz='" + std::to_string(zz) +
            "' ixy='" + std::to_string(xy) + "' ixz='" + std::to_string(xz) + "' iyz='" + std::to_string(yz) + "'/>";
@@ -210,7 +210,7 @@ std::string urdf_link(const std::string& name, double mass, const std::string& i
            "</inertial></link>";
 }
 
-// A dummy link with 1e-6 in every entry: no distribution of mass has that tensor (its moments are 3e-6, 0, 0).
+// A dummy link with 1e-6 in every entry of its tensor, which no mass distribution has: its moments are 3e-6, 0, 0.
 TEST(RobotImport, ImpossibleTensorsOfFixedLinksDoNotMatter) {
     const std::string dummy = urdf_link("dummy", 1e-6, urdf_inertia(1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6));
     // fixed to the world
@@ -240,7 +240,7 @@ TEST(RobotImport, ImpossibleTensorsOfFixedLinksDoNotMatter) {
     EXPECT_DOUBLE_EQ(head.bodies[0].body.mass, 2 + 1e-6);
 }
 
-// Moments (a, b, c) with the excess e = c - a - b: the nearest possible ones are (a + e/3, b + e/3, c - e/3).
+// Moments (a, b, c) with the excess e = c - a - b are repaired to the nearest valid ones, (a + e/3, b + e/3, c - e/3).
 TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
     const auto plate = [](double izz, bool balance) {
         Scene scene;
@@ -274,14 +274,14 @@ TEST(RobotImport, TensorsAreRepairedBySmallestChange) {
     }
     const Scene balanced = plate(0.007, true);
     EXPECT_NEAR(balanced.bodies[0].body.inertia_B[2][2], 0.007 - 0.001 / 3, 1e-17);
-    // a moment that the projection would make negative becomes zero, the other two equal
+    // a moment that would become negative is set to zero, and the other two are made equal
     const InertiaRepair edge = repair_inertia(diagonal(Vector3<Wide>(-1e-3, 1, 1.0001)));
     EXPECT_NEAR(double(edge.inertia[0][0]), 0, 1e-30);
     EXPECT_NEAR(double(edge.inertia[1][1]), 1.00005, 1e-15);
     EXPECT_NEAR(double(edge.inertia[2][2]), 1.00005, 1e-15);
 }
 
-// A massless link at the end of a moving joint moves nothing; a tensor without mass counts where it is fixed.
+// A massless link at the end of a moving joint is dropped. A massless link with a tensor counts where it is fixed.
 TEST(RobotImport, LinksWithoutMassAtTheEnds) {
     const Scene leaf = robot_scene(
         urdf(bare("w") + link("a") + bare("b") + joint("j", "revolute", "w", "a") + joint("k", "revolute", "a", "b")));
@@ -334,7 +334,7 @@ TEST(RobotImport, ConstructsOfUrdfThatAreNotModelledAreNamed) {
               std::string::npos);
 }
 
-// One robot in three languages.
+// The same robot in three formats.
 const char* arm_in_urdf = R"(<robot name="r">
   <link name="foot"><inertial><origin xyz="0 0 0.1" rpy="0 0 0.5"/><mass value="3"/>
     <inertia ixx="1" iyy="2" izz="2.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -404,7 +404,7 @@ std::string mjcf(const std::string& inside, const std::string& more = "") {
 }
 const std::string mjcf_inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
 
-// Inertias that MuJoCo works out from geoms, against the closed forms of the same solids.
+// Inertias computed from MJCF geoms agree with the closed forms of the solids.
 TEST(RobotImport, GeomsOfMjcfHaveTheirMass) {
     const auto body = [](const std::string& geoms) {
         return robot_scene(mjcf("<body name='b'><freejoint/>" + geoms + "</body>")).bodies[0].body;
@@ -416,13 +416,13 @@ TEST(RobotImport, GeomsOfMjcfHaveTheirMass) {
     const Body box = body("<geom type='box' size='0.1 0.2 0.3' pos='1 0 0' mass='6'/>");
     EXPECT_NEAR(box.inertia_B[0][0], 2 * (0.04 + 0.09), 1e-15);
     EXPECT_EQ(box.center_of_mass, Vector3<double>(1, 0, 0));
-    // a rod along (3, 0, 4), 10 long
+    // a cylinder along (3, 0, 4), 10 long
     const Body rod = body("<geom type='cylinder' size='0.5' fromto='0 0 0 6 0 8' mass='12'/>");
     const double along = 12 * 0.25 / 2, across = 12 * 0.25 / 4 + 100;
     EXPECT_NEAR(rod.center_of_mass[2], 4, 1e-15);
     EXPECT_NEAR(rod.inertia_B[0][0], across + (along - across) * 0.36, 1e-12);
     EXPECT_NEAR(rod.inertia_B[0][2], (along - across) * 0.48, 1e-12);
-    // half balls and a cylinder; an ellipsoid; two of them; one for show
+    // a capsule; an ellipsoid; two spheres and a massless third one
     const Body capsule = body("<geom type='capsule' size='0.1 0.2' density='500'/>");
     EXPECT_NEAR(capsule.mass, 500 * pi * (0.01 * 0.4 + 4 / 3. * 0.001), 1e-13);
     const Body ellipsoid = body("<geom type='ellipsoid' size='1 2 3' mass='5'/>");
@@ -452,7 +452,7 @@ TEST(RobotImport, JointsOfMjcf) {
     const Joint& h = joint_named(s, "h");
     EXPECT_NEAR(h.rest[0], 0.7853981633974483, 1e-16);
     EXPECT_EQ(h.stiffness[0], 3);
-    // the anchor stays where it is
+    // the anchor stays in place
     expect_same(by_contract(h, 0.3), moved({0, 0, 1.5}) * turned({0, 1, 0}, 0.3) * moved({0, 0, -0.5}), 1e-15);
     EXPECT_EQ(joint_named(s, "ball").type, JointType::spherical);
     EXPECT_EQ(joint_named(s, "ball").damping[0], 2);
@@ -476,7 +476,7 @@ TEST(RobotImport, JointsOfMjcf) {
     }
 }
 
-// SDFormat: where frames are relative to each other, and a universal joint.
+// SDFormat: frames relative to other frames, and a universal joint.
 TEST(RobotImport, FramesOfSdf) {
     const std::string i = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>";
     const Scene s = robot_scene(
@@ -499,7 +499,7 @@ TEST(RobotImport, FramesOfSdf) {
                 1e-15);
     EXPECT_EQ(j.stiffness, (std::array<double, 2>{2, 0}));
     EXPECT_EQ(j.rest, (std::array<double, 2>{0.5, 0}));
-    // a model that nothing ties to the world is free, and where it is
+    // a model not joined to the world is free and starts at its pose
     EXPECT_NEAR(s.bodies[0].initial.position_W[0], 10 + std::cos(1.0), 1e-15);
     EXPECT_NEAR(s.bodies[0].initial.position_W[1], std::sin(1.0), 1e-15);
     EXPECT_EQ(s.omitted, (std::vector<std::string>{"joint limits: j"}));
@@ -557,10 +557,10 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
     }
 }
 
-// The scene's own member, and the arm that is built in.
+// A scene that imports a robot, and the built-in arm.
 TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     const Scene built_in = find_scene("mechanisms/arm6");
-    allow_outside_files(true);  // its robot lies in ../robots
+    allow_outside_files(true);  // its robot file is in ../robots
     const Scene from_file = read_scene(source_dir() + "/experiments/scenes/mechanisms/arm6.json");
     allow_outside_files(false);
     EXPECT_EQ(write_scene(built_in), write_scene(from_file));
@@ -571,9 +571,9 @@ TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     EXPECT_EQ(built_in.omitted, (std::vector<std::string>{"joint limits: waist, shoulder, elbow, wrist_bend"}));
     EXPECT_EQ(built_in.assumed,
               (std::vector<std::string>{"links without mass, dropped: tool", "links without mass, merged: base"}));
-    // what is written stands alone
+    // the written scene needs no robot file
     EXPECT_EQ(write_scene(parse_scene(write_scene(built_in), "written")), write_scene(built_in));
-    // the flange, with all angles zero, is upright above the foot
+    // with all angles zero the flange is upright above the foot
     Placed tip;
     for (const Joint& joint : built_in.joints) tip = tip * by_contract(joint, 0);
     const Vector3<double> there = tip * Vector3<double>(0, 0, 0);
@@ -583,7 +583,7 @@ TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
     EXPECT_NEAR(tip.A[2][2], 1, 1e-15);
 }
 
-// A rule of scenes that a robot breaks is reported with the robot's names, not with an index.
+// When a robot violates a rule of scenes, the message contains the robot's names instead of indices.
 TEST(RobotImport, FaultsOfTheSceneNameTheLink) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "polhode_robot_names";
     std::filesystem::create_directories(folder);

@@ -1,3 +1,4 @@
+// Scene files of one body: keys, defaults, limits, messages, built-in scenes.
 #include "scene/scene_file.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +39,7 @@ std::string scene_with(const std::string& members) {
 }
 
 TEST(BadScenes, EachIsRefusedInOneLineThatNamesFilePlaceAndRemedy) {
-    allow_outside_files(true);  // they name files in ../bodies
+    allow_outside_files(true);  // these scenes refer to files in ../bodies
     for (const BadFile& bad : bad_files("scene", ".json")) expect_one_line(bad, message_of(bad.path));
     allow_outside_files(false);
     EXPECT_GE(bad_files("scene", ".json").size(), 380u);
@@ -102,7 +103,7 @@ TEST(SceneFile, DefaultsAreTheContracts) {
     EXPECT_EQ(std::get<Spring>(s.loads[0]).rest_orientation, (Quaternion<double>{1, 0, 0, 0}));
 }
 
-// what is only just allowed
+// values just inside the limits
 TEST(SceneFile, AcceptsWhatTheRulesAllow) {
     const char* allowed[] = {
         R"("initial": {"orientation": [1.0000009, 0, 0, 0]})",
@@ -123,7 +124,7 @@ TEST(SceneFile, AcceptsWhatTheRulesAllow) {
     EXPECT_EQ(fault_of("\xef\xbb\xbf" + scene_with(R"("pivot": [0, 0, 0])")), "") << "byte order mark";
 }
 
-// a number is the binary64 nearest to the decimal written
+// each number is the binary64 nearest to its decimal
 TEST(SceneFile, NumbersAreTheNearestBinary64) {
     const auto duration = [](const std::string& decimal) {
         return parse_scene(
@@ -131,7 +132,7 @@ TEST(SceneFile, NumbersAreTheNearestBinary64) {
             .duration;
     };
     EXPECT_EQ(duration("0.1"), 0x1.999999999999ap-4);
-    EXPECT_EQ(duration("9007199254740993"), 0x1p53);  // halfway, to even
+    EXPECT_EQ(duration("9007199254740993"), 0x1p53);  // half-way: rounded to even
     EXPECT_EQ(duration("9007199254740993.0000000000000000000001"), 0x1p53 + 2);
     EXPECT_EQ(duration("18446744073709551617"), 0x1p64);
     EXPECT_EQ(duration("123456789012345678901234567890e-29"), 1.2345678901234567890123456789);

@@ -55,7 +55,7 @@ RC_GTEST_PROP(WriteScene, ReadsBackToTheSameScene, ()) {
     RC_ASSERT(a.tolerated == b.tolerated);
     RC_ASSERT(a.loads.size() == b.loads.size());
     for (std::size_t i = 0; i < a.loads.size(); ++i) RC_ASSERT(same(a.loads[i], b.loads[i]));
-    // canonical: one text for one scene
+    // canonical: a scene has one text
     RC_ASSERT(write_scene(b) == text);
 }
 

@@ -1,5 +1,5 @@
-// SDFormat: rules by version, frames, defaults, computed inertia, worlds and included models, each against a closed
-// form; refusals; and the table of constructs, row by row.
+// SDFormat import: rules by version, frames, defaults, computed inertia, worlds and included models, each against a
+// closed form; refusals; and the table of constructs, row by row.
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
@@ -80,7 +80,7 @@ std::vector<std::string> names_of(const Robot& robot) {
 }
 using Names = std::vector<std::string>;
 
-// The child is turned by 1.2 about z in the model, its joint by 0.5 more.
+// The child is rotated by 1.2 rad about z in the model, its joint by a further 0.5 rad.
 TEST(SdfImport, AxesAreInTheFrameOfTheirVersion) {
     const auto axis = [](const std::string& version, const std::string& in_axis, const std::string& xyz = "") {
         const Robot robot = read_sdf(
@@ -120,7 +120,7 @@ TEST(SdfImport, VersionsThatAreNotSupportedAreRefusedByNumber) {
 }
 
 TEST(SdfImport, PosesAreRelativeToTheirFrames) {
-    // before 1.7 by the attribute frame; an empty pose is the identity
+    // the attribute is `frame` before version 1.7; an empty pose is the identity
     for (const char* attribute : {"frame", "relative_to"}) {
         const Robot robot = read_sdf(
             sdf(*attribute == 'f' ? "1.6" : "1.9",
@@ -135,7 +135,7 @@ TEST(SdfImport, PosesAreRelativeToTheirFrames) {
                                   "<link name='b'><pose frame='a'>0 1 0 0 0 0</pose>" + inertial + "</link>")));
     expect_vector(narrow(since.places[1].position), {0, 1, 0});
     EXPECT_EQ(since.omitted.at("attribute frame of <pose>, which SDFormat 1.7 replaced by relative_to"), Names{"b"});
-    // angles in degrees and as a quaternion, which need not be of unit length
+    // angles in degrees, and a quaternion of any length
     for (const char* pose :
          {"<pose degrees='true'>1 2 3 0 0 90</pose>", "<pose rotation_format='quat_xyzw'>1 2 3 0 0 2 2</pose>"}) {
         const Robot robot = read_sdf(sdf("1.9", model("m", link("a", pose))));
@@ -144,7 +144,7 @@ TEST(SdfImport, PosesAreRelativeToTheirFrames) {
 }
 
 TEST(SdfImport, FramesAndModelsAreEndsOfJoints) {
-    // the joint is where its child's frame is
+    // the joint is at its child's frame
     const Robot robot = read_sdf(
         sdf("1.9", model("m", link("a") + "<frame name='hook' attached_to='a'><pose>0 .1 -.4 0 0 0</pose></frame>" +
                                   link("b", "<pose>0 0 -.8 0 0 .4</pose>") +
@@ -155,7 +155,7 @@ TEST(SdfImport, FramesAndModelsAreEndsOfJoints) {
     EXPECT_EQ(robot.joints[0].child, 1u);
     expect_vector(narrow(robot.joints[0].point), about_z(-.4, {0, .1, .4}));
     expect_vector(narrow(robot.joints[0].axes[0]), about_z(-.4, {1, 0, 0}));
-    // a model is its canonical link: by name, else the first one, else that of the first nested model
+    // a model stands for its canonical link: by name, else its first link, else that of the first nested model
     const auto child_of = [](const std::string& attributes, const std::string& inside) {
         const Robot one =
             read_sdf(sdf("1.9", model("m", link("z") + model("n", inside, attributes) + joint("j", "z", "n"))));
@@ -165,7 +165,7 @@ TEST(SdfImport, FramesAndModelsAreEndsOfJoints) {
     EXPECT_EQ(child_of("canonical_link='b'", link("a") + link("b")), "n::b");
     EXPECT_EQ(child_of("canonical_link='k::b'", link("a") + model("k", link("b"))), "n::k::b");
     EXPECT_EQ(child_of("", model("k", link("b")) + model("l", link("c"))), "n::k::b");
-    // the pose places the placement frame: a is at -1 along x of the frame f
+    // the pose is that of the placement frame: link a is at -1 along the x axis of frame f
     const Robot placed = read_sdf(sdf(
         "1.9", model("m", "<pose>5 0 0 0 0 0</pose>" + link("a") + "<frame name='f'><pose>1 0 0 0 0 0</pose></frame>",
                      "placement_frame='f'")));
@@ -205,7 +205,7 @@ TEST(SdfImport, DefaultsAreTakenAndNamed) {
     EXPECT_EQ(axis.assumed["axes 0 0 1, SDFormat's default"], Names{"j"});
 }
 
-// Moments of the textbook solids, from their collisions.
+// Inertia computed from collisions agrees with the moments of the textbook solids.
 TEST(SdfImport, InertiaIsComputedFromCollisions) {
     const auto computed = [](const std::string& collisions, const std::string& inside = "") {
         return *read_sdf(sdf("1.11", model("m", "<link name='b'><inertial auto='true'>" + inside + "</inertial>" +
@@ -227,7 +227,7 @@ TEST(SdfImport, InertiaIsComputedFromCollisions) {
     const Vector3<double> of_box(m / 12 * 0.1, m / 12 * 0.13, m / 12 * 0.05);
     expect(computed(collision(box), density), m, of_box);
     expect(computed(collision(box, density)), m, of_box);
-    // <inertia> and <pose> are replaced, the collision's density counts, a <mass> scales
+    // computed values replace <inertia> and <pose>; the collision's density takes precedence; <mass> scales the result
     const std::string numbers = "<pose>1 1 1 0 0 0</pose><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia>";
     expect(computed(collision(box, density), "<density>1</density>" + numbers), m, of_box);
     expect(computed(collision(box, density), "<mass>9</mass>" + numbers), 9, (9 / m) * of_box);
@@ -246,7 +246,7 @@ TEST(SdfImport, InertiaIsComputedFromCollisions) {
     const MassProperties<Wide> capsule =
         computed(collision("<capsule><radius>.2</radius><length>.6</length></capsule>"));
     EXPECT_NEAR(double(capsule.mass), 1000 * pi * (.04 * .6 + 4 / 3. * .008), 1e-12);
-    // two spheres a metre apart, placed by a frame of the model
+    // two spheres 1 m apart, the second placed by a frame of the model
     const MassProperties<Wide> two =
         *read_sdf(sdf("1.11",
                       model("m", "<frame name='f'><pose>1 0 0 0 0 0</pose></frame><link name='b'><pose>0 0 0 0 0 " +
@@ -258,7 +258,7 @@ TEST(SdfImport, InertiaIsComputedFromCollisions) {
              .mass;
     expect_vector(narrow(two.center), {.5, 0, 0});
     EXPECT_NEAR(double(two.inertia[1][1]), 2 * (.4 * .01 + .25), 1e-15);
-    // without volume
+    // shapes without volume
     for (const char* shape : {"plane", "heightmap", "polyline", "image", "empty"}) {
         try {
             computed(collision("<" + std::string(shape) + "/>"));
@@ -328,7 +328,7 @@ TEST(SdfImport, StaticModelsArePartOfTheWorld) {
     EXPECT_NE(sdf_fault(sdf("1.11", "<world name='w'>" + post + "</world>")).find("all are static"), std::string::npos);
 }
 
-// c -> b is read backwards where a carries b: universal axes in the other order, with the other sign.
+// The joint c -> b is reversed where a carries b: universal axes swap order and change sign.
 TEST(SdfImport, JointsAreDirectedFromTheRoot) {
     const std::string two_axes =
         "<axis><xyz>1 0 0</xyz><dynamics><damping>1</damping></dynamics></axis><axis2><xyz>0 1 0</xyz></axis2>";
@@ -370,7 +370,7 @@ class SdfFolder {
 
 TEST(SdfImport, IncludedModelsAreReadFromTheFolder) {
     const SdfFolder folder;
-    // the axis is in the model's frame in the file of 1.4, whatever includes it
+    // version 1.4 gives the axis in the model's frame, whichever version includes the file
     folder.write("crank/old.sdf", sdf("1.4", model("crank", link("rod") + link("wheel", "<pose>0 0 0 0 0 1</pose>") +
                                                                 joint("k", "rod", "wheel"))));
     folder.write("crank/new.sdf", sdf("1.9", model("crank", "<pose>0 0 7 0 0 0</pose>" + link("rod") +
@@ -400,7 +400,7 @@ TEST(SdfImport, IncludedModelsAreReadFromTheFolder) {
     expect_vector(narrow(two.places[0].position), {0, 0, 1});
     const Robot still = read(include("crank", "<static>true</static>") + include("plain"));
     EXPECT_EQ(names_of(still), Names{"p"});
-    // merged: the names are those of the model around it
+    // merged: the names belong to the enclosing model
     const Robot merged = read(
         model("m", link("a") + include("crank", "<pose>1 0 0 0 0 0</pose>", "merge='true'") + joint("j", "a", "rod")));
     EXPECT_EQ(names_of(merged), (Names{"a", "rod", "wheel", "k", "j"}));
@@ -488,7 +488,7 @@ TEST(SdfImport, RefusesWhatItCannotMake) {
     }
 }
 
-// The table: every element and attribute of the schemas of 1.3 to 1.12 is in it, and its verdicts are true.
+// The table contains every element and attribute of the schemas 1.3 to 1.12, and its verdicts are correct.
 
 const RobotConstruct* row_of(std::string_view parent, std::string_view element, std::string_view attribute) {
     for (const std::string_view over : {parent, std::string_view("*")})
@@ -518,7 +518,7 @@ TEST(SdfConstructs, ListTheWholeSchema) {
             << row.element;
 }
 
-// Scenery that is not there leaves the world readable, and is named.
+// A world whose scenery is missing can be read; the missing models are listed as omitted.
 TEST(SdfImport, MissingModelsOfAWorldAreNamed) {
     const std::string world =
         "<sdf version='1.9'><world name='w'><include><uri>model://sun</uri></include><model name='m'><link "
@@ -528,7 +528,7 @@ TEST(SdfImport, MissingModelsOfAWorldAreNamed) {
     EXPECT_EQ(scene.omitted, std::vector<std::string>{"included models of the world that were not found: model://sun"});
 }
 
-// Each modelled element that has a text or an attribute, in values that act.
+// A document with every modelled element that has text or an attribute, with values that have an effect.
 std::string full_document(const std::string& version) {
     const std::string pose = std::stoi(version.substr(2)) < 7 ? "frame" : "relative_to";
     return "<sdf version='" + version +
@@ -582,7 +582,8 @@ std::string printed(const tinyxml2::XMLDocument& document) {
     return printer.CStr();
 }
 
-// The document with <element>text</element> in its first <parent>; a text in <> is an element. Empty: no such parent.
+// The document with <element>text</element> in its first <parent>; text that starts with < is parsed as an element.
+// Returns an empty string if there is no such parent.
 std::string with_element(const RobotConstruct& row, const std::string& text) {
     static const std::map<std::string_view, const char*> parents = {{"frame", "link"},
                                                                     {"plugin", "model"},
@@ -639,10 +640,10 @@ TEST(SdfConstructs, WhatIsIrrelevantOrOmittedHasThatVerdict) {
               std::string::npos);
 }
 
-// Garbage in each text and attribute of the document is refused, or changes the scene.
+// Invalid text in any element or attribute of the document is refused or changes the scene.
 TEST(SdfConstructs, WhatIsModelledReacts) {
     std::set<std::string> seen;
-    // gravity of <physics> acts in worlds before 1.6 without their own; names of models where there are several
+    // gravity in <physics> acts before version 1.6 in worlds without their own; model names matter among several
     const std::string two_models =
         "<sdf version='1.5'><world name='w'><physics type='ode'><gravity>0 0 -2</gravity></physics>"
         "<model name='m'><link name='a'/></model><model name='n'><link name='a'/></model></world></sdf>";

@@ -1,4 +1,4 @@
-// What a scene made in C++ can hold and a file cannot: the same rules, the same places.
+// Errors that a scene made in C++ can have but a file cannot: the same rules and the same places in messages.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(Validate, ABodyOfAMechanismMayHaveNoMassOrAMomentOfZero) {
     EXPECT_NE(fault_of(1, diagonal(V3(1, 0, 0))).find("triangle inequality"), std::string::npos);
     tilted_rod[0][0] -= 1, tilted_rod[1][1] -= 1;
     EXPECT_NE(fault_of(1, tilted_rod).find("must be >= 0"), std::string::npos);
-    // a scene of one body needs all
+    // a scene of one body needs mass and moments
     EXPECT_NE(fault_with([](Scene& s) { s.body.mass = 0; }).find("/body/mass: is 0; the mass must be > 0"),
               std::string::npos);
     EXPECT_NE(fault_with([](Scene& s) { s.body.inertia_B = {}; }).find("must be > 0"), std::string::npos);
@@ -118,14 +118,14 @@ TEST(Validate, RefusesWhatCannotBe) {
                   s.initial.velocity_W[0] = 1;
               }).find("/initial/velocity: is given, but the scene has a pivot"),
               std::string::npos);
-    // finite numbers whose inverses or products are not
+    // finite numbers whose inverse or product overflows
     EXPECT_NE(fault_with([](Scene& s) { s.body.mass = 5e-324; }).find("/body/mass"), std::string::npos);
     EXPECT_NE(fault_with([](Scene& s) {
                   s.body.mass = 1e300;
                   s.pivot = Vector3<double>(1e10, 0, 0);
               }).find("/pivot: makes the inertia"),
               std::string::npos);
-    // a tensor that 113 bits do not hold beside what the pivot's distance adds
+    // a tensor below the resolution of 113 bits beside the contribution of the pivot's distance
     for (const Vector3<double>& arm : {Vector3<double>(0.3, 0.4, 0.5), Vector3<double>(0, 0, 0.5)})
         EXPECT_NE(fault_with([&](Scene& s) {
                       s.body.mass = 1;
@@ -134,7 +134,7 @@ TEST(Validate, RefusesWhatCannotBe) {
                       s.pivot = Vector3<double>();
                   }).find("/pivot: makes a principal moment about the pivot less than 1e-30 of the largest, "),
                   std::string::npos);
-    // but not a needle held at a point of its own axis
+    // a needle with the pivot on its own axis is valid
     EXPECT_EQ(fault_with([](Scene& s) {
                   s.body.mass = 1;
                   s.body.inertia_B = diagonal(Vector3<double>(1e-55, 1, 1));
@@ -144,11 +144,11 @@ TEST(Validate, RefusesWhatCannotBe) {
               "");
 }
 
-// The triangle inequality is that of the principal moments: a tensor turned to other axes is judged as it was before.
+// The triangle inequality applies to the principal moments, so rotating a tensor does not change the result.
 RC_GTEST_PROP(Validate, JudgesATensorByItsPrincipalMoments, ()) {
-    // of like size, so that no other of the three inequalities is near its limit
+    // of similar size, so that the other two inequalities are not near their limits
     const double a = positive_number(), b = a * *rc::gen::element(0.1, 0.7, 1.0, 3.0, 10.0);
-    // the third moment above or below the sum of the others, by more than the turned tensor's rounding of it
+    // the third moment differs from the sum of the others by more than the rounding of the rotated tensor
     const double excess = *rc::gen::element(-1e-3, 1e-3), third = (a + b) * (1 + excess);
     const Matrix3<double> R = rotation_matrix(random_orientation());
     Matrix3<double> J = R * diagonal(Vector3<double>(a, b, third)) * transposed(R);

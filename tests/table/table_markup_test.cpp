@@ -29,7 +29,7 @@ std::string latex_cell(const Cell& cell) {
     const std::string text = latex({{"h"}, {{cell}}}, "", "");
     const std::size_t begin = text.find("\\endfoot\n  ") + 11;
     std::string field = text.substr(begin, text.find(" \\\\\n", begin) - begin);
-    // where a long name may be broken
+    // removes the marks at which a long name may be broken
     const std::string mark = "\\allowbreak{}";
     for (std::size_t at = field.find(mark); at != field.npos; at = field.find(mark)) field.erase(at, mark.size());
     return field;
@@ -66,8 +66,8 @@ TEST(Markdown, RoundsToThreeDigits) {
 }
 
 RC_GTEST_PROP(Markdown, StaysWithinHalfAUnitOfTheThirdDigit, (double value)) {
-    // three digits d.dd: half a unit of the last is at most 0.005 of a mantissa of at least 1; the second term is the
-    // rounding of the comparison itself
+    // three digits d.dd: half a unit of the last place is at most 0.005 relative to a mantissa >= 1; 1e-12 allows for
+    // the rounding of this comparison
     RC_PRE(std::isfinite(value) && std::abs(value) < 1e300);
     const double read = std::strtod(markdown_cell(value).c_str(), nullptr);
     RC_ASSERT(std::abs(read - value) <= 0.005 * std::abs(value) * (1 + 1e-12));
@@ -89,7 +89,7 @@ TEST(Latex, WritesALongtableWithBooktabsRules) {
         EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
-// a table that is too wide says once what every row has, and what stands in the CSV alone
+// a table that is too wide states columns with equal values once and lists those that only the CSV contains
 TEST(Latex, LeavesOutWhatDoesNotFit) {
     Table table{{"scene", "status", "message"}, {}};
     for (int i = 0; i < 12; ++i) table.columns.push_back("error number " + std::to_string(i));
@@ -104,7 +104,7 @@ TEST(Latex, LeavesOutWhatDoesNotFit) {
     EXPECT_NE(text.find("\\num{1.23e-5}"), std::string::npos) << text;
 }
 
-// Every kind of number, and as many texts as there is room for, under headings longer than their columns.
+// Numbers of every kind and long texts, under headings wider than their columns.
 Table awkward_table() {
     Table table{{"discontinuities (rad)"}, {}};
     for (int i = 0; i < 6; ++i) table.columns.push_back("what the text describes " + std::to_string(i));
@@ -116,7 +116,7 @@ Table awkward_table() {
     return table;
 }
 
-// A published table, its numbers as numbers.
+// A published table, with its numbers parsed.
 Table published(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     Table table = parse_csv(std::string(std::istreambuf_iterator<char>(file), {}));
@@ -126,8 +126,7 @@ Table published(const std::filesystem::path& path) {
     return table;
 }
 
-// What is published, and what anybody may make, compiles in a plain article, and no table is wider than its text
-// (345 pt), by a real LaTeX.
+// Published tables and the awkward one compile with a real LaTeX in a plain article and fit its text width (345 pt).
 TEST(Latex, TablesCompileAndFit) {
     if (std::system(
             "kpsewhich siunitx.sty longtable.sty booktabs.sty >/dev/null 2>&1 && command -v pdflatex >/dev/null") != 0)
@@ -159,7 +158,7 @@ TEST(Latex, TablesCompileAndFit) {
         0);
     std::ifstream log(pattern + "/all.log");
     for (std::string line; std::getline(log, line);) EXPECT_FALSE(line.starts_with("Overfull \\hbox")) << line;
-    // longtable notes the widths of its columns
+    // longtable writes its column widths to the .aux file
     std::ifstream notes(pattern + "/all.aux");
     std::vector<double> widths;
     for (std::string line; std::getline(notes, line);) {
@@ -189,7 +188,7 @@ TEST(Latex, EscapesEverySpecialCharacter) {
     EXPECT_EQ(latex_cell("<|>\"`"), "\\textless{}\\textbar{}\\textgreater{}''\\textasciigrave{}");
     EXPECT_EQ(latex_cell("--step -1"), "-{}-step -1");
     EXPECT_EQ(latex_cell("ω² ≤ 3·10⁻³ größer"), "$\\omega$${}^2$ $\\le$ 3$\\cdot$10${}^-$${}^3$ größer");
-    // these two would be read as arguments of the \\ before them
+    // without braces LaTeX would read these two as arguments of the preceding \\
     EXPECT_EQ(latex_cell("[1] *"), "{[}1] {*}");
     EXPECT_EQ(latex_cell("two\nlines\x01"), "two lines");
     EXPECT_EQ(latex_cell("cut \xcf"), "cut \xcf");

@@ -28,7 +28,7 @@ std::string fault_of(std::string_view text) {
     return "none";
 }
 
-/// Text with what CSV must quote, and characters of two to four bytes.
+/// Text with the characters that CSV must quote and characters of two to four bytes.
 rc::Gen<std::string> awkward_text() {
     const auto piece =
         rc::gen::element<std::string>(",", "\"", "\n", "\r", "\r\n", " ", "a", "1", "ω", "€", "𝄞", "\t", "");
@@ -46,7 +46,7 @@ rc::Gen<Cell> any_cell() {
                           rc::gen::map(rc::gen::arbitrary<long>(), [](long n) { return Cell{n}; }));
 }
 
-/// At most 5 columns and 6 rows: what can go wrong is within a cell or between neighbours.
+/// At most 5 columns and 6 rows: errors occur within a cell or between neighbours.
 Table any_table() {
     Table table;
     const std::size_t most_columns = *rc::gen::inRange<std::size_t>(1, 6);

@@ -1,3 +1,4 @@
+// Atomic replacement of files: content, modes, links, failures, and files left by killed processes.
 #include "text/atomic_file.h"
 
 #include <gtest/gtest.h>
@@ -74,12 +75,12 @@ TEST_F(AtomicFile, KeepsADirectoryInItsPlace) {
     const std::string message = fault(path("d"));
     EXPECT_NE(message.find(path("d")), std::string::npos) << message;
     EXPECT_EQ(content(path("d/inside")), "old");
-    EXPECT_EQ(entries(), 1u);  // the temporary is gone
+    EXPECT_EQ(entries(), 1u);  // the temporary file is gone
 }
 
 TEST_F(AtomicFile, KeepsTheOldFileWhenTheNewOneDoesNotFit) {
     write_atomically(path("f"), "old");
-    // a limit on the size of files stands for a full disk: for root too
+    // a file size limit simulates a full disk; unlike file permissions it also applies to root
     const auto old_action = std::signal(SIGXFSZ, SIG_IGN);
     rlimit old_limit{};
     ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old_limit), 0);
@@ -129,7 +130,7 @@ TEST_F(AtomicFile, TellsBeforehandWhereNothingCanBeWritten) {
     EXPECT_NO_THROW(require_writable("/dev/null"));
 }
 
-// what is left by a process that was killed as it wrote, by its name
+// name of the temporary file left behind by a process that was killed while writing
 std::string left_by_a_killed_process(const fs::path& directory, const std::string& target) {
     std::set<std::string> before, after;
     const auto names = [&] {
@@ -156,13 +157,13 @@ std::string left_by_a_killed_process(const fs::path& directory, const std::strin
 TEST_F(AtomicFile, WhatDeadProcessesLeftIsRemovedAndNothingElse) {
     const std::string left = left_by_a_killed_process(directory_, path("f.csv"));
     ASSERT_TRUE(left.starts_with("f.csv.")) << left;
-    // HOST.PROCESS.START.NUMBER
+    // the name of a temporary file ends in HOST.PROCESS.START.NUMBER
     const std::string start = std::to_string(std::numeric_limits<int>::max());
     const std::size_t host_end = left.find('.', 6);
     const std::string host = left.substr(6, host_end - 6), own = std::to_string(getpid());
     std::ifstream stat("/proc/self/stat");
     std::string word;
-    for (int i = 0; i < 22; ++i) stat >> word;  // the test's own name holds no blank
+    for (int i = 0; i < 22; ++i) stat >> word;  // the process name contains no space
     const std::string living = "g." + host + "." + own + "." + word + ".0.new";
     const std::string reused = "g." + host + "." + own + ".1.0.new";
     const std::string of_another = "g.elsewhere-1." + own + "." + start + ".0.new";
@@ -191,7 +192,7 @@ TEST_F(AtomicFile, WritesUnderTheLongestNames) {
     EXPECT_EQ(entries(), 1u);
 }
 
-// killed at any moment, what is there is a whole old file or a whole new one
+// after SIGKILL at a random moment the file is either the complete old one or the complete new one
 TEST_F(AtomicFile, IsNeverTorn) {
     const std::size_t size = 1 << 20;
     write_atomically(path("f"), std::string(size, 'a'));

@@ -37,7 +37,7 @@ class AtomicFilesTest : public ::testing::Test {
 };
 
 TEST_F(AtomicFilesTest, AreAllThereAfterwardsAndNothingElse) {
-    // more than wait for the disk at once, with one that was there, of a mode of its own
+    // more than the 1024 files synced at once; one of them exists already with a mode other than the default
     std::ofstream(folder_ / "7") << "old";
     fs::permissions(folder_ / "7", fs::perms::owner_read | fs::perms::owner_write);
     AtomicFiles files(folder_);

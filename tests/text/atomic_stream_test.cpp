@@ -92,7 +92,7 @@ TEST_F(AtomicStreams, NamesPathAndReason) {
     EXPECT_EQ(fault("/dev/full"), "/dev/full: cannot be written: No space left on device");
     EXPECT_EQ(fault("/dev/null"), "none");
     EXPECT_EQ(entries(), 0u);
-    // no file may be longer
+    // limit on the file size
     rlimit old{};
     ::getrlimit(RLIMIT_FSIZE, &old);
     const rlimit small{1 << 16, old.rlim_max};

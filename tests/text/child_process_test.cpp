@@ -22,7 +22,7 @@ TEST(ChildProcess, TakesArgumentsAsTheyStand) {
     EXPECT_EQ(run_child({"printf", "%s|", "a b", "$HOME", "*", ""}, "").output, "a b|$HOME|*||");
 }
 
-// more than a pipe holds, unread
+// the input exceeds the pipe's capacity and is never read
 TEST(ChildProcess, NeedNotReadItsInput) { EXPECT_EQ(run_child({"true"}, std::string(1 << 20, 'x')).fault, ""); }
 
 TEST(ChildProcess, QuotesTheLastLineOfWhatItSays) {
@@ -44,7 +44,7 @@ TEST(ChildProcess, KillsWhatItHasLeftBehind) {
     const ChildRun run = run_child({"sh", "-c", "sleep 60 & echo $!"}, "");
     ASSERT_EQ(run.fault, "");
     const pid_t left = std::stoi(run.output);
-    // a killed process stays a while until its new parent has looked at it
+    // a killed process remains a zombie until its new parent has waited for it
     const auto is_running = [left] {
         const ChildRun state = run_child({"sh", "-c", "cut -d' ' -f3 /proc/" + std::to_string(left) + "/stat"}, "");
         return !state.output.empty() && state.output[0] != 'Z' && state.output[0] != 'X';
@@ -63,7 +63,7 @@ TEST(ChildProcess, EndsAtItsLimits) {
     EXPECT_EQ(endless.fault, "yes was stopped: it wrote more than 100000 bytes");
 }
 
-// What is published names no machine's folders.
+// Messages contain no folder names of the machine, since results are published.
 TEST(ProgramName, HasNoFolders) {
     EXPECT_EQ(program_name("/usr/bin/engine"), "engine");
     EXPECT_EQ(program_name("./engine"), "engine");

@@ -16,7 +16,7 @@ class ClaimsOfProcesses : public ::testing::Test {
     ClaimsOfProcesses() : path_((std::filesystem::path(::testing::TempDir()) / "polhode_claims_test").string()) {}
     ~ClaimsOfProcesses() override { std::filesystem::remove(path_); }
 
-    // A process that takes the claim and keeps it until it is killed; it has it once this returns.
+    // Starts a process that takes the claim and keeps it until it is killed. It holds the claim when this returns.
     pid_t holder(const std::string& key) const {
         int ready[2];
         if (::pipe(ready) != 0) return -1;
@@ -45,7 +45,7 @@ TEST_F(ClaimsOfProcesses, OneProcessAtATimeHasAKeyAndItsDeathGivesItBack) {
     EXPECT_TRUE(claims.take("b"));
     ::kill(other, SIGKILL);
     ::waitpid(other, nullptr, 0);
-    // the file is still there, and nobody has it
+    // the file still exists, and no process holds the claim
     EXPECT_TRUE(std::filesystem::exists(path_));
     EXPECT_TRUE(claims.take("a"));
 }

@@ -12,7 +12,7 @@ namespace {
 
 const std::string csv_file = "t.csv";
 
-// All that can be learnt of a text: cells by line, and how it ends.
+// Everything CsvLines returns for a text: the cells of each line, and the remark or error at the end.
 std::string told(CsvLines&& lines) {
     std::string all;
     try {
@@ -28,7 +28,7 @@ std::string told(CsvLines&& lines) {
     return all;
 }
 
-// The text at most `most` bytes at a time.
+// A source that returns the text in pieces of at most `most` bytes.
 CsvLines::Source source_of(const std::string& text, std::size_t most) {
     return [&text, most, at = std::size_t{0}](char* bytes, std::size_t count) mutable {
         const std::size_t n = std::min({count, most, text.size() - at});

@@ -31,7 +31,7 @@ TEST(Decimal, BeyondBinary64IsZeroOrInfinite) {
         ASSERT_TRUE(parse_decimal(text)) << text;
         EXPECT_EQ(*parse_decimal(text), infinity) << text;
     }
-    // far places and far exponents that make an ordinary number
+    // many digits combined with a large exponent give an ordinary number
     EXPECT_EQ(parse_decimal('1' + std::string(400, '0') + "e-400"), 1);
     EXPECT_EQ(parse_decimal("0." + std::string(399, '0') + "1e400"), 1);
 }

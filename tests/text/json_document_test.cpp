@@ -101,7 +101,7 @@ TEST(ReadText, AFifoIsRefusedAtOnce) {
     std::filesystem::remove_all(directory);
 }
 
-// what json_string() writes is read back
+// the reader recovers what json_string() writes
 RC_GTEST_PROP(JsonString, ReadsBack, ()) {
     const std::string text = *rc::gen::container<std::string>(rc::gen::inRange<char>(0, 127));
     const std::string document = json_string(text);

@@ -19,7 +19,7 @@ TEST(LineProcess, AnswersLineByLine) {
     EXPECT_TRUE(echo.alive());
 }
 
-// What a program says on its own streams is no answer.
+// Output of the program on stdout and stderr is not taken for an answer.
 TEST(LineProcess, ChatterIsNoAnswer) {
     LineProcess chatty(script("while read -r line; do echo chatter; echo noise >&2; echo answer >&3; done"));
     for (int i = 0; i < 3; ++i) EXPECT_EQ(chatty.ask("question", 10s).line, "answer");
@@ -62,7 +62,7 @@ TEST(LineProcess, WhatIsNotThereIsSaid) {
     EXPECT_EQ(LineProcess({}).next(1s).fault, "no program is given");
 }
 
-// Descriptors are given back, of processes that failed too.
+// Descriptors are closed, also those of processes that failed.
 TEST(LineProcess, LeavesNothingOpen) {
     const auto open = [] {
         return std::distance(std::filesystem::directory_iterator("/proc/self/fd"),

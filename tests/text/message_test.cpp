@@ -26,7 +26,7 @@ RC_GTEST_PROP(OneLine, IsOneShortLineOfUtf8WhateverTheBytes, (const std::string&
     for (const char c : line) RC_ASSERT(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
 }
 
-// RFC 3629's table of well-formed sequences and its neighbours
+// the limits of RFC 3629's table of well-formed sequences and their invalid neighbours
 TEST(Utf8, TellsTheFirstInvalidByte) {
     for (const char* valid : {"", "a", "\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
                               "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"})

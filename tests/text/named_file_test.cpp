@@ -1,4 +1,4 @@
-// Which files a file may name, and what may be opened.
+// Which files an input file may refer to, and which kinds of files may be opened.
 #include "text/named_file.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST_F(NamedFile, IsReadWhereItLiesInTheFolder) {
     for (const char* name : {"sub/a", "./sub/../sub/a", "in", "sub/../in"}) EXPECT_EQ(text(name), "within") << name;
 }
 
-// the second folder's name begins as the first one's
+// the name of the second folder starts with the name of the first
 TEST_F(NamedFile, IsRefusedWhereItLeadsOut) {
     const std::string absolute = (top / "mine_too/b").string(), own = (top / "mine/sub/a").string();
     for (const std::string& name : {std::string("../mine_too/b"), std::string("sub/../../mine_too/b"),

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-// What numpy.save writes (version 1.0 of the format) with this dictionary.
+// The bytes that numpy.save writes (format version 1.0) with this dictionary.
 std::string file_with(const std::string& dictionary, std::size_t data = 0) {
     const std::string text = dictionary + std::string(63 - (10 + dictionary.size()) % 64, ' ') + '\n';
     return "\x93NUMPY" + std::string("\1\0", 2) + static_cast<char>(text.size() & 255) +
@@ -28,7 +28,7 @@ std::string message_of(const std::string& file) {
 const std::string rest = ", 'fortran_order': False, 'shape': (2,), }";
 
 TEST(Npy, FieldsInTheirPlaces) {
-    // as numpy 1.24 writes numpy.dtype([('id', 'S3'), ('wx', 'f8'), ('n', 'i8')], align=True)
+    // as written by numpy 1.24 for numpy.dtype([('id', 'S3'), ('wx', 'f8'), ('n', 'i8')], align=True)
     const NpyHeader header =
         header_of(file_with("{'descr': [('id', '|S3'), ('', '|V5'), ('wx', '<f8'), ('n', '<i8')]" + rest, 48));
     EXPECT_EQ(header.rows, 2u);

@@ -51,7 +51,7 @@ TEST(ParallelFor, SumsAsOneThreadDoes) {
     EXPECT_EQ(std::accumulate(squares.begin(), squares.end(), 0.0), 9999.0 * 10000 * 19999 / 6);
 }
 
-// truths, their cache and the errors of every kind of method, on threads
+// the rows of an experiment do not depend on the number of jobs: covers truths, their cache and all kinds of methods
 TEST(SweepThreads, FourJobsGiveTheRowsOfOne) {
     const Plan plan = make_plan(parse_experiment(R"({"name": "t", "scenes": ["free_asymmetric", "lagrange_top"],
                              "methods": ["cvode_adams", "cvode_bdf", "odeint_rk4", "odeint_rosenbrock4",

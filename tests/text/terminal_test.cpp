@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-// a pseudo-terminal and a file in the place of the streams
+// replaces the standard streams by a pseudo-terminal and a file
 class Terminal : public ::testing::Test {
   protected:
     void SetUp() override {

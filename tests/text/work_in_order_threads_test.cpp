@@ -13,7 +13,8 @@
 namespace polhode {
 namespace {
 
-// Squares of 0 .. count-1 by `threads` threads, each of which takes its own time; what was held at most.
+// Squares of 0 .. count-1, computed by `threads` threads with varying delays. Reports the largest number of pieces
+// held at once in `most_held`.
 std::vector<int> squares(int count, int threads, int* most_held = nullptr) {
     std::vector<int> written;
     int next = 0;
@@ -31,7 +32,7 @@ std::vector<int> squares(int count, int threads, int* most_held = nullptr) {
             return number < count ? std::optional(number) : std::nullopt;
         },
         [](int& piece) {
-            // the first of each four comes last
+            // the first of every four takes longest
             if (piece % 4 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
             piece *= piece;
         },
@@ -80,7 +81,7 @@ TEST(WorkInOrder, AFaultOfAnyPartEndsAll) {
             } catch (const std::runtime_error& error) {
                 EXPECT_EQ(error.what(), "part " + std::to_string(faulty));
             }
-            // those before it, in their order, and no other
+            // exactly the pieces before the faulty one, in order
             EXPECT_LE(written.size(), 50u);
             for (std::size_t i = 0; i < written.size(); ++i) EXPECT_EQ(written[i], static_cast<int>(i));
         }

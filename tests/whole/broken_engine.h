@@ -1,4 +1,4 @@
-// A small engine that can be broken just so: semi-implicit steps in world axes, in binary64 or binary32.
+// A small engine with selectable faults: explicit steps in world axes, in binary64 or binary32.
 #pragma once
 
 #include <cmath>
@@ -17,11 +17,11 @@ struct Broken {
     double damping = 0;     ///< 1/s, w *= 1 - c h each step
     double speed_limit = std::numeric_limits<double>::infinity();
     bool first_order = false;  ///< q += (h/2) w q, normalised
-    double step_factor = 1;    ///< the engine steps by this times what its clock says
+    double step_factor = 1;    ///< the engine's step is this factor times the step of its clock
 };
 
-/// The scene (gravity about a pivot, torques, rotational drag; no translation) stepped by h, a row each `every` steps.
-/// The rate takes a Runge-Kutta step of order 2, so that what is seen is the fault.
+/// Steps the scene (gravity about a pivot, torques, rotational drag; no translation) by `step` and records a row
+/// every `every` steps. A second-order Runge-Kutta step for w keeps the truncation error below the fault's effect.
 template <class Real>
 TrajectoryFile engine_run(const Scene& scene, const Broken& broken, double step, int every) {
     using V = Vector3<Real>;
@@ -44,7 +44,7 @@ TrajectoryFile engine_run(const Scene& scene, const Broken& broken, double step,
         const Real norm = std::sqrt(squared_norm(r));
         return Q{r.w / norm, r.x / norm, r.y / norm, r.z / norm};
     };
-    // dw/dt in world axes at an attitude
+    // dw/dt in world axes at this attitude
     const auto rate_of_change = [&](const Q& at, const V& w_W) {
         const V w_B = rotate_back(at, w_W), L_B = I * w_B;
         V torque = Real(-broken.gyroscopic) * cross(w_B, L_B);

@@ -1,5 +1,5 @@
-// The mass properties that the catalogue's scenes state in comments, derived a second way: from the matrix of second
-// moments C = int r r^T dm about the centre of mass, I = tr(C) 1 - C. No parallel axes, no table of moments.
+// The mass properties stated in comments of the built-in scenes, derived independently: from the matrix of second
+// moments C = int r r^T dm about the centre of mass, I = tr(C) 1 - C. Without parallel axes, without tabulated moments.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,14 +11,14 @@
 namespace polhode {
 namespace {
 
-// A part of mass m about its own centre: C = m diag(s), s the mean squares of x, y, z.
+// A part of mass m: C = m diag(s) about its own centre, where s are the mean squares of x, y and z.
 struct Part {
     double mass;
     Vector3<double> mean_squares, center;
 };
 Vector3<double> box(double a, double b, double c) { return {a * a / 3, b * b / 3, c * c / 3}; }  // half sides
 Vector3<double> ball(double r) { return {r * r / 5, r * r / 5, r * r / 5}; }
-// along axis k, radius r, length L; a disc where L = 0
+// mean squares for axis k, radius r, length L; a disc for L = 0
 Vector3<double> cylinder(int k, double r, double L) {
     Vector3<double> s(r * r / 4, r * r / 4, r * r / 4);
     s[k] = L * L / 12;
@@ -53,7 +53,7 @@ void expect_body(const char* name, const std::vector<Part>& parts) {
     SCOPED_TRACE(name);
     const Body& body = find_scene(name).body;
     const Expected expected = assembled(parts);
-    // a few roundings of the sums above and one of the file
+    // a few roundings of the sums above and one of the value in the file
     const double largest = expected.inertia[0][0] + expected.inertia[1][1] + expected.inertia[2][2];
     EXPECT_NEAR(body.mass, expected.mass, 4e-16 * expected.mass);
     for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,5 @@
-// Every scene of the catalogue: it reads, says where it comes from, can be written and read again, is posed, and its
-// motion keeps what the exact motion keeps.
+// Every built-in scene: it can be read, has a source, survives writing and reading, can be posed, and its numerical
+// motion conserves the invariants of the exact motion.
 #include "catalogue.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST_P(Catalogue, TellsWhatItIsAndWhereItComesFrom) {
     const Scene scene = find_scene(GetParam());
     EXPECT_GT(scene.about.size(), 40u);
     EXPECT_GT(scene.source.size(), 20u);
-    // one line each, no full stop, as lists print them
+    // lists print these texts: one line each, without a full stop
     for (const std::string& text : {scene.about, scene.source}) {
         EXPECT_EQ(text.find('\n'), std::string::npos);
         EXPECT_NE(text.back(), '.');
@@ -37,7 +37,7 @@ TEST_P(Catalogue, IsTheSameSceneWhenWrittenAndReadAgain) {
     EXPECT_EQ(write_scene(parse_scene(text, "written")), text);
 }
 
-// What a quantity is compared with: its own size over the run, or where it is small by chance that of its parts.
+// The scales of the changes: the largest value of a quantity in the run, or of its parts where these cancel.
 struct Sizes {
     double energy = 0, angular = 0, linear = 0, rate = 0;
 };
@@ -63,7 +63,7 @@ double size_of(const Conserved& one, const Sizes& sizes) {
     return sizes.angular;
 }
 
-// The largest change of each conserved quantity, relative to its size, stays below `bound`.
+// Checks that the largest change of each conserved quantity, relative to its scale, is below `bound`.
 void expect_kept(const Scene& scene, const Method& method, double bound) {
     SCOPED_TRACE(std::string(method.name));
     Settings settings;
@@ -85,14 +85,14 @@ void expect_kept(const Scene& scene, const Method& method, double bound) {
     }
 }
 
-// A step's error is 10^-12 of the state's size, and up to 10^4 steps add theirs mostly in one direction. Measured: at
-// the most 1.3e-9 by Fehlberg's pair, 6.2e-8 by Adams' formulas. A lost term of the equations would show as more than
-// 1e-3.
+// The error of a step is 10^-12 of the state's size, and up to 10^4 errors accumulate mostly in one direction. The
+// largest measured changes are 1.3e-9 with Fehlberg's pair and 6.2e-8 with the Adams formulas. A missing term in the
+// equations would show as more than 1e-3.
 TEST_P(PlainCatalogue, KeepsItsInvariants) {
     const Scene scene = find_scene(GetParam());
     const Choice best = choose_method(pose(scene));
     expect_kept(scene, *best.method, 1e-8);
-    // Adams' formulas creep where the motion is stiff, and know no planes
+    // Adams formulas take tiny steps where the motion is stiff, and do not support planes
     if (best.method->name != "radau" && scene.planes.empty()) expect_kept(scene, *find_method("cvode_adams"), 3e-7);
 }
 

@@ -1,4 +1,4 @@
-// The truth of catalogue scenes against closed forms worked out in 100 digits: nothing here integrates anything.
+// The truth of built-in scenes against closed forms evaluated in 100 digits. This test contains no integration.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-// 25 digits are promised, of blocks whose size is the scale
+// 25 digits are promised, relative to the size of each block
 constexpr double promised = 1e-24;
 
 double distance(const Vector3<Real100>& a, const Vector3<Real100>& b) { return length(a - b).convert_to<double>(); }
@@ -22,7 +22,7 @@ Vector3<Real100> unit(int axis) {
     e[axis] = 1;
     return e;
 }
-// the unit quaternion of a turn by `angle` about the unit vector `axis`
+// unit quaternion of a rotation by `angle` about the unit vector `axis`
 Quaternion<Real100> turn(const Vector3<Real100>& axis, const Real100& angle) {
     const Real100 s = sin(Real100(angle / 2));
     return {cos(Real100(angle / 2)), s * axis[0], s * axis[1], s * axis[2]};
@@ -38,8 +38,9 @@ TEST(ClosedForms, Separatrix) {
     }
 }
 
-// A free asymmetric body started with no rate about its middle axis, by Jacobi's functions (Landau & Lifshitz 1976,
-// section 37): the axis that the motion goes round as dn, the other outer one as cn, the middle one as sn.
+// A free asymmetric body with zero initial rate about its middle axis, in Jacobi's functions (Landau & Lifshitz 1976,
+// section 37). The rate about the axis that the motion encircles is dn, that about the other outer axis cn, and that
+// about the middle axis sn.
 struct FreeRates {
     int round, other;
     Real100 p, k, middle;
@@ -61,7 +62,7 @@ FreeRates free_rates(const Scene& scene) {
     for (int i = 0; i < 3; ++i) E2 += I[i] * w[i] * w[i], L2 += I[i] * I[i] * w[i] * w[i];
     const int largest = I[0] > I[2] ? 0 : 2;
     const int c = L2 > E2 * I[1] ? largest : 2 - largest, a = 2 - c;
-    // with c for the axis gone round and a for the other; both differences have the same sign
+    // c is the encircled axis and a the other outer one; both differences have the same sign
     const Real100 outer = (I[c] - I[1]) * (L2 - E2 * I[a]), inner = (I[1] - I[a]) * (E2 * I[c] - L2);
     const Real100 amplitude = sqrt(Real100((E2 * I[c] - L2) / (I[1] * (I[c] - I[1]))));
     const bool up = (I[2] - I[0]) * w[2] * w[0] > 0;
@@ -87,8 +88,8 @@ TEST_P(FreeAsymmetric, FollowsJacobisFunctions) {
 INSTANTIATE_TEST_SUITE_P(Scenes, FreeAsymmetric, ::testing::Values("near_separatrix", "toutatis"));
 
 TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
-    // Hudson & Ostro 1995: 5.41 days about the long axis, 7.35 days on the average for that axis about L. After one
-    // period of the rates the body has the same rates, and has turned about L by 2 pi 5.41 / 7.35.
+    // Hudson & Ostro 1995: 5.41 days about the long axis and on average 7.35 days for that axis about L. After one
+    // period of the rates the body has the same rates and has rotated about L by 2 pi 5.41 / 7.35.
     const Scene scene = find_scene("toutatis");
     const FreeRates rates = free_rates(scene);
     EXPECT_EQ(rates.round, 2) << "not a long-axis mode";
@@ -100,7 +101,7 @@ TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
     ASSERT_TRUE(truth.available) << truth.message;
     const Quaternion<Real100> q = value(truth.samples[1].q);
     const Vector3<Real100> L = value(truth.samples[0].angular_momentum_W), axis = (1 / length(L)) * L;
-    // about L alone, to the rounding of the period
+    // the rotation is about L alone, up to the rounding of the period
     const Real100 cosine = q.w, sine = dot(vector_part(q), axis);
     EXPECT_NEAR(Real100(cosine * cosine + sine * sine).convert_to<double>(), 1, 1e-15);
     double angle = Real100(2 * atan2(sine, cosine)).convert_to<double>();
@@ -110,7 +111,7 @@ TEST(ClosedForms, ToutatisHasThePublishedPeriods) {
 
 class FreeSymmetric : public ::testing::TestWithParam<std::pair<const char*, int>> {};
 TEST_P(FreeSymmetric, PrecessesRegularly) {
-    // about L by |L| t / I1, after (1 - I3/I1) w3 t about the body's axis (Landau & Lifshitz 1976, section 33)
+    // about L by |L| t / I1 after about the body's axis by (1 - I3/I1) w3 t (Landau & Lifshitz 1976, section 33)
     const auto [name, axis] = GetParam();
     const Scene scene = find_scene(name);
     const Reference truth = fresh_truth(scene, 20);
@@ -132,8 +133,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, FreeSymmetric,
                          ::testing::Values(std::pair("feynman_plate", 2), std::pair("explorer_1", 2),
                                            std::pair("nanodumbbell", 0), std::pair("symmetric", 2)));
 
-// Lagrange's top, its axis at rest or moving level at the start: u = cos(tilt) obeys u'^2 = f(u), a cubic with the root
-// u(0), and swings between two of its roots u1 < u2 < u3 as u1 + (u2 - u1) sn^2 (Goldstein 1980, section 5-7).
+// Lagrange's top whose axis starts at rest or moves horizontally: u = cos(tilt) satisfies u'^2 = f(u), a cubic with the
+// root u(0), and oscillates between two of its roots u1 < u2 < u3, u1 + (u2 - u1) sn^2 (Goldstein 1980, section 5-7).
 struct Nutation {
     Real100 u1, u2, u3, speed, k;
     bool from_above;
@@ -141,7 +142,7 @@ struct Nutation {
     Real100 at(const Real100& t) const {
         Real100 cn, dn;
         const Real100 sn = boost::math::jacobi_elliptic(k, Real100(speed * t), &cn, &dn);
-        // a quarter period later sn is cn / dn
+        // a quarter period later sn becomes cn / dn
         const Real100 swing = from_above ? Real100(cn / dn) : sn;
         return u1 + (u2 - u1) * swing * swing;
     }
@@ -184,7 +185,7 @@ TEST_P(LagrangesTop, NutatesByJacobisFunctions) {
         EXPECT_LT(gap(u, top.at(Real100(sample.t))), promised) << sample.t;
         lowest = std::min(lowest, u.convert_to<double>()), highest = std::max(highest, u.convert_to<double>());
     }
-    // the samples see most of the swing
+    // the samples cover most of the oscillation
     EXPECT_GT(highest - lowest, 0.5 * Real100(top.u2 - top.u1).convert_to<double>());
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, LagrangesTop,
@@ -193,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, LagrangesTop,
                                            std::pair("simo_wong_top", 2), std::pair("bruls_top", 1)));
 
 TEST(ClosedForms, CompoundPendulum) {
-    // sin(angle / 2) = k cd(t sqrt(m g l / I), k), k its value at the start, where it is at rest
+    // sin(angle / 2) = k cd(t sqrt(m g l / I), k), where k is its value at the start from rest
     const Scene scene = find_scene("compound_pendulum");
     const Reference truth = fresh_truth(scene, 20);
     ASSERT_TRUE(truth.available) << truth.message;
@@ -251,7 +252,8 @@ TEST(ClosedForms, StokesSphereRelaxesExponentially) {
 }
 
 TEST(ClosedForms, EarthsPoleGoesRoundInEulersPeriod) {
-    // small wobble: 2 pi / (w3 sqrt((C - A)(C - B) / (A B))), to the square of its size, 1e-12
+    // period of the small wobble: 2 pi / (w3 sqrt((C - A)(C - B) / (A B))), with an error of the order of its
+    // amplitude squared, 1e-12
     const Scene scene = find_scene("earth_wobble");
     const ExactBody<Real100> body = exact_body<Real100>(scene);
     const Real100 A = body.inertia_B[0][0], B = body.inertia_B[1][1], C = body.inertia_B[2][2];

@@ -1,4 +1,4 @@
-// Trajectories that were broken just so are told what broke them; sound ones, however coarse, are told nothing.
+// Trajectories with a known fault get the diagnosis of that fault. Sound trajectories, however coarse, get none.
 #include "check/diagnosis.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ Scene damped_body() { return find_scene("damped_spin"); }
 std::vector<Scene> scenes() {
     std::vector<Scene> all{free_body(), tilted_free_body(), heavy_top(), driven_body()};
     for (Scene& scene : all) scene.duration = 10;
-    // a search takes a tenth of a second, and ten times as long in a build that is not optimised
+    // one search takes 0.1 s, in builds without optimisation ten times as long
     if (!optimised_build) all.resize(1);
     return all;
 }
@@ -63,7 +63,7 @@ std::string faults(const std::vector<Diagnosis>& diagnoses) {
     return ::testing::AssertionFailure() << scene.name << ": wanted " << fault << ", got\n" << faults(found);
 }
 
-// at two steps, in both precisions, and without the columns of w
+// Checks the diagnosis at two steps, in both precisions and without the columns of w.
 void expect_told(const Scene& scene, const Broken& broken, const std::string& fault, bool needs_rates = false) {
     for (const double step : {1.0 / 60, 1.0 / 240}) {
         if (!optimised_build && step > 0.01) continue;
@@ -106,8 +106,8 @@ TEST(Diagnosis, WrongTimeStep) {
             expect_told(scene, {.step_factor = step_factor}, "wrong_time_step");
 }
 
-// What the attitude alone cannot tell apart: a body that spins almost steadily, clamped, is also one whose time runs
-// slower, and a start that is 57 times too slow is also a clamped one. The file's w decides, or that nothing is fitted.
+// Faults that the attitude alone cannot distinguish. Clamping the rate of a nearly steady rotation looks like a slower
+// clock; a start 57 times too slow looks like a clamped rate. The file's w decides, or the lack of fitted parameters.
 TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
     Scene scene = tilted_free_body();
     scene.loads.clear();
@@ -129,7 +129,7 @@ TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
 
 TEST(Diagnosis, FirstOrderQuaternionUpdate) {
     for (const Scene& scene : scenes()) {
-        // below this step less than 1e-6 rad a row is to be seen: binary32 files have as much noise
+        // below this step the fault changes a row by less than 1e-6 rad, the noise of binary32 files
         const Vector3<double>& w = scene.initial.angular_velocity;
         for (const double turn : {0.06, 0.03}) {
             const double step = turn / std::sqrt(dot(w, w));
@@ -141,7 +141,7 @@ TEST(Diagnosis, FirstOrderQuaternionUpdate) {
     }
 }
 
-// sound motion, as an engine at a fine step has it
+// A sound trajectory, as from an engine at a fine step.
 TrajectoryFile sound(const Scene& scene) { return engine_run<double>(scene, {}, 1.0 / 960, 16); }
 
 TEST(Diagnosis, ConventionsOfTheQuaternion) {
@@ -191,7 +191,7 @@ TEST(Diagnosis, StartsOfAnotherScene) {
         other.initial.orientation = {0.36, 0.8, 0.48, 0};
         EXPECT_FALSE(diagnose(scene, engine_run<double>(other, {}, 1.0 / 240, 4)).faults.empty());
     }
-    // of a free body that is slower or faster alone, the time could be wrong as well: not under a torque
+    // a free body that is only slower or faster could also have a wrong clock; a torque distinguishes the two
     Scene scene = driven_body();
     scene.duration = 20;
     Scene other = scene;
@@ -205,10 +205,10 @@ TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
     Scene other = scene;
     other.body.center_of_mass = {};
     EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
-    // an engine that was given the inertia about the pivot, and the pivot for the centre of mass
+    // an engine that was given the inertia about the pivot, and the pivot as centre of mass
     other.body.inertia_B = other.body.inertia_B + parallel_axis(scene.body.mass, scene.body.center_of_mass);
     EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
-    // the ways to leave the centre of mass out are alike on a body whose arm is short: it is told once
+    // with a short arm the faults that ignore the centre of mass are indistinguishable: one diagnosis only
     for (const double arm : {0.5, 0.1, 0.02}) {
         Scene near = heavy_top();
         near.duration = 5, near.body.center_of_mass = arm * near.body.center_of_mass;
@@ -220,7 +220,7 @@ TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
                   1)
             << arm;
     }
-    // a thrown body whose file says where its origin is
+    // a thrown body whose file contains the position of its origin
     scene = find_scene("thrown_hammer");
     ASSERT_FALSE(scene.body.center_of_mass == Vector3<double>());
     TrajectoryFile file;
@@ -237,7 +237,7 @@ TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
 }
 
 TEST(Diagnosis, TwoFaultsAtOnce) {
-    // what several engines do by default
+    // the default of several engines: no gyroscopic term, and damping
     for (const Scene& scene : {free_body(), tilted_free_body()}) {
         Scene timed = scene;
         timed.duration = 10;
@@ -246,8 +246,8 @@ TEST(Diagnosis, TwoFaultsAtOnce) {
     }
 }
 
-// Every plain scene by sound methods, coarse and fine: what their order and step do has none of these names. Euler's
-// method does update the quaternion to first order.
+// Sound methods, coarse and fine, on a sample of the plain scenes: their truncation errors must not get a diagnosis.
+// Euler's method is not among them, because it is a first-order quaternion update.
 class SoundMethod : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(SoundMethod, IsToldNothing) {

@@ -30,7 +30,7 @@ Report look(const std::string& script, const fs::path& tree) {
     return report;
 }
 
-// A tree of a few files that each include one other.
+// A source tree of a few files, each of which includes one other file.
 class SmallTree : public ::testing::Test {
   protected:
     SmallTree() {
@@ -102,7 +102,7 @@ TEST_F(SmallTree, FailsOnTwoTypesOfOneName) {
         std::ofstream(top_ / path, std::ios::app) << text;
     };
     define("src/body/shape.h", "namespace polhode {\nstruct Found {\n    int count;\n};\n}  // namespace polhode\n");
-    // hidden, in another namespace, declared alone, a specialisation
+    // allowed: an anonymous namespace, another namespace, a declaration only, a specialisation
     define("integrators/run/march.h",
            "namespace polhode {\nstruct Found;\nnamespace {\nstruct Found {};\n}  // namespace\n"
            "template <>\nstruct Found<int> {};\nnamespace truth {\nclass Found final {};\n}  // namespace truth\n"

@@ -1,4 +1,4 @@
-// The catalogue's mechanisms against counts made by hand, and their starts against what others have.
+// The built-in mechanisms: degrees of freedom counted by hand, and initial states from published sources.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,14 +15,14 @@ namespace {
 
 struct Count {
     const char* name;
-    int tree;       ///< degrees of freedom of the trees: 1 a hinge or slide, 2 a cross, 3 a ball, 6 a free base
-    int rows;       ///< equations of the loops: 3 a ball, 5 a hinge, 1 a rod
-    int redundant;  ///< of them implied by the others
+    int tree;       ///< degrees of freedom: revolute, prismatic 1, universal 2, spherical 3, free base 6
+    int rows;       ///< equations of the loops: spherical 3, revolute 5, distance 1
+    int redundant;  ///< of these, implied by the others
 };
 
-// A loop of parallel hinges closes in its plane: of a hinge's five equations two are left, of a ball's three two. Two
-// shafts that meet in a cross: the bearing's two tilts are left. Bricard's six hinges: one degree of freedom is left of
-// five, so four equations.
+// In a planar loop of parallel hinges, two of a hinge's five equations and two of a spherical joint's three are
+// independent. Two shafts joined by a universal joint: the two tilts of the bearing remain. Bricard's six hinges: one
+// of five degrees of freedom remains, so four equations are independent.
 constexpr Count counts[]{{"andrews_squeezer", 7, 9, 3},
                          {"babyboot", 2, 0, 0},
                          {"ball_joint_arm", 6, 0, 0},
@@ -66,7 +66,7 @@ TEST(MechanismCatalogue, LoopsLeaveTheDegreesOfFreedomThatTheyShould) {
     }
 }
 
-// What stands in the file closes to rounding already: nothing is moved that is not `dependent`.
+// The initial states in the files already close the loops to rounding: only `dependent` joints are moved.
 TEST(MechanismCatalogue, TheStartIsTheOneWritten) {
     for (const Count& count : counts) {
         const Scene scene = find_scene(std::string("mechanisms/") + count.name);
@@ -86,8 +86,8 @@ TEST(MechanismCatalogue, TheStartIsTheOneWritten) {
 
 double decimal(const char* text) { return std::stod(text); }
 
-// Each number of the start is that of the source's 30 digits but for the rounding of the lengths, 1e-16 of themselves,
-// which the loops magnify some ten times.
+// Each initial value agrees with the source's 30 digits up to the rounding of the lengths (relative 1e-16), which the
+// loops magnify about ten times.
 TEST(MechanismCatalogue, AndrewsStartIsTheTestSets) {
     const Scene scene = find_scene("mechanisms/andrews_squeezer");
     const std::vector<BodyMotion<double>> bodies = mechanism_initial_motions(scene);
@@ -103,7 +103,7 @@ TEST(MechanismCatalogue, AndrewsStartIsTheTestSets) {
     }
 }
 
-// The accelerations there, those that are not zero, and the multipliers as the loops' forces.
+// The initial non-zero accelerations and the multipliers, which are the forces of the loop, agree with the test set.
 TEST(MechanismCatalogue, AndrewsFirstForcesAreTheTestSets) {
     const auto scene = std::make_shared<const Scene>(find_scene("mechanisms/andrews_squeezer"));
     MechanismModel model(scene);
@@ -118,7 +118,7 @@ TEST(MechanismCatalogue, AndrewsFirstForcesAreTheTestSets) {
         const double expected = name == "beta"    ? decimal(figures::andrews_start_beta_acceleration)
                                 : name == "theta" ? decimal(figures::andrews_start_theta_acceleration)
                                                   : 0;
-        // links stand in the file's order of joints here: a parent before its child
+        // links are in the order of the file's joints, because each parent comes before its child
         EXPECT_NEAR(rates[joints + j], expected, 1e-13 * scale) << name;
     }
     const std::vector<Reaction<double>> reactions = model.reactions(y.data());

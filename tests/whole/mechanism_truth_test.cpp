@@ -1,5 +1,5 @@
-// The truth of mechanisms: against one body's truth by other equations, against itself to more digits, and against
-// figures that others have got.
+// The truth of mechanisms against the truth of one body, from other equations, against truths with more digits, and
+// against published figures.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ double apart(const Vector3<Pair>& a, const Vector3<Pair>& b) {
     return length(Vector3<Real100>(value(a) - value(b))).convert_to<double>();
 }
 
-/// The largest difference of two truths of the same bodies, in rad, SI, and of reactions relative to the largest.
+/// The largest difference of two truths of the same bodies: rad and SI units, reactions relative to the largest.
 double disagreement(const Reference& a, const Reference& b) {
     EXPECT_TRUE(a.available) << a.message;
     EXPECT_TRUE(b.available) << b.message;
@@ -42,8 +42,8 @@ double disagreement(const Reference& a, const Reference& b) {
     return std::max(worst, largest > 0 ? off / largest : 0);
 }
 
-// A body on a spherical joint is one with a pivot, and a free one is one body: by Euler's equations and those of
-// momenta on the one side, by joints and multipliers on the other.
+// A body on a spherical joint equals one with a pivot, and a mechanism of one free body equals a single body. One
+// side uses Euler's equations and momenta, the other joint coordinates and multipliers.
 TEST(MechanismTruth, OfOneBodyIsThatBodysTruth) {
     const FreshCache cache;
     for (const auto& [mechanism, body] : {std::pair("mechanisms/top_on_spherical_joint", "lagrange_top"),
@@ -51,7 +51,7 @@ TEST(MechanismTruth, OfOneBodyIsThatBodysTruth) {
         Scene of_joints = find_scene(mechanism), of_one = find_scene(body);
         of_joints.duration = of_one.duration = 2;
         const Reference joints = reference(of_joints, 4, 30), one = reference(of_one, 4, 30);
-        // what is told in pairs has 106 bits: 1e-32 of itself, and the top's w is 20
+        // pairs have 106 bits, a relative accuracy of 1e-32; the top's w is 20 rad/s
         EXPECT_LT(disagreement(joints, one), 1e-28) << mechanism;
         ASSERT_EQ(joints.system.size(), one.samples.size());
         for (std::size_t i = 0; i < one.samples.size(); ++i) {
@@ -61,7 +61,7 @@ TEST(MechanismTruth, OfOneBodyIsThatBodysTruth) {
     }
 }
 
-// theta(t) of a pendulum let go at theta_0: sin(theta / 2) = k sn(K - w t, k), k = sin(theta_0 / 2), w^2 = m g l / I.
+// A pendulum released at theta_0: sin(theta / 2) = k sn(K - w t, k), k = sin(theta_0 / 2), w^2 = m g l / I.
 TEST(MechanismTruth, OfAPendulumIsElliptic) {
     const FreshCache cache;
     Scene scene = find_scene("mechanisms/physical_pendulum");
@@ -86,7 +86,7 @@ TEST(MechanismTruth, OfAPendulumIsElliptic) {
     }
 }
 
-// Nothing but more digits: what was told before is what is told then, motions and reactions.
+// A truth with more digits confirms all digits of the first, for motions and reactions.
 TEST(MechanismTruth, DigitsThatAreAskedForAreRight) {
     const FreshCache cache;
     const int count = optimised_build ? 6 : 1;

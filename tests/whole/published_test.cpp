@@ -1,4 +1,4 @@
-// Figures that others have published for scenes of the catalogue.
+// Published figures for built-in scenes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,14 +19,14 @@ Vec moments(const Scene& scene) {
 Vec times(const Vec& I, const Vec& w) { return {I[0] * w[0], I[1] * w[1], I[2] * w[2]}; }
 double energy(const Vec& I, const Vec& w) { return dot(w, times(I, w)) / 2; }
 
-// A plain explicit step of Euler's equations: w - h I^-1 (w x Iw).
+// An explicit Euler step of Euler's equations: w - h I^-1 (w x Iw).
 Vec explicit_step(const Vec& I, const Vec& w, double h) {
     const Vec torque = cross(w, times(I, w));
     return {w[0] - h * torque[0] / I[0], w[1] - h * torque[1] / I[1], w[2] - h * torque[2] / I[2]};
 }
 
-// One Newton step on I (w2 - w) + h w2 x Iw2 = 0 from w (Catto 2015): residual h w x Iw, Jacobian
-// I + h ([w] I - [Iw]). Solved by Cramer's rule.
+// One Newton step on I (w2 - w) + h w2 x Iw2 = 0 from w (Catto 2015), with residual h w x Iw and Jacobian I + h ([w]
+// I - [Iw]), solved by Cramer's rule.
 Vec one_newton_step(const Vec& I, const Vec& w, double h) {
     const Vec L = times(I, w), f = h * cross(w, L);
     Vec column[3];
@@ -40,15 +40,15 @@ Vec one_newton_step(const Vec& I, const Vec& w, double h) {
                                        dot(column[0], cross(column[1], f)));
 }
 
-// q after a turn at the rate w in the body for h.
+// q after a rotation at the body rate w for the time h.
 Quaternion<double> turned(const Quaternion<double>& q, const Vec& w, double h) {
     const double angle = size(w) * h, s = std::sin(angle / 2) / size(w);
     return q * Quaternion<double>{std::cos(angle / 2), s * w[0], s * w[1], s * w[2]};
 }
 
 TEST(Published, MuJoCosBoxTellsItsIntegratorsApart) {
-    // MuJoCo's own test, 5 s at h = 0.01: its Euler step ends at 1.09 of the energy, a plain explicit one at 1.087; its
-    // implicit one from 3.11 on at 0.93, one Newton step at 0.926
+    // MuJoCo's own test, 5 s at h = 0.01 s. Energy at the end relative to the start: 1.09 with its Euler step, 1.087
+    // here with the explicit step; 0.93 with its implicit step from version 3.11 on, 0.926 here with one Newton step.
     const Scene scene = find_scene("mujoco_box");
     const Vec I = moments(scene), start = scene.initial.angular_velocity;
     Vec forward = start, backward = start;
@@ -58,7 +58,7 @@ TEST(Published, MuJoCosBoxTellsItsIntegratorsApart) {
     }
     EXPECT_NEAR(energy(I, forward) / energy(I, start), 1.087, 5e-4);
     EXPECT_NEAR(energy(I, backward) / energy(I, start), 0.926, 5e-4);
-    // the motion itself keeps it
+    // the exact motion conserves the energy
     const Reference truth = fresh_truth(scene, 10);
     ASSERT_TRUE(truth.available) << truth.message;
     for (const ReferenceSample& sample : truth.samples)
@@ -71,12 +71,12 @@ TEST(Published, GazebosBoxHasTheBenchmarksMomentsEnergyAndErrors) {
     EXPECT_NEAR(I[0], 0.80833333, 4e-9);
     EXPECT_NEAR(I[1], 0.68333333, 4e-9);
     EXPECT_NEAR(I[2], 0.14166667, 4e-9);
-    // its energy is worked out with those rounded moments
+    // the benchmark computes its energy from the rounded moments
     const Problem problem = pose(scene);
     const ExactBody<double>& body = problem.body;
     EXPECT_NEAR(invariants(scene, body, 0, body.q, body.angular_velocity_B, body.position_W, body.velocity_W).energy,
                 368.5464125, 5e-6);
-    // worst |L - L0| / |L0| over 10 s at h = 1e-3: 1.31 % by ODE, 1.25 % by Bullet; the plain steps give the same
+    // worst |L - L0| / |L0| over 10 s at h = 1e-3 s: 1.31 % in ODE, 1.25 % in Bullet; these simple steps agree
     const auto worst_momentum_error = [&](Vec (*step)(const Vec&, const Vec&, double)) {
         Vec w = scene.initial.angular_velocity;
         Quaternion<double> q;
@@ -106,12 +106,12 @@ TEST(Published, SimoAndWongsTopHasTheirEnergy) {
 TEST(Published, BruelssTopHasTheStatedInertiaAndKeepsItsIntegrals) {
     const Scene scene = find_scene("bruls_top");
     const Problem problem = pose(scene);
-    // about the pivot, and the precession rate that is 0.46875 150 / 15.234375 rounded
+    // moments about the pivot, and the precession rate 0.46875 150 / 15.234375, rounded
     EXPECT_EQ(problem.body.principal.moments, Vec(15.234375, 0.46875, 15.234375));
     EXPECT_NEAR(0.46875 * 150 / 15.234375, -scene.initial.angular_velocity[2], 5e-6);
     const Reference truth = fresh_truth(scene, 10);
     ASSERT_TRUE(truth.available) << truth.message;
-    // E = (0.46875 150^2 + 15.234375 4.61538^2) / 2 J, the centre of mass level; the spin stays; L_z stays
+    // E = (0.46875 150^2 + 15.234375 4.61538^2) / 2 J with the centre of mass level; the spin and L_z are conserved
     const ReferenceSample& start = truth.samples.front();
     EXPECT_NEAR(start.energy.high, (0.46875 * 22500 + 15.234375 * 4.61538 * 4.61538) / 2, 1e-11);
     for (const ReferenceSample& sample : truth.samples) {
@@ -129,8 +129,8 @@ TEST(Published, MoserVeselovBodyHasThePapersMomentum) {
 }
 
 TEST(Published, NeedleIsTooThinForALinearlyImplicitStepOnlyIfItIsWrong) {
-    // MuJoCo's step stopped with a bad acceleration at h = 1e-3 (issue 3553); a sound one-Newton step on the same
-    // moments does not, and only loses energy
+    // MuJoCo's step stopped with a bad acceleration at h = 1e-3 s (issue 3553); a correct single Newton step on the
+    // same moments does not and only loses energy
     const Scene scene = find_scene("needle");
     const Vec I = moments(scene);
     Vec w = scene.initial.angular_velocity;

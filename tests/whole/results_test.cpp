@@ -1,4 +1,4 @@
-// The folder of published results: tables as CSV, and the pages and pictures that a page shows.
+// The folder of published results contains only CSV tables and the pages and figures that a page links to.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@ std::string content(const fs::path& path) {
     return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
-// names of files of results/ that pages link to, or excerpts are made of
+// names of files in results/ that a page links to or takes excerpts from
 std::set<std::string> names_on_pages() {
     const fs::path top = source_dir();
     std::set<std::string> names;

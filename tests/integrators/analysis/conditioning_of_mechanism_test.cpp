@@ -1,4 +1,4 @@
-// Conditioning of mechanisms, where the variational equation has a closed form.
+// Condition numbers of mechanisms, compared with closed forms of the variational equation and with finite differences.
 #include "integrators/analysis/conditioning_of_mechanism.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace polhode {
 namespace {
 
-// a point mass of 1 kg, 0.5 m from the hinge, with 0.25 kg m^2 about its centre: I = 0.5, m g l = 5
+// a mass of 1 kg, 0.5 m from the hinge, with 0.25 kg m^2 about its centre: I = 0.5 kg m^2, m g l = 5 N m
 Scene pendulum(const std::string& joint, const std::string& more = "") {
     return parse_scene(R"({"name": "p", "duration": 2,
         "bodies": [{"name": "bob", "body": {"mass": 1, "inertia": [0.25, 0.25, 0.25], "center_of_mass": [0, 0, -0.5]}}],
@@ -34,7 +34,7 @@ Conditioning conditioning_at(const Scene& scene, const std::vector<double>& time
     return conditioning(pose(scene), times);
 }
 
-// theta'' = l^2 theta upright: (cosh, sinh / l; l sinh, cosh), rates in units of their scale
+// upright theta'' = l^2 theta, so S = (cosh, sinh / l; l sinh, cosh), with rates in units of their scale
 TEST(ConditioningOfMechanism, OfAPendulumUprightGrowsAsItsLinearSolution) {
     const Scene scene = pendulum(R"("type": "revolute", "axis": [0, 1, 0], "initial": {"angle": 3.141592653589793})");
     const double s = mechanism_of(pose(scene)).scales()[1], l = std::sqrt(10.0);
@@ -59,7 +59,7 @@ TEST(ConditioningOfMechanism, OfAPendulumAtRestStaysSmall) {
     }
 }
 
-// a ball joint at one point and a loop at another are a hinge: what they let move grows as the pendulum upright
+// a spherical joint at one point and a loop at another act as a hinge: kappa is that of the upright pendulum
 TEST(ConditioningOfMechanism, LoopsLeaveTheChangesThatTheyAllow) {
     const Scene scene =
         pendulum(R"("type": "spherical", "initial": {"orientation": [0, 0, 1, 0]})",
@@ -72,7 +72,7 @@ TEST(ConditioningOfMechanism, LoopsLeaveTheChangesThatTheyAllow) {
     EXPECT_NEAR(kappa.attitude[0] / std::hypot(std::cosh(l), s * std::sinh(l) / l), 1, 1e-5);
 }
 
-// An impulse jumps through its own derivative: two bodies in a row, kicked, against differences of the motion itself.
+// Two bodies in series with an impulse: kappa includes the derivative of the jump. Compared with differences.
 TEST(ConditioningOfMechanism, PassesImpulses) {
     const auto scene = [](double angle) {
         return parse_scene(fmt::format(R"({{"name": "two", "duration": 1,
@@ -102,7 +102,7 @@ TEST(ConditioningOfMechanism, PassesImpulses) {
     }
     const Conditioning kappa = conditioning_at(scene(0.4), {1});
     ASSERT_TRUE(kappa.available) << kappa.message;
-    // of one direction kappa is no less, and the angle is no small part of what it hangs on
+    // kappa is at least the growth in one direction, and the angle is one of the sensitive directions
     EXPECT_GE(kappa.attitude[0], grown * (1 - 1e-4));
     EXPECT_LE(kappa.attitude[0], 30 * grown);
 }

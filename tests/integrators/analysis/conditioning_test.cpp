@@ -1,5 +1,5 @@
-// kappa against closed forms, against the multiprecision Taylor series of the variational equation, and against finite
-// differences of the truth, which knows no derivative at all.
+// The condition number kappa against closed forms, against the multiprecision Taylor series of the variational
+// equation, and against finite differences of the truth, which need no derivatives.
 #include "integrators/analysis/conditioning.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ std::vector<double> sample_times(double duration, long n) {
 
 double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
 
-// the largest relative difference over all times, of state and attitude
+// The largest relative difference of the state and attitude values over all times.
 double difference(const Conditioning& a, const Conditioning& b) {
     EXPECT_TRUE(a.available) << a.message;
     EXPECT_TRUE(b.available) << b.message;
@@ -53,13 +53,13 @@ double difference(const Conditioning& a, const Conditioning& b) {
     return worst;
 }
 
-// ((1, x), (0, d)): the norm of a turn's growth when the rate, decayed to d, has turned the body by x for each 1 of it
+// Spectral norm of ((1, x), (0, d)): the rate decays to d, and the body rotates by x per unit of the initial rate.
 double shear_norm(double x, double d) {
     const double sum = 1 + x * x + d * d;
     return std::sqrt((sum + std::sqrt(sum * sum - 4 * d * d)) / 2);
 }
 
-// Sphere: w stays, so dtheta grows by dw t along w and by less across it. With x = |w| t: |S| of ((1, x), (0, 1)).
+// Sphere: w is constant; dtheta grows by dw t along w and by less across it. kappa = |((1, x), (0, 1))|, x = |w| t.
 RC_GTEST_PROP(ConditioningOf, SphereIsTheClosedForm, ()) {
     Scene scene;
     scene.name = "sphere", scene.duration = moderate(0.1, 20);
@@ -77,7 +77,7 @@ RC_GTEST_PROP(ConditioningOf, SphereIsTheClosedForm, ()) {
     }
 }
 
-// With drag the rate decays at g = c / I: x = |w| (1 - e^-gt) / g. Over 10^4 decay times by BDF, to its tolerance.
+// With drag the rate decays at g = c / I: x = |w| (1 - e^-gt) / g. Over 10^4 decay times, solved by BDF.
 TEST(ConditioningOf, DampedSphereIsTheClosedForm) {
     for (const auto& [drag, tolerance] : {std::pair(0.3, 1e-10), std::pair(5e3, 1e-6)}) {
         Scene scene;
@@ -97,7 +97,7 @@ TEST(ConditioningOf, DampedSphereIsTheClosedForm) {
     }
 }
 
-// A body at rest moves by nothing but the change itself: its scale is one radian over the duration.
+// A body at rest: only the perturbation moves it, and the scale of the rate is 1 rad over the duration.
 TEST(ConditioningOf, RestIsTheClosedForm) {
     const Scene scene = find_scene("at_rest");
     const Conditioning c = conditioning(scene, {0, scene.duration});
@@ -106,7 +106,7 @@ TEST(ConditioningOf, RestIsTheClosedForm) {
     EXPECT_NEAR(c.attitude[1], std::numbers::sqrt2, 1e-12);
 }
 
-// Central differences of the closed form: w turns about the axis of symmetry at (I3/I1 - 1) w3.
+// Central differences of the closed form: w rotates about the axis of symmetry at the rate (I3/I1 - 1) w3.
 TEST(ConditioningOf, SymmetricBodyIsTheDerivativeOfItsClosedForm) {
     const Scene scene = symmetric_body(30);
     constexpr double step = 1e-5;
@@ -123,7 +123,7 @@ TEST(ConditioningOf, SymmetricBodyIsTheDerivativeOfItsClosedForm) {
         Eigen::Matrix<double, 6, 6> S = Eigen::Matrix<double, 6, 6>::Zero();
         const Quaternion<double> q = symmetric_attitude(scene, t);
         for (int j = 0; j < 3; ++j) {
-            // a turn of the start goes before everything: dtheta(t) = R(t)^T dtheta(0)
+            // a rotation of the start is applied before everything else: dtheta(t) = R(t)^T dtheta(0)
             Vector3<double> e;
             e[j] = 1;
             const Vector3<double> turned = rotate_back(q, e);
@@ -147,7 +147,7 @@ TEST(ConditioningOf, SymmetricBodyIsTheDerivativeOfItsClosedForm) {
 struct Against {
     const char* scene;
     double duration;
-    double tolerance;  // kappa times what CVODES errs by in binary64, with head-room
+    double tolerance;  // kappa times the error of CVODES in binary64, with a margin
     double least_peak;
 };
 void PrintTo(const Against& a, std::ostream* out) { *out << a.scene; }
@@ -159,8 +159,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ConditioningAgainstTaylor,
                                            Against{"separatrix", 28, 1e-6, 3e8},    // e^(t / sqrt 2)
                                            Against{"lagrange_top", 5, 1e-10, 100},  // gravity
                                            Against{"struck_bar", 10, 1e-10, 2000},  // impulses
-                                           Against{"thrown_hammer", 1, 1e-9, 200},  // flight in closed form
-                                           Against{"every_load", 2, 1e-10, 5},      // windows, translation integrated
+                                           Against{"thrown_hammer", 1, 1e-9, 200},  // closed form of the flight
+                                           Against{"every_load", 2, 1e-10, 5},      // windows, integrated flight
                                            Against{"damped_spin", 20, 1e-10, 20},
                                            Against{"attitude_regulator", 60, 1e-9, 5},
                                            Against{"towed_body", 10, 1e-10, 5}, Against{"chaotic_top", 50, 1e-6, 4e4}),
@@ -177,8 +177,7 @@ TEST_P(ConditioningAgainstTaylor, Agrees) {
     EXPECT_LT(difference(conditioning(problem, times), by_taylor), against.tolerance) << by_taylor.message;
 }
 
-// Every load, windows and impulses, in flight: to the reference that integrates all 12 directions.
-// Beyond 4000 rad kappa is made of differences of the closed form: at the same times it is what CVODES makes it.
+// Beyond 4000 rad kappa comes from differences of the closed form. At the same times it agrees with kappa from CVODES.
 TEST(Conditioning, OfLongMotionsIsWhatItWasOfShortOnes) {
     for (const char* name : {"free_asymmetric", "lagrange_top", "symmetric", "thrown_hammer"}) {
         Scene scene = find_scene(name);
@@ -202,8 +201,8 @@ TEST(Conditioning, AgreesWithTaylorUnderEveryLoad) {
     EXPECT_LT(difference(conditioning(problem, times), reference_conditioning(problem, times, 18)), 1e-10);
 }
 
-// From the truth of moved starts: kappa without any derivative of the equations. The starts are moved by e = 1e-5 of
-// each scale; third derivatives of the motion leave (kappa e)^2 / 6, 1e-7 at kappa = 30.
+// kappa from truths with perturbed starts, without derivatives of the equations. The perturbation is e = 1e-5 of each
+// scale; third derivatives of the motion leave an error of (kappa e)^2 / 6, 1e-7 at kappa = 30.
 TEST(Conditioning, IsTheFiniteDifferenceOfTheTruth) {
     const FreshCache cache;
     for (const Scene& scene : {free_body(3), heavy_top(0.5)}) {
@@ -248,7 +247,7 @@ TEST(Conditioning, IsTheFiniteDifferenceOfTheTruth) {
     }
 }
 
-// A torque of the user's own has no derivative but by differences: one that does what a load does grows as the load's.
+// The derivative of a user-defined torque comes from differences. A torque equal to a load must have the same kappa.
 TEST(Conditioning, OfAUserTorqueIsThatOfTheLoadItRestates) {
     Scene scene = free_body(10), by_user = scene;
     scene.loads = {Drag{{0.1, 0.2, 0.3}, 0, {}}};
@@ -288,7 +287,7 @@ TEST(Conditioning, ShowsTheMotionAfterAnEventAndGoesOnBeyondTheDuration) {
     const Conditioning c = conditioning(scene, {0, std::nextafter(1.0, 0.0), 1, 2, 3});
     ASSERT_TRUE(c.available) << c.message;
     EXPECT_EQ(c.times.back(), 3);
-    EXPECT_GT(std::abs(c.state[2] / c.state[1] - 1), 1e-3);  // the impulse turns with the attitude
+    EXPECT_GT(std::abs(c.state[2] / c.state[1] - 1), 1e-3);  // the impulse rotates with the attitude
     const std::vector<double> times{0, 1, 2, 3};
     scene.duration = 3;
     EXPECT_LT(difference(conditioning(scene, times), reference_conditioning(pose(scene), times, 18)), 1e-10);
@@ -311,7 +310,7 @@ TEST(Conditioning, SaysWhereItEnds) {
     EXPECT_THROW(conditioning(pose(scene), {101}), std::invalid_argument);
 }
 
-// On the separatrix kappa grows as e^(t / sqrt 2): beyond 2^53 at about t = 52.
+// On the separatrix kappa grows as e^(t / sqrt 2) and exceeds 2^53 at about t = 52 s. The message reports it.
 TEST(Conditioning, SaysWhereBinary64CannotFollow) {
     Scene scene = find_scene("separatrix");
     scene.duration = 70;
@@ -323,7 +322,7 @@ TEST(Conditioning, SaysWhereBinary64CannotFollow) {
     EXPECT_EQ(shorter.message.find("cannot follow"), std::string::npos) << shorter.message;
 }
 
-// The reference does: with digits enough it goes on growing at that rate.
+// With enough digits reference_conditioning() follows this growth further.
 TEST(Conditioning, ReferenceFollowsTheSeparatrixBeyondBinary64) {
     Scene scene = find_scene("separatrix");
     scene.duration = 60;
@@ -338,21 +337,20 @@ TEST(Conditioning, FloorsAreKappaTimesTheRoundoff) {
     c.times = {0, 1, 2}, c.state = {1, 9, 4}, c.attitude = {1, 8, 1e9};
     EXPECT_EQ(c.floor(1, float64_roundoff), 8 * 0x1p-53);
     EXPECT_EQ(c.floor(1, float32_roundoff), 8 * 0x1p-24);
-    EXPECT_EQ(c.floor_peak(float32_roundoff).value, std::numbers::pi);  // an attitude cannot be further off
+    EXPECT_EQ(c.floor_peak(float32_roundoff).value, std::numbers::pi);  // the largest possible attitude error
     EXPECT_EQ(c.floor_peak(float32_roundoff).time, 2);
     EXPECT_EQ(c.state_peak().value, 9);
     EXPECT_EQ(c.state_peak().time, 1);
     EXPECT_EQ(Conditioning().state_peak().value, 0);
 }
 
-// GCC 12.2 at -O2 takes a pair of doubles to float and back by doing nothing: its vectoriser drops both conversions.
+// GCC 12.2 at -O2 miscompiles the conversion of two doubles to float and back: its vectoriser drops both conversions.
 double rounded_to_float(double value) {
     volatile float narrow = static_cast<float>(value);
     return static_cast<double>(narrow);
 }
 
-// Rounding the start to binary32 moves the attitude by about the floor: never by much more, and by a good part of it
-// for some start.
+// Rounding the start to binary32 changes the attitude by at most twice the floor, and for some start by a good part.
 TEST(Conditioning, Float32FloorIsWhatRoundingTheStartDoes) {
     const FreshCache cache;
     double largest = 0;
@@ -384,8 +382,8 @@ RC_GTEST_PROP(Conditioning, IsOneAtTheStart, ()) {
     RC_ASSERT(std::abs(c.attitude[0] - 1) < 1e-14);
 }
 
-// Twice as fast over half the time, with forces to match, is the same motion; so is a body twice as heavy under twice
-// the forces. By powers of two the very same numbers are computed, but for the drag's exponentials.
+// Invariance under scaling of time and mass: twice as fast for half the duration with matching forces, or twice as
+// heavy with twice the forces. Scaling by powers of two gives identical numbers except for the exponentials of drag.
 RC_GTEST_PROP(Conditioning, HasNoUnits, ()) {
     Scene scene = moderate_scene();
     scene.loads.clear();
@@ -407,7 +405,7 @@ RC_GTEST_PROP(Conditioning, HasNoUnits, ()) {
     RC_ASSERT(difference(faster, c) < 1e-11);
 }
 
-// The world turned as a whole: start, forces and impulses with it.
+// Rotating the world together with start, forces and impulses leaves kappa unchanged.
 RC_GTEST_PROP(Conditioning, DoesNotDependOnTheWorldsAxes, ()) {
     Scene scene;
     scene.name = "any", scene.duration = 2;
@@ -429,7 +427,7 @@ RC_GTEST_PROP(Conditioning, DoesNotDependOnTheWorldsAxes, ()) {
     turned.initial.position_W = rotate(r, scene.initial.position_W);
     turned.initial.velocity_W = rotate(r, scene.initial.velocity_W);
     scene.loads = loads({}), turned.loads = loads(r);
-    // the scales, units of the blocks, are estimates to three digits
+    // the scales, the units of the blocks, are estimates to three digits
     const Problem problem = pose(scene);
     Problem other = pose(turned);
     RC_ASSERT(std::abs(other.scales.angular_velocity / problem.scales.angular_velocity - 1) < 0.05);

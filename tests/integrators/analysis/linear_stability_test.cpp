@@ -19,8 +19,8 @@ struct Intervals {
     double real, imaginary;
 };
 
-// E. Hairer & G. Wanner 1996, IV.2 (explicit methods of order p in p stages), IV.3, IV.5 and IV.7 (A-stable ones); a
-// pendulum by half kicks or in turns (L. Verlet 1967): h omega <= 2
+// E. Hairer & G. Wanner 1996, IV.2 (explicit methods of order p in p stages), IV.3, IV.5 and IV.7 (A-stable methods).
+// Oscillator by half kicks or by alternating updates (L. Verlet 1967): h omega <= 2.
 TEST(LinearStability, HasThePublishedIntervals) {
     const Intervals published[] = {
         {"odeint_euler", 2, 0},
@@ -53,7 +53,7 @@ TEST(LinearStability, HasThePublishedIntervals) {
     }
 }
 
-// Hairer & Wanner 1996, IV.2: sum of z^j / j! up to j = 5, and z^6 / 600
+// The stability polynomial in Hairer & Wanner 1996, IV.2: the sum of z^j / j! up to j = 5, plus z^6 / 600.
 TEST(LinearStability, OfDormandAndPrinceIsThatOfTheirPolynomial) {
     const Method& method = *find_method("odeint_dopri5");
     for (const Complex z : {Complex(-1, 0), Complex(-3, 1), Complex(0.3, 2), Complex(0, -4)}) {
@@ -65,7 +65,7 @@ TEST(LinearStability, OfDormandAndPrinceIsThatOfTheirPolynomial) {
     EXPECT_NEAR(*real_interval(method), 3.306567, 1e-5);
 }
 
-// two libraries' coefficients of one method
+// the same method with coefficients from two libraries
 TEST(LinearStability, IsTheSameByEitherLibrary) {
     for (const auto& [a, b] :
          {std::pair("odeint_fehlberg78", "arkode_erk8"), std::pair("odeint_cash_karp54", "arkode_erk5")})
@@ -75,7 +75,7 @@ TEST(LinearStability, IsTheSameByEitherLibrary) {
         }
 }
 
-// |1 + r exp(i phi)| = 1 at r = -2 cos(phi)
+// for Euler's method |1 + r exp(i phi)| = 1 at r = -2 cos(phi)
 TEST(LinearStability, GoesAlongAnyRay) {
     const Method& euler = *find_method("odeint_euler");
     for (const double angle : {3.0, 2.5, 2.0, 1.6})
@@ -91,14 +91,14 @@ TEST(LinearStability, ReachesFarWithoutOverflow) {
             if (const std::optional<double> growth = linear_growth(*method, z)) {
                 EXPECT_FALSE(std::isnan(*growth)) << method->name << z;
                 EXPECT_GE(*growth, 0) << method->name << z;
-                // both eigenvalues of a pendulum at rest are 1: a double root, which rounding moves by sqrt(2^-53)
+                // the eigenvalues of a pendulum at rest are both 1: rounding changes a double root by sqrt(2^-53)
                 if (std::abs(z) < 1) {
                     EXPECT_NEAR(*growth, 1, 2e-8) << method->name << z;
                 }
             }
 }
 
-/// A pendulum on a torsional spring, about a principal axis of a body of three moments.
+/// A pendulum on a torsional spring, about a principal axis of an asymmetric body.
 Scene pendulum(double h, double damping, double stiffness, double angle, double rate) {
     const double moment = 3;
     Scene scene;
@@ -119,7 +119,7 @@ Scene pendulum(double h, double damping, double stiffness, double angle, double 
     return scene;
 }
 
-/// The spectral radius of one step of the method itself, from two starts.
+/// The spectral radius of one step of the method, measured from two initial states.
 std::optional<double> measured_growth(const Method& method, double damping, double stiffness) {
     constexpr double h = 0.5, small = 1e-4;
     double column[2][2];
@@ -145,7 +145,7 @@ TEST(LinearStability, IsThatOfTheStepsTaken) {
             EXPECT_EQ(method->pendulum_growth, wide.pendulum_growth) << method->name;
             continue;
         }
-        // springs of its own; several steps
+        // skipped: methods with their own springs, a multistep method, and methods without fixed steps
         if (method->name.starts_with("point_") || method->name == "odeint_adams_bashforth_moulton" ||
             !takes_step(*method))
             continue;
@@ -170,7 +170,7 @@ TEST(LinearStability, IsThatOfTheStepsTaken) {
     EXPECT_GT(compared, 5 * 35);
 }
 
-// drag alone, 400 steps: within the interval what is left vanishes, beyond it grows
+// drag only, 400 steps: the motion decays within the stability interval and grows beyond it
 TEST(LinearStability, OfAdamsMethodIsThatOfALongRun) {
     const Method& adams = *find_method("odeint_adams_bashforth_moulton");
     const double interval = *real_interval(adams);

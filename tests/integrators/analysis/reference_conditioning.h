@@ -1,4 +1,4 @@
-// The reference for conditioning: motion and derivative by multiprecision Taylor series.
+// Reference values for conditioning(): motion and derivatives by multiprecision Taylor series.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,8 +20,9 @@
 
 namespace polhode::truth {
 
-// The motion and its derivative by the initial state, column by column behind it: a turn about each body axis, a change
-// of w along each, and of p and v along each world axis where they count. Layout of each as in motion/systems.h.
+// The motion followed by the columns of its derivative with respect to the initial state: a rotation about each body
+// axis, a change of w along each body axis, and of p and v along each world axis if translation counts. Each column
+// has the layout of motion/systems.h.
 template <class P, bool translation>
 class VariationalForm {
   public:
@@ -84,7 +85,7 @@ class VariationalForm {
         flatten(rate, dy);
     }
 
-    /// Of w, the attitude (rad), p, v in SI units.
+    /// The derivative of w, the attitude (rad), p and v, in SI units.
     Derivative motion(const P* y) const {
         const Quaternion<P> q = quaternion_at(y, 3);
         const P twice = P(2) / squared_norm(q);
@@ -156,11 +157,11 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, int d
 
 namespace polhode {
 
-/// kappa as conditioning() has it, from another side: the variational equation of the one right-hand side, with the
-/// full tensor in body axes, in 50 digits, by Taylor series to a local error of 10^-digits. It follows motions that
-/// binary64 cannot (until kappa comes near 10^digits), and takes seconds where conditioning() takes milliseconds.
-/// Translation is integrated wherever the centre of mass moves. Not for a torque of the user's own, nor stiff scenes:
-/// `available` is then false. Throws std::invalid_argument on bad times.
+/// kappa as defined for conditioning(), computed independently: the variational equation of the full right-hand side,
+/// with the full tensor in body axes, in 50 digits, by Taylor series with a local error of 10^-digits. It follows
+/// motions that binary64 cannot, until kappa approaches 10^digits, and takes seconds where conditioning() takes
+/// milliseconds. Translation is integrated wherever the centre of mass moves. `available` is false for user-defined
+/// torques and stiff scenes. Throws std::invalid_argument on invalid times.
 inline Conditioning reference_conditioning(const Problem& problem, const std::vector<double>& times, int digits = 20,
                                            long max_steps = 20'000) {
     if (problem.formulation != Formulation::reduced)

@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-// The eigenvalues of M M^T lose the small singular values; the largest keeps its digits.
+// The eigenvalues of M M^T lose small singular values; the largest one keeps its accuracy.
 TEST(SpectralNorm, IsTheLargestSingularValue) {
     std::mt19937 dice(1);
     std::normal_distribution<double> normal;

@@ -1,4 +1,4 @@
-// Against Boost.Math, and against identities.
+// Elliptic functions against Boost.Math and against identities.
 #include "integrators/closed_form/elliptic.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using Real50 = Real<50>;
 
 double near(const Real50& a, const Real50& b) { return Real50(abs(Real50(a - b)) / (1 + abs(b))).convert_to<double>(); }
 
-// parameters on both sides of the change of lattice, and next to both ends
+// parameters on both sides of the switch between lattices, and close to both ends
 constexpr const char* parameters[] = {"0.75", "1e-30", "1e-9", "0.1", "0.4999", "0.5001", "0.9", "0.999999999"};
 
 TEST(ArithmeticGeometricMean, GivesTheCompleteIntegral) {
@@ -24,7 +24,7 @@ TEST(ArithmeticGeometricMean, GivesTheCompleteIntegral) {
         const Real50 m(text);
         const Lattice<Real50> lattice(m, Real50(1 - m));
         EXPECT_LT(near(lattice.quarter, boost::math::ellint_1(Real50(sqrt(m)))), 1e-47) << text;
-        // from 1 - m the digits of a small m do not come back
+        // 1 - m loses digits of a small m
         const double lost = m.convert_to<double>();
         EXPECT_LT(near(lattice.imaginary_quarter, boost::math::ellint_1(Real50(sqrt(Real50(1 - m))))), 1e-48 / lost)
             << text;
@@ -61,7 +61,7 @@ TEST(Lattice, GivesJacobisFunctions) {
             const Real50 sn = boost::math::jacobi_elliptic(Real50(sqrt(m)), u, &cn, &dn);
             EXPECT_LT(near(f.sn, sn), 1e-45) << text << ' ' << k;
             EXPECT_LT(near(f.cn, cn), 1e-45) << text << ' ' << k;
-            // Boost's own dn is a quotient by cn, which vanishes at the ends
+            // Boost computes dn as a quotient by cn, which vanishes at the ends
             EXPECT_LT(near(f.dn, Real50(sqrt(Real50(1 - m * sn * sn)))), 1e-45) << text << ' ' << k;
         }
     }
@@ -84,7 +84,7 @@ TEST(Lattice, InBinary64KeepsSquaresAtOne) {
     }
 }
 
-// theta' / theta of the series against differences, in both lattices
+// theta' / theta of the series agrees with differences, in both lattices
 TEST(ShiftedTheta, HasTheDerivativeItSays) {
     using Kind = ShiftedTheta<Real50>::Kind;
     for (const char* text : parameters)
@@ -95,7 +95,7 @@ TEST(ShiftedTheta, HasTheDerivativeItSays) {
             const auto at = [&](const Real50& u) {
                 Harmonics<Real50> h;
                 lattice.harmonics<true>(u, h);
-                // the harmonics are all scaled alike: quotients by the real theta_4 are not
+                // all harmonics have a common scale factor, which quotients by the real theta_4 cancel
                 const Complex<Real50> sum = theta.sum(h);
                 const Real50 down = lattice.denominator(h);
                 return Complex<Real50>{Real50(sum.re / down), Real50(sum.im / down)};

@@ -1,3 +1,4 @@
+// The closed form of the free body against Taylor series, invariants, the separatrix and the symmetric body.
 #include "integrators/closed_form/free_body.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@ namespace {
 
 using testing::FreeMotion, testing::ulp;
 
-// a hundred bodies for each of RapidCheck's hundred runs
+// a hundred bodies in each of RapidCheck's hundred runs
 template <class Check>
 void for_bodies(Check&& check) {
     for (int i = 0; i < 100; ++i) check(testing::any_free_motion());
@@ -23,14 +24,14 @@ Vector3<double> momentum_B(const Vector3<double>& moments, const Vector3<double>
 }
 double energy(const Vector3<double>& moments, const Vector3<double>& w) { return dot(w, momentum_B(moments, w)) / 2; }
 
-// round-off of a handful of operations, and the motion's own amplification of it
+// round-off of a few operations, amplified by the motion
 double allowed(const FreeMotion& m) { return testing::amplified(closed_form, m, 10 * ulp) + 20 * ulp; }
 
 RC_GTEST_PROP(FreeAsymmetricBody, KeepsMomentumEnergyAndNorm, ()) {
     for_bodies([](const FreeMotion& m) {
         const Rotation<double> end = closed_form(m);
         const Vector3<double> L = rotate(m.q, momentum_B(m.moments, m.w));
-        // invariants owe nothing to the phase: no amplification
+        // invariants do not depend on the phase, so they have no amplification
         RC_ASSERT(testing::size(rotate(end.q, momentum_B(m.moments, end.w)) - L) <= 40 * ulp * testing::size(L));
         RC_ASSERT(std::abs(energy(m.moments, end.w) / energy(m.moments, m.w) - 1) <= 40 * ulp);
         RC_ASSERT(std::abs(squared_norm(end.q) - 1) <= 4 * ulp);
@@ -51,7 +52,7 @@ RC_GTEST_PROP(FreeAsymmetricBody, AgreesWithTaylorSeries, ()) {
         const Rotation<double> end = closed_form(m);
         int steps = 0;
         const auto y = testing::by_taylor(testing::FreeEquations{m.moments}, m, steps);
-        // the series' own steps round as well, each of them
+        // each step of the series rounds as well
         const double bound = allowed(m) * (1 + std::sqrt(steps));
         RC_ASSERT(testing::distance(end.q, quaternion_at(y.data(), 3)) <= bound);
         RC_ASSERT(testing::size(end.w - vector_at(y.data(), 0)) <= bound * testing::size(m.w));
@@ -60,7 +61,7 @@ RC_GTEST_PROP(FreeAsymmetricBody, AgreesWithTaylorSeries, ()) {
 
 RC_GTEST_PROP(FreeAsymmetricBody, GoesOnAsOneMotion, ()) {
     for_bodies([](const FreeMotion& m) {
-        // t1, then t2, is t1 + t2
+        // advancing by t1 and then by t2 equals advancing by t1 + t2
         FreeMotion rest = m;
         const Rotation<double> middle = FreeAsymmetricBody<double>(m.moments, m.w, m.q).at(0.375 * m.t);
         rest.w = middle.w, rest.q = middle.q, rest.t = m.t - 0.375 * m.t;
@@ -87,7 +88,7 @@ RC_GTEST_PROP(FreeAsymmetricBody, KnowsNoWorldFrameAndNoNameOfAnAxis, ()) {
         const Quaternion<double> world = testing::moderate_orientation();
         turned.q = world * m.q;
         RC_ASSERT(testing::distance(closed_form(turned).q, world * end.q) <= 20 * ulp);
-        // axes renamed 1 -> 2 -> 3 -> 1: a turn by a third about (1, 1, 1)
+        // renaming the axes 1 -> 2 -> 3 -> 1 is a rotation by a third about (1, 1, 1)
         const Quaternion<double> rename{0.5, 0.5, 0.5, 0.5};
         FreeMotion renamed = m;
         for (int i = 0; i < 3; ++i) renamed.moments[(i + 1) % 3] = m.moments[i], renamed.w[(i + 1) % 3] = m.w[i];
@@ -109,7 +110,7 @@ TEST(FreeAsymmetricBody, IsContinuousOverManyPeriods) {
     }
 }
 
-// I = (3, 4, 6), w = (2, 0, 1): w = (2 sech, 3/sqrt 2 tanh, sech)(t/sqrt 2), whichever the axes are called
+// I = (3, 4, 6), w = (2, 0, 1): w = (2 sech, 3/sqrt 2 tanh, sech)(t/sqrt 2), for any order of the axes
 TEST(FreeAsymmetricBody, FollowsTheSeparatrix) {
     const double root = std::sqrt(2.0);
     for (int shift = 0; shift < 3; ++shift)
@@ -148,8 +149,8 @@ TEST(FreeAsymmetricBody, IsTheSameInEveryScalar) {
     }
 }
 
-// Two moments that differ in the last place only: the symmetric body's form, whose formulas share nothing with
-// Jacobi's.
+// If two moments differ only in the last place, the result tends to the symmetric body's closed form, whose formulas
+// share nothing with Jacobi's functions.
 TEST(FreeAsymmetricBody, TendsToTheSymmetricBody) {
     const Vector3<double> w(0.9, 0.4, 1.1);
     for (const double gap : {1e-15, 1e-13, 1e-9})

@@ -1,4 +1,4 @@
-// Random bodies and starts for the closed forms, and their equations solved by Taylor series: independent of them.
+// Random bodies and starts for the closed forms, and an independent solution of their equations by Taylor series.
 #pragma once
 
 #include <rapidcheck.h>
@@ -22,10 +22,10 @@ struct FreeMotion {
     double t;
 };
 
-/// 10^-k, k uniform in [0, most].
+/// 10^-k with k uniform in [0, most].
 inline double small(int most) { return std::pow(10, -moderate(0, most)); }
 
-/// A third has nearly equal moments, a third starts next to the separatrix, some have a component near zero.
+/// One third have nearly equal moments, one third start next to the separatrix, and some have a component near zero.
 inline FreeMotion any_free_motion() {
     FreeMotion m;
     for (int i = 0; i < 3; ++i) m.moments[i] = moderate(0.5, 2.5), m.w[i] = moderate(-2, 2);
@@ -37,7 +37,7 @@ inline FreeMotion any_free_motion() {
     const double Ia = m.moments[a], Ib = m.moments[b], Ic = m.moments[c];
     if (Ia == Ib || Ib == Ic) m.moments[b] = Ia + (Ic - Ia) / 3 + 0.1;
     if (*rc::gen::inRange(0, 3) == 0) {
-        // Ic (Ic - Ib) wc^2 = Ia (Ib - Ia) wa^2 but for a part
+        // Ic (Ic - Ib) wc^2 = Ia (Ib - Ia) wa^2 up to a small relative difference
         const double ratio = std::sqrt(std::abs(Ia * (m.moments[b] - Ia) / (Ic * (Ic - m.moments[b]))));
         m.w[c] = ratio * m.w[a] * (1 + moderate(-1, 1) * small(10));
     }
@@ -48,7 +48,7 @@ inline FreeMotion any_free_motion() {
     return m;
 }
 
-/// The free body's equations as a recordable form, or with a torque e3 x R^T G.
+/// The free body's equations in a recordable form.
 struct FreeEquations {
     Vector3<double> moments;
 
@@ -63,8 +63,8 @@ struct FreeEquations {
     }
 };
 
-/// State (w, q) after t, by Taylor series of order 24 with steps that leave its remainder below round-off (Jorba & Zou
-/// 2005): exact but for round-off. Counts the steps.
+/// State (w, q) after the time t by Taylor series of order 24, with steps that keep the remainder below round-off
+/// (Jorba & Zou 2005): exact up to round-off. Returns the number of steps in `steps`.
 template <class Equations>
 std::array<double, 7> by_taylor(const Equations& equations, const FreeMotion& m, int& steps) {
     constexpr int order = 24;
@@ -92,7 +92,7 @@ inline double distance(const Quaternion<double>& a, const Quaternion<double>& b)
     return std::sqrt(squared_norm(Quaternion<double>{a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z}));
 }
 
-/// How much a change of the start by `roundoff` times its size, in any of 6 directions, changes the end of `at`.
+/// The largest change at the end of `at` when the start changes by `roundoff` relative to its size, over 6 directions.
 template <class At>
 double amplified(const At& at, const FreeMotion& m, double roundoff) {
     const double step = 1e-7, rate = size(m.w);

@@ -15,7 +15,7 @@ using testing::FreeMotion, testing::ulp;
 struct Top {
     double I1, I3;
     Vector3<double> field_W;
-    FreeMotion motion;  // its moments unused
+    FreeMotion motion;  // its moments are not used
 
     Rotation<double> at(const FreeMotion& m) const {
         const LagrangeStart<Wide> start(2, I1, I3, cast<Wide>(field_W), cast<Wide>(m.w), cast<Wide>(m.q));
@@ -23,7 +23,7 @@ struct Top {
     }
 };
 
-// spinning fast and slowly, hanging and standing, started with and without nutation, next to upright
+// fast and slow spin, hanging and upright, with and without initial nutation, and nearly upright
 Top any_top() {
     Top top;
     top.I1 = testing::moderate(0.3, 2.5), top.I3 = testing::moderate(0.3, 2.5);
@@ -42,7 +42,7 @@ Top any_top() {
     return top;
 }
 
-// dw/dt from the torque e3 x R^T G
+// dw/dt with the torque e3 x R^T G
 struct TopEquations {
     double I1, I3;
     Vector3<double> field_W;
@@ -113,7 +113,7 @@ RC_GTEST_PROP(LagrangeTop, RunsBackwardsAndGoesOn, ()) {
     }
 }
 
-// A top set off with w = W z + s e3 where I1 W^2 cos theta - I3 w3 W + |G| = 0 precesses without nutation.
+// A top started with w = W z + s e3, where I1 W^2 cos theta - I3 w3 W + |G| = 0, precesses without nutation.
 TEST(LagrangeTop, PrecessesRegularly) {
     const double I1 = 0.8, I3 = 0.5, G = 5, theta = 0.6, w3 = 9;
     for (const double sign : {-1.0, 1.0}) {
@@ -123,7 +123,7 @@ TEST(LagrangeTop, PrecessesRegularly) {
         const Vector3<double> w(0, W * std::sin(theta), w3);
         const LagrangeTop<double> top(2, I1, I3, {0, 0, -G}, w, q);
         for (const double t : {0.5, 3.0, 20.0}) {
-            // about z by W t, after (w3 - W cos theta) t about e3
+            // rotation about z by W t after a rotation about e3 by (w3 - W cos theta) t
             const double a = W * t / 2, b = (w3 - W * std::cos(theta)) * t / 2;
             const Quaternion<double> expected = Quaternion<double>{std::cos(a), 0, 0, std::sin(a)} * q *
                                                 Quaternion<double>{std::cos(b), 0, 0, std::sin(b)};
@@ -132,9 +132,9 @@ TEST(LagrangeTop, PrecessesRegularly) {
     }
 }
 
-// Without spin, let go from rest: a plane pendulum, cos theta by sn of the modulus sin(amplitude / 2).
+// Without spin, released from rest, the top is a plane pendulum: cos theta from sn with the modulus sin(amplitude / 2).
 TEST(LagrangeTop, WithoutSpinIsAPendulum) {
-    const double I1 = 0.8, G = 5, theta = 2.0;  // from upright: amplitude pi - 2 about hanging
+    const double I1 = 0.8, G = 5, theta = 2.0;  // from upright: the amplitude about hanging is pi - 2
     const Quaternion<double> q{std::cos(theta / 2), std::sin(theta / 2), 0, 0};
     const LagrangeTop<double> top(2, I1, 0.5, {0, 0, -G}, {0, 0, 0}, q);
     const double k = std::sin((std::numbers::pi - theta) / 2), rate = std::sqrt(G / I1);

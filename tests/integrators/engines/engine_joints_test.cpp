@@ -1,4 +1,4 @@
-// The joints of every engine that is here, on mechanisms whose motion is known without it.
+// The joints of every available engine, on mechanisms whose motion is known independently.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ double worst_place(const Trajectory& run, const Trajectory& truth) {
     return worst;
 }
 
-/// Of an engine the settings whose joints are not damped, one of each engine that has joints.
+/// One setting without joint damping of each engine that has joints.
 std::vector<const EngineMethod*> jointed() {
     std::vector<const EngineMethod*> all;
     std::set<std::string> seen;
@@ -52,8 +52,8 @@ std::vector<const EngineMethod*> jointed() {
     return all;
 }
 
-// To within its first-order error, which halves with the step; those of higher order are there already. In binary32
-// what rounding leaves stands beside it.
+// The error is of first order and halves with the step; engines of higher order are already accurate. Engines in
+// binary32 also have rounding errors.
 TEST(EngineJoints, FollowPendulums) {
     SKIP_WITHOUT_ENGINES();
     for (const char* name : {"mechanisms/physical_pendulum", "mechanisms/double_pendulum"}) {
@@ -69,8 +69,8 @@ TEST(EngineJoints, FollowPendulums) {
             ASSERT_EQ(fine.status, Status::ok) << fine.message;
             ASSERT_EQ(fine.bodies, static_cast<int>(scene.bodies.size()));
             const double at_coarse = worst_attitude(coarse, truth), at_fine = worst_attitude(fine, truth);
-            // an undamped motion of some rad/s at 1/1000 s
-            // (the worst, 0.016 rad, is Bullet's reduced coordinates' on the double pendulum)
+            // an undamped motion at some rad/s with h = 1/1000 s (largest error: 0.016 rad, Bullet's reduced
+            // coordinates on the double pendulum)
             EXPECT_LT(at_fine, is_single ? 0.05 : 0.03);
             EXPECT_LT(worst_place(fine, truth), is_single ? 0.05 : 0.03);
             if (at_coarse > 1e-4 && !is_single) {
@@ -80,7 +80,7 @@ TEST(EngineJoints, FollowPendulums) {
     }
 }
 
-// Nothing but the axis's direction, the type of the joint and the scene's frames differ: a body hung in the same way.
+// Each type of joint, with different axes and frames.
 TEST(EngineJoints, KeepEachTypeOfJoint) {
     SKIP_WITHOUT_ENGINES();
     for (const char* name :
@@ -94,7 +94,7 @@ TEST(EngineJoints, KeepEachTypeOfJoint) {
         for (const Sample& s : truth.samples) turned = std::max(turned, hypotenuse(s.angular_velocity_B));
         for (const EngineMethod* engine : jointed()) {
             SCOPED_TRACE(fmt::format("{} {}", engine->method->name, name));
-            // without the gyroscopic term; what that does to a motion in space is no joint's fault
+            // no gyroscopic term, so motion in space differs for reasons other than joints
             if (engine->engine == "havok" || engine->engine == "cannon_es" || engine->engine == "ammo") continue;
             const Trajectory run = jointed_motion(*engine, scene, 2.5e-4);
             if (run.status == Status::unsupported) {

@@ -1,4 +1,4 @@
-// Mechanisms as engines are asked for them, with shell scripts in the engines' place.
+// Requests for mechanisms in the engine protocol, with shell scripts in place of engines.
 #include "integrators/engines/engine_mechanism.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What an engine that goes by a script makes of a scene.
+/// The trajectory that an engine consisting of this shell script returns for the scene.
 Trajectory scripted(const std::string& script, const Scene& scene) {
     std::string path = (std::filesystem::temp_directory_path() / "polhode-mechanism-XXXXXX").string();
     close(mkstemp(path.data()));
@@ -36,7 +36,7 @@ std::string greeting(const std::string& joints, const std::string& loops = "[]")
            "}' >&3; ";
 }
 
-// A rod of 2 kg, its centre of mass 1 m below a hinge about y, held out by a quarter turn and turning.
+// A rod of 2 kg with its centre of mass 1 m below a hinge about y, rotated by a quarter rotation and moving.
 Scene rod() {
     return parse_scene(R"({"name": "rod", "duration": 1,
       "bodies": [{"name": "rod", "body": {"mass": 2, "inertia": [1, 2, 3], "center_of_mass": [0, 0, -1]}}],
@@ -80,7 +80,8 @@ TEST(EngineMechanism, IsAskedForInPlainNumbers) {
     near(joint.at("turning"), {0, 4, 0}), near(joint.at("rates"), {4});
 }
 
-// What is told of one joint in three ways is one thing: points meet, axes too, rates make up the turning.
+// The redundant data of each joint agree: its points coincide, its axes coincide, and its rates add up to the
+// relative angular velocity.
 TEST(EngineMechanism, AgreesWithItselfOnTheCatalogue) {
     int asked = 0;
     for (const std::string& name : builtin_scene_names()) {

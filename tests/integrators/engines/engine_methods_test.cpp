@@ -1,4 +1,4 @@
-// Engines as methods, with shell scripts in the engines' place: what the protocol makes of whatever they do.
+// Engines as methods, with shell scripts in place of engines: how the protocol handles every behaviour.
 #include "integrators/engines/engine_methods.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ constexpr const char* hello = R"(echo '{"version": "1.0", "settings": {"default"
 
 std::string temporary(const char* pattern) { return (std::filesystem::temp_directory_path() / pattern).string(); }
 
-/// A file of one engine, which goes by this script.
+/// A file with one engine that runs this script.
 class ScriptedEngine {
   public:
     explicit ScriptedEngine(const std::string& script, const nlohmann::json& more = {}) {
@@ -77,7 +77,7 @@ TEST(EngineMethods, AnAnswerIsATrajectory) {
     EXPECT_EQ(run.samples.back().position_W, Vector3<double>(1, 2, 3));
 }
 
-// What the engine made of the body is compared with what was asked for: one moment is a tenth too large.
+// The engine's body is compared with the requested one: here a moment is a tenth too large.
 TEST(EngineMethods, ReadsBackWhatTheEngineHas) {
     const ScriptedEngine scripted(answering(sound));
     const Problem problem = pose(simple_scene());
@@ -124,7 +124,7 @@ TEST(EngineMethods, AnEngineThatIsNotThereNamesWhatItNeeds) {
     EXPECT_EQ(none.engine().inspect(nullptr).fault, "it needs Debian's libnone-dev");
 }
 
-// A number that is not finite is null in JSON.
+// JSON represents a number that is not finite as null.
 TEST(EngineMethods, WhatIsNotFiniteHasDiverged) {
     const ScriptedEngine scripted(answering(R"({"status": "ok", "seconds": 1, "steps": 10, "samples": [)" +
                                             row_at_rest + R"(, [null, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0], )" +
@@ -135,7 +135,7 @@ TEST(EngineMethods, WhatIsNotFiniteHasDiverged) {
     EXPECT_NE(run.message.find("t = 0.5 s"), std::string::npos) << run.message;
 }
 
-// One that has crashed is started anew; one that has not is asked again.
+// An engine that crashed is restarted; one that did not crash is reused.
 TEST(EngineMethods, ACrashCostsOneRun) {
     std::string counter = temporary("polhode-starts-XXXXXX");
     close(mkstemp(counter.data()));
@@ -149,7 +149,7 @@ TEST(EngineMethods, ACrashCostsOneRun) {
     unlink(counter.c_str());
 }
 
-// One that hangs is waited for twice; one that answers in between is only slow.
+// After two time-outs a hanging engine is not called again; an answer in between resets the count.
 TEST(EngineMethods, AHangCostsTwoTimeOuts) {
     const ScriptedEngine hung(std::string(hello) + "read -r a; exec sleep 600");
     for (int run = 0; run < 4; ++run) {
@@ -175,7 +175,7 @@ TEST(EngineMethods, StepsBeyondTheLimitAreNotBegun) {
     EXPECT_TRUE(run.limit_reached);
 }
 
-// A program of a user's own, by a line in a file: here this one, which reads a scene and prints a trajectory.
+// A user-defined engine from one line in a file: here polhode itself, which reads a scene and prints a trajectory.
 TEST(EngineMethods, AProgramThatPrintsATrajectoryIsAnEngine) {
     const ScriptedEngine itself(
         "", {{"command",
@@ -214,7 +214,7 @@ TEST(EngineMethods, AFilesFaultsAreNamed) {
     EXPECT_NE(fault("{\"engines\": [" + twice + ", " + twice + "]}").find("twice"), std::string::npos);
 }
 
-// The request describes the same motion in the body's principal axes: what the truth makes of it is the scene's own.
+// The request describes the same motion in the body's principal axes: the truth of both is the same.
 TEST(EngineScene, IsTheSameMotion) {
     for (const char* name : {"l_shape", "towed_body", "torsional_spring", "struck_bar", "pushed_box_with_sphere"}) {
         const Scene scene = find_scene(name);

@@ -1,4 +1,4 @@
-// The engines that stand beside the program and can be started; those that are missing are named and left out.
+// The engines installed beside the program that can be started. Missing engines are reported and skipped.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ inline const std::vector<EngineMethod>& engines_here() {
     return all;
 }
 
-/// Damping and limits are off in every setting but the default of some.
+/// Whether damping and velocity limits are off, as in every setting except the default of some engines.
 inline bool is_undamped(const EngineMethod& engine) {
     return engine.setting != "default" ||
            !(engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "havok" ||

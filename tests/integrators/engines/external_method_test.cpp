@@ -35,7 +35,7 @@ double size(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
 void expect_same_samples(const Trajectory& a, const Trajectory& b) {
     ASSERT_EQ(a.status, Status::ok) << a.message;
     ASSERT_EQ(a.samples.size(), b.samples.size());
-    // the file has w in world axes: turned there and back
+    // the file has w in world axes: two rotations
     for (std::size_t k = 0; k < a.samples.size(); ++k) {
         const Sample &x = a.samples[k], &y = b.samples[k];
         EXPECT_EQ(x.t, y.t);
@@ -46,7 +46,7 @@ void expect_same_samples(const Trajectory& a, const Trajectory& b) {
     }
 }
 
-// This program in another process prints what it computes in this one.
+// polhode in another process returns what it computes in this process.
 TEST(ExternalMethod, IsAMethodLikeAnyOther) {
     for (const char* name : {"free_asymmetric", "every_load"}) {
         const Scene scene = find_scene(name);
@@ -127,7 +127,7 @@ TEST(ExternalMethod, NamesWhatWentWrong) {
     EXPECT_EQ(solve(find_scene("free_asymmetric"), *elsewhere).message, "/no/such/engine was not found");
 }
 
-// with a child of its own that would go on for a minute and holds its output open
+// the command has a child that would run for a minute and keeps its output open
 TEST(ExternalMethod, StopsACommandThatHangs) {
     Settings settings;
     settings.seconds_limit = 0.3;

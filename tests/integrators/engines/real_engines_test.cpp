@@ -1,4 +1,4 @@
-// Every engine that is here, on motions whose course is known without it. Those that are missing are named and skipped.
+// Every available engine, on motions known independently. Missing engines are reported and skipped.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,9 +23,9 @@ bool has_gyroscopic_term(const EngineMethod& engine) {
              (engine.engine == "jolt" || engine.engine == "physx" || engine.engine == "ammo"));
 }
 
-/// What binary32 leaves of a thousand steps, some with four parts.
+/// Rounding error in binary32 after a thousand steps, some of them with four substeps.
 double rounding(const EngineMethod& engine) { return engine.method->precision == Precision::binary32 ? 1e-3 : 1e-6; }
-/// Havok loses a part of small changes of its velocities: of a force's effect at 1/1000 s measured 4 %.
+/// Havok loses part of small velocity changes: 4 % of a force's effect at 1/1000 s, as measured.
 bool loses_small_changes(const EngineMethod& engine) { return engine.engine == "havok"; }
 bool may_sleep(const EngineMethod& engine) {
     return engine.setting == "default" && (engine.engine.starts_with("bullet") || engine.engine == "rapier" ||
@@ -46,7 +46,7 @@ Trajectory moved(const EngineMethod& engine, const Scene& scene, double step = 1
     return solve(scene, *engine.method, settings);
 }
 
-// A ball keeps its w in world axes, whatever turned it before: frame, sign and order of w and q.
+// A sphere keeps its w in world axes from any initial attitude: tests frame, sign and order of w and q.
 TEST(RealEngines, TurnABallAboutAFixedAxis) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
@@ -65,7 +65,7 @@ TEST(RealEngines, TurnABallAboutAFixedAxis) {
     }
 }
 
-// A thrown body's centre of mass: off by g h t / 2 at the most, as semi-implicit Euler's is.
+// The centre of mass of a thrown body is off by at most g h t / 2, the error of semi-implicit Euler.
 TEST(RealEngines, ThrowAParabola) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
@@ -82,7 +82,7 @@ TEST(RealEngines, ThrowAParabola) {
     }
 }
 
-// A quarter turn about each principal axis of three different moments, from an attitude of its own.
+// A quarter rotation about each principal axis of an asymmetric body, from an arbitrary attitude.
 TEST(RealEngines, TurnAQuarterAboutEachPrincipalAxis) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
@@ -101,7 +101,7 @@ TEST(RealEngines, TurnAQuarterAboutEachPrincipalAxis) {
     }
 }
 
-// A tensor that is not diagonal, for as long as a first-order update keeps near: its principal axes and back.
+// A tensor that is not diagonal, for as long as a first-order update stays close: conversion to principal axes.
 TEST(RealEngines, MoveABodyWithProductsOfInertia) {
     SKIP_WITHOUT_ENGINES();
     Scene scene = find_scene("l_shape");
@@ -124,7 +124,7 @@ TEST(RealEngines, MoveABodyWithProductsOfInertia) {
     }
 }
 
-// From rest by a torque about a principal axis, and by a force off the centre of mass.
+// From rest, by a torque about a principal axis and by a force off the centre of mass.
 TEST(RealEngines, TakeTorquesAndForces) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
@@ -153,7 +153,7 @@ TEST(RealEngines, TakeTorquesAndForces) {
     }
 }
 
-// A pendulum of small swings about a ball joint, for a period.
+// Small oscillations of a pendulum about a spherical joint, for one period.
 TEST(RealEngines, SwingAtAPivot) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {
@@ -173,7 +173,7 @@ TEST(RealEngines, SwingAtAPivot) {
     }
 }
 
-// A ball dropped on a plane that gives all back, once.
+// A sphere dropped on a plane with restitution 1, one bounce.
 TEST(RealEngines, BounceFromAPlane) {
     SKIP_WITHOUT_ENGINES();
     Scene scene = find_scene("bouncing_ball");
@@ -191,7 +191,7 @@ TEST(RealEngines, BounceFromAPlane) {
     }
 }
 
-// The body that is made is the one asked for, and the same question has the same answer, from another process too.
+// The engine's body is the requested one, and repeating a request gives the same answer, also in another process.
 TEST(RealEngines, HaveTheBodyAskedForAndRepeat) {
     SKIP_WITHOUT_ENGINES();
     const auto list = std::filesystem::path(program_path()).parent_path() / "engines" / "engines.json";
@@ -213,7 +213,7 @@ TEST(RealEngines, HaveTheBodyAskedForAndRepeat) {
     }
 }
 
-// A driver refuses what it does not know, and lives on.
+// A driver refuses what it does not support and continues to work.
 TEST(RealEngines, RefuseAndLiveOn) {
     SKIP_WITHOUT_ENGINES();
     for (const EngineMethod& engine : engines_here()) {

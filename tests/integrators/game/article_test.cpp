@@ -1,4 +1,4 @@
-// The article's update: against the article's own code written out, against the motion it should give, and its slips.
+// The article's update: compared with the article's code, with the exact motion, and with its known errors.
 #include <gtest/gtest.h>
 
 #include "integrators/game/game_scenes.h"
@@ -65,7 +65,7 @@ TEST(ArticleAsWritten, IsTheListing) {
         body.position = body.position + h * body.linear_velocity;
     }
     const Sample end = with_step(scene, "article_as_written", h).samples.back();
-    // the same operations but for the grouping of a few products: some ulp a step
+    // the same operations except for the grouping of a few products: a few ulp per step
     EXPECT_LT(attitude_error(end.q, body.orientation), 1e-13);
     EXPECT_LT(distance(rotate(end.q, end.angular_velocity_B), body.angular_velocity), 1e-13);
     EXPECT_LT(distance(end.position_W, body.position + rotate(body.orientation, body.center_of_mass)), 1e-13);
@@ -73,26 +73,26 @@ TEST(ArticleAsWritten, IsTheListing) {
 }
 
 TEST(ArticleAsWritten, DoesNotTurnTheCentreOfMassIntoTheWorld) {
-    // a sphere, so that no internal torque hides it; turned half about z, its centre of mass at (1, 0, 0) in the body
+    // a sphere, which has no gyroscopic torque, rotated by pi about z, with its centre of mass at (1, 0, 0) in the body
     Scene scene;
     scene.name = "slip", scene.duration = 1e-3;
     scene.body.center_of_mass = {1, 0, 0};
     scene.initial.orientation = {0, 0, 0, 1};
-    // through the centre of mass, at the world's origin: no torque in truth
+    // a force through the centre of mass, at the world's origin: the exact torque is zero
     scene.loads = {Force{{0, 1, 0}, Frame::world, {1, 0, 0}, Frame::body, {}}};
     const Sample mended = with_step(scene, "article_mended", 1e-3).samples.back();
     EXPECT_LT(distance(mended.angular_velocity_B, {}), 1e-18);
-    // as written the body's origin is at (1, 0, 0) and x_com at (2, 0, 0): r = (-2, 0, 0), torque -2 z for h
+    // as printed, the body's origin is at (1, 0, 0) and x_com at (2, 0, 0): r = (-2, 0, 0), a torque of -2 z for h
     const Sample written = with_step(scene, "article_as_written", 1e-3).samples.back();
     EXPECT_NEAR(written.angular_velocity_B[2], -2e-3, 1e-15);
-    // each slip alone: a ball has no internal torque, so that the offset is all
+    // each error alone: a sphere has no gyroscopic torque, so only the offset matters
     EXPECT_EQ(with_step(scene, "article_offset_as_written", 1e-3).samples.back().angular_velocity_B,
               written.angular_velocity_B);
     EXPECT_LT(distance(with_step(scene, "article_sign_as_written", 1e-3).samples.back().angular_velocity_B, {}), 1e-18);
 }
 
 TEST(ArticleAsWritten, IsTheSumOfTwoSlips) {
-    // without a force at a point the sign is all; with the centre of mass at the origin too
+    // without a force at a point, or with the centre of mass at the origin, only the sign matters
     Scene centred = pulled(3);
     centred.body.center_of_mass = {};
     for (const Scene& scene : {free_body(3), centred}) {
@@ -101,7 +101,7 @@ TEST(ArticleAsWritten, IsTheSumOfTwoSlips) {
         EXPECT_EQ(with_step(scene, "article_offset_as_written", 1e-3).samples.back().q,
                   with_step(scene, "article_mended", 1e-3).samples.back().q);
     }
-    // both at once: each alone is elsewhere
+    // with both, each single error gives another motion
     const Scene both = pulled(3);
     const Quaternion<double> mended = with_step(both, "article_mended", 1e-3).samples.back().q;
     for (const char* name : {"article_as_written", "article_offset_as_written", "article_sign_as_written"})
@@ -115,7 +115,7 @@ TEST(ArticleBodyFrame, IsTheMendedUpdateButForRounding) {
         ASSERT_EQ(world.status, Status::ok) << world.message;
         ASSERT_EQ(body.samples.size(), 11u);
         for (int i = 0; i <= 10; ++i) {
-            // 3000 steps of a few ulp each, on motions that do not separate fast
+            // 3000 steps of a few ulp each, on motions without fast divergence
             EXPECT_LT(attitude_error(body.samples[i].q, world.samples[i].q), 1e-11) << scene.name;
             EXPECT_LT(distance(body.samples[i].angular_velocity_B, world.samples[i].angular_velocity_B), 1e-10);
             EXPECT_LT(distance(body.samples[i].position_W, world.samples[i].position_W), 1e-11);
@@ -124,7 +124,7 @@ TEST(ArticleBodyFrame, IsTheMendedUpdateButForRounding) {
     }
 }
 
-/// Every load, windows and impulses, with order 1 in every part of the state.
+/// Under every load, with windows and impulses, all parts of the state converge with order 1.
 TEST(ArticleMended, ConvergesToTheMotionUnderEveryLoad) {
     const Scene scene = everything(2);
     const Sample truth = with_tolerance(scene, "odeint_fehlberg78", 1e-13).samples.back();
@@ -142,7 +142,7 @@ TEST(ArticleMended, ConvergesToTheMotionUnderEveryLoad) {
     }
 }
 
-/// A user's torque is told the body's state, and a held body feels forces and drag at its centre of mass.
+/// A user-defined torque receives the body's state, and a pivoted body takes forces and drag at its centre of mass.
 TEST(ArticleMended, ConvergesOnAHeldBodyWithDragAndAUsersTorque) {
     Scene scene = heavy_top(1);
     scene.loads.push_back(Drag{{0.1, 0.2, 0.3}, 0.5, {}});
@@ -161,7 +161,7 @@ TEST(ArticleMended, ConvergesOnAHeldBodyWithDragAndAUsersTorque) {
 
 TEST(Article, KeepsTheLengthOfTheQuaternionByItself) {
     const Trajectory trajectory = with_step(free_body(100), "article_mended", 1e-3);
-    // each product of unit quaternions is off by an ulp or so: a random walk of 1e5 steps, 1e5 ulp if all one way
+    // each product of unit quaternions has an error of about one ulp: at most 1e5 ulp after 1e5 steps
     EXPECT_LT(std::abs(squared_norm(trajectory.samples.back().q) - 1), 1e5 * 4.4e-16);
 }
 

@@ -1,4 +1,4 @@
-// The course's rigid body: its listing written out, the motion it converges to, what it keeps.
+// The rigid body of the course by Baraff and Witkin: compared with its listing, convergence, invariants.
 #include <gtest/gtest.h>
 
 #include "integrators/game/game_scenes.h"
@@ -9,8 +9,8 @@ namespace {
 
 using namespace polhode::testing;
 
-/// The course's struct and ddt, by explicit steps: Iinv = R Ibodyinv R^T, omega = Iinv L, v = P / mass, and the matrix
-/// of the normalised quaternion.
+/// The course's struct and ddt with explicit steps: Iinv = R Ibodyinv R^T, omega = Iinv L, v = P / mass, and the
+/// matrix of the normalised quaternion.
 TEST(BaraffWitkinEuler, IsTheListing) {
     const Scene scene = pulled(1);
     Vector3<double> x = scene.initial.position_W, P = scene.body.mass * scene.initial.velocity_W;
@@ -56,7 +56,7 @@ TEST(BaraffWitkin, ConvergesUnderEveryLoad) {
     expect_convergence(held(1), "baraff_witkin_rk4", 1e-2, 4, 1e-4);
 }
 
-/// A ball turning about z: each explicit step lengthens q by sqrt(1 + h^2 w^2 / 4), and turns it by 2 atan(h w / 2).
+/// A sphere rotating about z: each explicit step scales |q| by sqrt(1 + h^2 w^2 / 4) and rotates q by 2 atan(h w / 2).
 TEST(BaraffWitkinEuler, LengthensTheQuaternionAsItsStepSays) {
     Scene scene;
     scene.name = "ball", scene.duration = 10;

@@ -1,5 +1,4 @@
-// The further updates of engines: published figures, the equation that each step solves, what it keeps, and how it
-// converges.
+// Further engine updates: published figures, the equation that each step solves, invariants and convergence.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,8 +32,8 @@ Sample end_of(const Scene& scene, const char* method, double h) {
     return trajectory.samples.empty() ? Sample{} : trajectory.samples.back();
 }
 
-/// MuJoCo's test engine_forward_test.cc: E/E0 after 5 s at h = 0.01 is 0.93 by implicitfast of 3.11 and later; 3.7 to
-/// 3.10 kept it by the midpoint rule, and for keeping it the manual names RK4.
+/// MuJoCo's test engine_forward_test.cc: E/E0 after 5 s at h = 0.01 s is 0.93 with implicitfast of version 3.11 and
+/// later. Versions 3.7 to 3.10 conserved it by the midpoint rule, and the manual recommends RK4 for conservation.
 TEST(EngineUpdates, HaveTheEnergiesOfMuJoCosOwnTest) {
     const Scene scene = find_scene("mujoco_box");
     const auto ratio = [&](const char* method) {
@@ -48,7 +47,7 @@ TEST(EngineUpdates, HaveTheEnergiesOfMuJoCosOwnTest) {
     EXPECT_NEAR(ratio("damped_implicit"), 0.926, 5e-4);
 }
 
-/// One step of a free body, by the method's own equations in the body's axes.
+/// One step of a free body satisfies the method's equations in body axes.
 TEST(EngineUpdates, StepsSolveTheirEquations) {
     const double h = 0.125;
     const Scene scene = free_body(h);
@@ -57,17 +56,17 @@ TEST(EngineUpdates, StepsSolveTheirEquations) {
     // I (w - w0) + h m x I m = 0 at m = (w + w0)/2
     const Vector3<double> w1 = end_of(scene, "midpoint_gyroscopic", h).angular_velocity_B, mean = 0.5 * (w0 + w1);
     EXPECT_LT(norm(I * (w1 - w0) + h * cross(mean, I * mean)), 1e-14);
-    // (I - h skew(I w0)) w = I w0, and the energy that it takes from a free body
+    // (I - h skew(I w0)) w = I w0, and the energy that this takes from a free body
     const Sample linear = end_of(scene, "gyroscopic_linearly_implicit", h);
     const Vector3<double> wl = linear.angular_velocity_B, change = wl - w0;
     EXPECT_LT(norm(I * change - h * cross(L0, wl)), 1e-14);
     EXPECT_NEAR(dot(w0, L0) - dot(wl, I * wl), dot(change, I * change), 1e-14);
     EXPECT_GT(norm(change), 0.1);
-    // from the identity: L = I w0 turns the body by h w0, and stays
+    // from the identity, L = I w0 rotates the body by h w0, and L stays constant
     const Sample turned = end_of(scene, "momentum_exponential_map", h);
     EXPECT_LT(attitude_error(turned.q, quaternion_from_rotation_vector(h * w0)), 1e-15);
     EXPECT_LT(distance(turned.angular_velocity_B, inverse(I) * rotate_back(turned.q, L0)), 1e-15);
-    // q has turned by 2 atan(h |w| / 2) about w = w0 - h I^-1 (w0 x I w0), and w is told as 2 sin(that / 2) / h
+    // q rotates by 2 atan(h |w| / 2) about w = w0 - h I^-1 (w0 x I w0), and the reported |w| is 2 sin(half of it) / h
     const Vector3<double> w = w0 + h * (inverse(I) * cross(L0, w0));
     const double angle = 2 * std::atan(h * norm(w) / 2);
     const Sample moved = end_of(scene, "xpbd_rigid", h);
@@ -75,7 +74,7 @@ TEST(EngineUpdates, StepsSolveTheirEquations) {
     EXPECT_LT(distance(moved.angular_velocity_B, (2 * std::sin(angle / 2) / h / norm(w)) * w), 1e-14);
 }
 
-/// mj_RungeKutta as its source has it: the sums over the whole tableau, quaternions by mju_quatIntegrate.
+/// mj_RungeKutta as in MuJoCo's source: sums over the whole tableau, quaternions by mju_quatIntegrate.
 TEST(MujocoRk4, IsTheListing) {
     const double h = 0.125;
     const Scene scene = free_body(h);
@@ -94,7 +93,7 @@ TEST(MujocoRk4, IsTheListing) {
     EXPECT_LT(attitude_error(end.q, quaternion_from_rotation_vector(h * dX)), 1e-15);
 }
 
-/// The attitude has order 2, and what does not ask for it, w and the energy of a free body, order 4.
+/// The attitude has order 2. On a free body w and the energy, which do not depend on the attitude, have order 4.
 TEST(MujocoRk4, HasOrderTwoInAttitudeAndFourInTheRate) {
     const Scene scene = free_body(3);
     const Sample truth = with_tolerance(scene, "odeint_fehlberg78", 1e-13).samples.back();
@@ -105,7 +104,7 @@ TEST(MujocoRk4, HasOrderTwoInAttitudeAndFourInTheRate) {
     EXPECT_LT(fine[1], 1e-8);
 }
 
-/// Under loads that ask for the attitude all else has order 2 as well.
+/// Under loads that depend on the attitude everything has order 2.
 TEST(MujocoRk4, ConvergesWithOrderTwoUnderEveryLoad) {
     expect_convergence(everything(2), "mujoco_rk4", 1e-2, 2, 1e-3);
     expect_convergence(held(1), "mujoco_rk4", 2e-3, 2, 1e-3);
@@ -123,7 +122,7 @@ TEST(EngineUpdates, ConvergeWithOrderOneOnAHeldBody) {
         expect_convergence(held(1), method, 1e-4, 1, 0.05);
 }
 
-/// The energy and |L| of a free body, whatever the step; the vector L turns.
+/// The energy and |L| of a free body are conserved for any step; the direction of L changes.
 TEST(MidpointGyroscopic, KeepsTheEnergyAndTheLengthOfTheMomentum) {
     for (const double h : {0.01, 0.5}) {
         const Scene scene = free_body(2000 * h);
@@ -139,7 +138,7 @@ TEST(MidpointGyroscopic, KeepsTheEnergyAndTheLengthOfTheMomentum) {
     }
 }
 
-/// L in world axes, its direction too; under a torque it is what the torque gave.
+/// L in world axes is conserved, including its direction; under a torque it changes by the exact impulse.
 TEST(MomentumExponentialMap, KeepsTheMomentum) {
     Scene scene = free_body(1000);
     for (const double h : {0.01, 0.5})
@@ -152,7 +151,7 @@ TEST(MomentumExponentialMap, KeepsTheMomentum) {
     EXPECT_LT(distance(momentum_of(scene, end), Vector3<double>(1, 2, 3) + 8.0 * torque), 1e-13);
 }
 
-/// Without drag it is the implicit gyroscopic update, but for the order in which numbers are added.
+/// Without drag it equals the implicit gyroscopic update up to rounding.
 TEST(DampedImplicit, IsTheImplicitGyroscopicUpdateWithoutDrag) {
     const Scene scene = free_body(10);
     const Sample damped = end_of(scene, "damped_implicit", 0.01), plain = end_of(scene, "gyroscopic_implicit", 0.01);
@@ -177,7 +176,7 @@ TEST(DampedImplicit, TakesDragAndTheGyroscopicTermInOneSolve) {
     EXPECT_LT(distance(end.position_W, h * end.velocity_W), 1e-14);
 }
 
-/// Drag of rates 500 and 1000 /s at h = 0.01: the explicit steps blow up.
+/// Drag with rates of 500 and 1000 /s at h = 0.01 s, where explicit steps diverge.
 TEST(DampedImplicit, StandsStiffDrag) {
     Scene scene = free_body(10);
     scene.initial.velocity_W = {1, 0, 0};
@@ -188,8 +187,8 @@ TEST(DampedImplicit, StandsStiffDrag) {
     EXPECT_EQ(with_step(scene, "gyroscopic_implicit", 0.01).status, Status::diverged);
 }
 
-/// The body's point at the pivot stays at the world's origin, but for a part of h^2 that one solve of the constraint
-/// leaves: for a heavy top and for a body held off its origin.
+/// The pivot stays at the world's origin up to O(h^2), the error of one solve of the constraint: a heavy top, and a
+/// body held at a point other than its origin.
 TEST(XpbdRigid, HoldsThePivot) {
     for (const Scene& scene : {heavy_top(1), held(1)}) {
         const Vector3<double> arm = *scene.pivot - scene.body.center_of_mass;
@@ -207,7 +206,7 @@ TEST(XpbdRigid, HoldsThePivot) {
     }
 }
 
-/// What w is told as falls short of what the body was turned with by a part (h |w|)^2 / 8, for all of a ball's steps.
+/// The reported w is smaller than the applied rotation rate by the relative amount (h |w|)^2 / 8 at every step.
 TEST(XpbdRigid, TakesAPartOfTheRateAway) {
     Scene ball;
     ball.name = "ball", ball.duration = 1;
@@ -218,8 +217,9 @@ TEST(XpbdRigid, TakesAPartOfTheRateAway) {
     }
 }
 
-/// An event that rounding has put beside the end of a step leaves 10^-17 s of it, over which no velocity can be told
-/// from places, and no pivot put right: at 0.3 and 0.7 s, 0.1 s a step; and events that leave somewhat more.
+/// Rounding can place an event next to the end of a step, so that 10^-17 s of the step remain: here at 0.3 and 0.7 s
+/// with 0.1 s steps. Over this time velocities cannot be computed from positions, nor the pivot corrected. Some
+/// events leave more time.
 TEST(XpbdRigid, KeepsItsVelocitiesOverWhatEventsLeaveOfAStep) {
     for (const char* method : {"xpbd_rigid", "xpbd_rigid_float32"})
         for (const double h : {0.1, 0.001})
@@ -232,7 +232,7 @@ TEST(XpbdRigid, KeepsItsVelocitiesOverWhatEventsLeaveOfAStep) {
                 const double rounding = std::string_view(method).ends_with("float32") ? 0.01 : 1e-10;
                 EXPECT_LT(distance(cut.velocity_W, scene.initial.velocity_W), rounding) << method << h << ' ' << begin;
                 EXPECT_LT(distance(cut.position_W, plain.position_W), rounding) << method << h << ' ' << begin;
-                // that much of a step does not lose its part of w, and is turned as a step of its own
+                // a short remainder keeps its part of w and rotates as a step by itself
                 EXPECT_LT(distance(cut.angular_velocity_B, plain.angular_velocity_B), rounding + h * h)
                     << method << h << ' ' << begin;
             }
@@ -247,8 +247,8 @@ TEST(XpbdRigid, KeepsItsVelocitiesOverWhatEventsLeaveOfAStep) {
     }
 }
 
-/// By n steps of 0.01 s: apart are the two by their rounding, some 2^-24 a step, whose part in a rate goes on with the
-/// motion; where rates are differences over h by n times as much.
+/// The float32 variants follow the binary64 ones over n steps of 0.01 s. The difference is about 2^-24 per step and
+/// acts on through the rates; it is n times larger where rates are differences divided by h.
 TEST(EngineUpdates, HaveTwinsInBinary32ThatFollowThem) {
     for (const Scene& scene : {everything(2), held(1)})
         for (const char* name : engine_updates) {

@@ -1,4 +1,4 @@
-// Euler angles as state: the motion away from gimbal lock, and what happens near it.
+// Euler angles as state: the motion away from gimbal lock and near it.
 #include "integrators/game/euler_angles.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ using namespace polhode::testing;
 
 constexpr double pi = std::numbers::pi;
 
-/// A ball turning at 1 rad/s about its y axis, which is tilted by `distance` out of the horizontal: its x axis rises to
-/// 90 degrees less that distance at t = pi/2, of pi.
+/// A sphere rotating at 1 rad/s about its y axis, which is tilted by `distance` out of the horizontal plane. Its x
+/// axis rises to 90 degrees minus this distance at t = pi/2; the duration is pi.
 Scene passing(double distance) {
     Scene scene;
     scene.name = "passing", scene.duration = pi;
@@ -44,7 +44,7 @@ TEST(EulerAnglesCvode, KeepToTheToleranceAwayFromLock) {
     }
 }
 
-/// Roll and yaw turn by half a turn within a time of some d: CVODE follows with steps that shrink like d, and arrives.
+/// Roll and yaw change by pi within a time of about d: CVODE follows with steps proportional to d and succeeds.
 TEST(EulerAnglesCvode, PassLockWithStepsLikeTheDistance) {
     for (const double d : {1e-2, 1e-4, 1e-6}) {
         LockPassage passage;
@@ -59,7 +59,7 @@ TEST(EulerAnglesCvode, PassLockWithStepsLikeTheDistance) {
         EXPECT_GT(passage.smallest_step, 1e-3 * d);
         EXPECT_LT(attitude_error(trajectory.samples.back().q, passed(d)), 1e-5) << d;
 
-        // the same motion in quaternions does not notice
+        // quaternions need no short steps for the same motion
         LockPassage none;
         const Trajectory quaternion = solve_quaternion_cvode(pose(passing(d), Formulation::full), settings, &none);
         ASSERT_EQ(quaternion.status, Status::ok) << quaternion.message;
@@ -68,22 +68,22 @@ TEST(EulerAnglesCvode, PassLockWithStepsLikeTheDistance) {
     }
 }
 
-/// Fixed steps much shorter than the passage follow it; of longer ones the first that would turn an angle by more than
-/// half a turn ends the run by name.
+/// Fixed steps much shorter than the passage follow it. Longer steps end with a failure at the first step that would
+/// change an angle by more than pi.
 TEST(EulerAngles, FailByNameWhereAStepIsTooLongForTheLock) {
     const double h = pi / 2e4;
     const Trajectory far = with_step(passing(0.1), "euler_angles", h);
     ASSERT_EQ(far.status, Status::ok) << far.message;
     EXPECT_LT(attitude_error(far.samples.back().q, passed(0.1)), 0.01);
-    // at d = h/100 the pitch comes within h of a right angle, where roll turns by some 100 in a step
+    // at d = h/100 the pitch comes within h of a right angle, where roll changes by about 100 rad per step
     const Trajectory near = with_step(passing(h / 100), "euler_angles", h);
     EXPECT_EQ(near.status, Status::failed);
     EXPECT_NE(near.message.find("from gimbal lock"), std::string::npos) << near.message;
 }
 
-/// At the lock itself the rates do not exist: both say so, soon.
+/// At gimbal lock the rates do not exist: both methods fail early.
 TEST(EulerAngles, StartingInLockIsANamedFailure) {
-    const Scene scene = everything(1);  // pitch 90 degrees
+    const Scene scene = everything(1);  // pitch of 90 degrees
     const Trajectory fixed = with_step(scene, "euler_angles", 1e-3);
     EXPECT_EQ(fixed.status, Status::failed);
     EXPECT_NE(fixed.message.find("from gimbal lock"), std::string::npos) << fixed.message;

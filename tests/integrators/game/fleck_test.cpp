@@ -1,4 +1,4 @@
-// The slides' updates: against the slides' own step written out, against the motion, and what becomes of A^T A = 1.
+// Updates from the slides: compared with the slides' step, with the exact motion, and the drift of A^T A = 1.
 #include <gtest/gtest.h>
 
 #include "body/orientation.h"
@@ -14,7 +14,7 @@ using namespace polhode::testing;
 constexpr std::array<const char*, 5> all{"fleck_matrix", "fleck_matrix_drifting", "fleck_quaternion",
                                          "accumulated_vertices", "fleck_resummed_inertia"};
 
-/// The slides line by line, with the tensor turned into the world and inverted there.
+/// The slides' code line by line, with the tensor rotated to world axes and inverted there.
 TEST(FleckMatrix, IsTheSlidesStep) {
     const Scene scene = pulled(1);
     Matrix3<double> A = rotation_matrix(scene.initial.orientation);
@@ -44,14 +44,14 @@ TEST(FleckMatrix, IsTheSlidesStep) {
         w = inverse(A * scene.body.inertia_B * transposed(A)) * L;
     }
     const Sample end = with_step(scene, "fleck_matrix", h).samples.back();
-    // some ulp a step
+    // a few ulp per step
     EXPECT_LT(attitude_error(end.q, quaternion_from_matrix(A)), 1e-13);
     EXPECT_LT(distance(rotate(end.q, end.angular_velocity_B), w), 1e-13);
     EXPECT_LT(distance(end.position_W, x), 1e-13);
     EXPECT_LT(distance(end.velocity_W, v), 1e-13);
 }
 
-/// One step of the quaternion's update: q + (h/2) (0, w) q, to length 1.
+/// One step of the quaternion update: q + (h/2) (0, w) q, normalised.
 TEST(FleckQuaternion, TurnsByTheFirstOrderUpdate) {
     Scene scene = free_body(0.125);
     scene.initial.orientation = {0.8, 0.6, 0, 0};
@@ -71,8 +71,8 @@ TEST(Fleck, ConvergesWithOrderOneOnAHeldBody) {
     for (const char* method : all) expect_convergence(held(1), method, 1e-4, 1, 0.05);
 }
 
-/// A spinning ball keeps its w, and every step stretches A across it by sqrt(1 + h^2 w^2): A^T A - 1 is
-/// (1 + h^2 w^2)^n - 1 in a plane, sqrt 2 of that in the Frobenius norm.
+/// A rotating sphere keeps its w. Every step stretches A perpendicular to w by sqrt(1 + h^2 w^2): A^T A - 1 becomes
+/// (1 + h^2 w^2)^n - 1 in this plane, and sqrt 2 times that in the Frobenius norm.
 TEST(FleckMatrixDrifting, DriftsAsItsStepSays) {
     Scene scene;
     scene.name = "ball", scene.duration = 10;
@@ -86,7 +86,7 @@ TEST(FleckMatrixDrifting, DriftsAsItsStepSays) {
         const double expected = std::sqrt(2.0) * (std::pow(1 + 9 * h * h, 1000 * k) - 1);
         EXPECT_NEAR(trajectory.orthogonality_defect[static_cast<std::size_t>(k)], expected, 1e-9 * expected);
     }
-    // what is reported is a rotation all the same: turned by atan(h w) a step
+    // the reported attitude is still a rotation: atan(h w) per step
     const Sample& end = trajectory.samples.back();
     const double angle = 10000 * std::atan(3 * h), s = std::sin(angle / 2) / 3;
     const Quaternion<double> turned{std::cos(angle / 2), s, -2 * s, 2 * s};
@@ -103,8 +103,7 @@ TEST(FleckMatrix, StaysOrthogonalToRounding) {
     }
 }
 
-/// The defect of the drifting matrix grows with every sample and is of order 1 in h; on a body that is not a ball it
-/// also feeds back on w.
+/// The defect of the drifting matrix increases with every sample and has order 1 in h. Except on a sphere it affects w.
 TEST(FleckMatrixDrifting, DriftsByOrderOneOnATumblingBody) {
     const Trajectory coarse = with_step(free_body(10), "fleck_matrix_drifting", 1e-3, 20),
                      fine = with_step(free_body(10), "fleck_matrix_drifting", 5e-4, 20);
@@ -114,12 +113,12 @@ TEST(FleckMatrixDrifting, DriftsByOrderOneOnATumblingBody) {
     EXPECT_NEAR(std::log2(coarse.orthogonality_defect[20] / fine.orthogonality_defect[20]), 1, 0.1);
 }
 
-/// Rounding alone moves the vertices off a rotation, more with every step.
+/// Rounding alone deforms the set of vertices, increasingly with every step.
 TEST(AccumulatedVertices, DriftByRounding) {
     const long n = optimised_build ? 200000 : 20000;
     const Trajectory trajectory = with_step(free_body(1e-3 * static_cast<double>(n)), "accumulated_vertices", 1e-3, 2);
     ASSERT_EQ(trajectory.orthogonality_defect.size(), 3U);
-    // more than the few ulp that one orthogonal matrix is off, less than two roundings a step all one way
+    // more than the few ulp of one orthogonal matrix, less than two roundings per step in one direction
     EXPECT_GT(trajectory.orthogonality_defect[2], 1e-14);
     EXPECT_LT(trajectory.orthogonality_defect[2], 4.4e-16 * 3 * static_cast<double>(n));
 }
@@ -140,7 +139,7 @@ TEST(FleckResummedInertia, IsTheMatrixUpdateButForRounding) {
     }
 }
 
-/// L is a variable of its own: no step touches it where no torque acts.
+/// L is a state variable and does not change without a torque.
 TEST(Fleck, KeepsTheMomentumOfAFreeBody) {
     const Scene scene = free_body(10);
     for (const char* method : {"fleck_matrix", "fleck_quaternion", "accumulated_vertices"})
@@ -148,7 +147,7 @@ TEST(Fleck, KeepsTheMomentumOfAFreeBody) {
             EXPECT_LT(distance(rotate(s.q, scene.body.inertia_B * s.angular_velocity_B), {1, 2, 3}), 1e-14) << method;
 }
 
-/// What has blown up says so.
+/// Divergence is reported.
 TEST(FleckMatrixDrifting, DivergesByName) {
     const Trajectory trajectory = with_step(free_body(1000), "fleck_matrix_drifting", 0.1, 10);
     EXPECT_EQ(trajectory.status, Status::diverged);

@@ -1,4 +1,4 @@
-// Scenes that the tests of the game updates share.
+// Scenes shared by the tests of the game updates.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace polhode::testing {
 
 inline double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
 
-/// Two forces, one at a body point and one at a world point, on a body with an offset centre of mass.
+/// Two forces, at a body point and at a world point, on a body with an offset centre of mass.
 inline Scene pulled(double duration) {
     Scene scene = everything(duration);
     scene.loads = {Force{{0.4, 0.3, -0.2}, Frame::world, {0.5, 0.1, -0.3}, Frame::body, {}},
@@ -19,15 +19,14 @@ inline Scene pulled(double duration) {
     return scene;
 }
 
-/// Every load of a scene file; the pitch of the start is 10 degrees.
+/// Every load of a scene file, with an initial pitch of 10 degrees.
 inline Scene everything_level(double duration) {
     Scene scene = everything(duration);
     scene.initial.orientation = {0.9, 0.3, 0.25, 0.19364916731037085};
     return scene;
 }
 
-/// A body held at a point of its own that is not its origin, with gravity, drag, a force, an impulse and a user's
-/// torque.
+/// A body with a pivot other than its origin, with gravity, drag, a force, an impulse and a user-defined torque.
 inline Scene held(double duration) {
     Scene scene = heavy_top(duration);
     scene.initial.orientation = {0.8, 0.36, 0, 0.48};
@@ -41,7 +40,7 @@ inline Scene held(double duration) {
     return scene;
 }
 
-/// The distances of attitude, w, p, v at the end from the truth.
+/// The errors of attitude, w, p and v at the end.
 inline std::array<double, 4> end_errors(const Scene& scene, const char* method, double step, const Sample& truth) {
     const Trajectory trajectory = with_step(scene, method, step);
     EXPECT_EQ(trajectory.status, Status::ok) << method << ": " << trajectory.message;
@@ -51,7 +50,7 @@ inline std::array<double, 4> end_errors(const Scene& scene, const char* method, 
             distance(end.position_W, truth.position_W), distance(end.velocity_W, truth.velocity_W)};
 }
 
-/// The errors shrink by 2^order as the step is halved, in every part of the state.
+/// Checks that all parts of the error shrink by 2^order when the step is halved.
 inline void expect_convergence(const Scene& scene, const char* method, double step, int order, double most) {
     const Sample truth = with_tolerance(scene, "odeint_fehlberg78", 1e-13).samples.back();
     const std::array<double, 4> coarse = end_errors(scene, method, step, truth),

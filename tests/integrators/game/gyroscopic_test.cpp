@@ -1,4 +1,4 @@
-// The gyroscopic updates of game engines: published figures, the equation that each step solves, what it keeps.
+// The gyroscopic updates of game engines: published figures, the equation that each step solves, and invariants.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,8 +26,8 @@ Vector3<double> momentum_W(const Scene& scene, const Sample& s) {
 }
 double length(const Vector3<double>& v) { return std::sqrt(dot(v, v)); }
 
-/// MuJoCo's test engine_forward_test.cc: E/E0 after 5 s at h = 0.01 is 1.09 by its Euler integrator, 0.93 by
-/// implicitfast; of the plain steps 1.087 and 0.926.
+/// MuJoCo's test engine_forward_test.cc: E/E0 after 5 s at h = 0.01 s is 1.09 with its Euler integrator and 0.93 with
+/// implicitfast; with the simple steps here 1.087 and 0.926.
 TEST(Gyroscopic, GainsAndLosesEnergyAsInMuJoCosOwnTest) {
     const Scene scene = find_scene("mujoco_box");
     const auto ratio = [&](const char* method) {
@@ -41,8 +41,8 @@ TEST(Gyroscopic, GainsAndLosesEnergyAsInMuJoCosOwnTest) {
     EXPECT_LT(ratio("gyroscopic_implicit_float32"), 0.93);
 }
 
-/// The boxes benchmark of Gazebo (S. Peters & J. Hsu 2014): worst |dL|/|L| of 10 s at h = 1e-3 is 1.31 % by ODE, 1.25 %
-/// by Bullet; of the plain steps 1.307 % and 1.245 %.
+/// Gazebo's boxes benchmark (S. Peters & J. Hsu 2014): the largest |dL|/|L| in 10 s at h = 1e-3 s is 1.31 % with ODE
+/// and 1.25 % with Bullet; with the simple steps here 1.307 % and 1.245 %.
 TEST(Gyroscopic, LosesTheMomentumOfGazebosBox) {
     const Scene scene = find_scene("gazebo_box");
     const auto worst = [&](const char* method) {
@@ -57,7 +57,7 @@ TEST(Gyroscopic, LosesTheMomentumOfGazebosBox) {
     EXPECT_NEAR(worst("gyroscopic_implicit"), 0.01245, 5e-6);
 }
 
-/// One step of a free body, by its own equations in the body's axes.
+/// One step of a free body satisfies the method's equations in body axes.
 TEST(Gyroscopic, StepsSolveTheirEquations) {
     const double h = 0.125;
     const Scene scene = free_body(h);
@@ -68,16 +68,16 @@ TEST(Gyroscopic, StepsSolveTheirEquations) {
     };
     const Vector3<double> by_none = after("gyroscopic_none");
     EXPECT_LT(distance(by_none, w0), 1e-15);
-    // w' - w = -h I^-1 (w x I w), whose energy is E + h^2/2 dw/dt . I dw/dt, as w . (w x I w) = 0
+    // w' - w = -h I^-1 (w x I w); the energy becomes E + h^2/2 dw/dt . I dw/dt, because w . (w x I w) = 0
     const Vector3<double> change = after("gyroscopic_explicit") - w0;
     EXPECT_LT(distance(I * change, h * cross(L0, w0)), 1e-15);
     EXPECT_NEAR(dot(w0 + change, I * (w0 + change)), dot(w0, L0) + dot(change, I * change), 1e-14);
-    // f(w) = I (w - w0) + h w x I w is quadratic: after one Newton step by d from w0 it is h d x I d
+    // f(w) = I (w - w0) + h w x I w is quadratic: after one Newton step d from w0 the residual is h d x I d
     const Vector3<double> w1 = after("gyroscopic_implicit"), d = w1 - w0;
     const Vector3<double> residual = I * d + h * cross(w1, I * w1);
     EXPECT_GT(length(residual), 1e-4);
     EXPECT_LT(distance(residual, h * cross(d, I * d)), 1e-15);
-    // L' is along L + h L x w and as long as L
+    // L' is parallel to L + h L x w and has the length of L
     const Vector3<double> L = I * after("gyroscopic_rescaled_momentum"), along = L0 + h * cross(L0, w0);
     EXPECT_NEAR(length(L), length(L0), 1e-15 * 4);
     EXPECT_LT(length(cross(L, along)), 1e-14);
@@ -92,7 +92,7 @@ TEST(Gyroscopic, ConvergesWithOrderOneOnAHeldBody) {
     for (const char* method : convergent) expect_convergence(held(1), method, 1e-4, 1, 0.05);
 }
 
-/// Without the term w stays, and q = exp(t w) in closed form, however long the step; the motion it is not.
+/// Without the gyroscopic term w is constant and q = exp(t w) for any step, which is not the true motion.
 TEST(GyroscopicNone, TurnsAboutAnAxisThatStays) {
     const Scene scene = free_body(10);
     for (const double h : {0.01, 1.0}) {
@@ -104,7 +104,7 @@ TEST(GyroscopicNone, TurnsAboutAnAxisThatStays) {
     EXPECT_GT(attitude_error(with_step(scene, "gyroscopic_none", 1e-3).samples.back().q, truth.q), 0.1);
 }
 
-/// A ball has no gyroscopic term: every update is the same, and converges.
+/// A sphere has no gyroscopic term: all updates agree and converge.
 TEST(GyroscopicNone, IsEveryOtherUpdateOfABall) {
     Scene ball = everything(1);
     ball.body.inertia_B = diagonal(Vector3<double>(2, 2, 2));
@@ -122,13 +122,13 @@ TEST(Gyroscopic, RescalingKeepsTheLengthOfTheMomentumAlone) {
         double turned = 0;
         for (const Sample& s : trajectory.samples) {
             const Vector3<double> L = momentum_W(scene, s);
-            // one rounding of L and one of q a step, all one way
+            // one rounding of L and one of q per step, all in one direction
             EXPECT_NEAR(length(L), length(start), 1e-14 * static_cast<double>(trajectory.steps));
             turned = std::max(turned, distance(L, start) / length(start));
         }
-        EXPECT_GT(turned, optimised_build ? 0.05 : 0.02) << method;  // it goes on turning with time
+        EXPECT_GT(turned, optimised_build ? 0.05 : 0.02) << method;  // the rotation of L increases with time
     }
-    // at last it turns about the middle axis: E = |L|^2 / (2 I_2)
+    // finally the body rotates about the middle axis: E = |L|^2 / (2 I_2)
     const Scene long_run = free_body(20000);
     const Sample end = with_step(long_run, "gyroscopic_rescaled_momentum", 0.1).samples.back();
     EXPECT_NEAR(kinetic(long_run, end), 14.0 / (2 * 2), 0.05);
@@ -141,7 +141,7 @@ TEST(GyroscopicSubstepped, IsFourShorterStepsOfAFreeBody) {
     EXPECT_EQ(parts.angular_velocity_B, steps.angular_velocity_B);
 }
 
-/// A ball at |w| = 3 turns by 2 atan(h |w| / 2) a step.
+/// A sphere with |w| = 3 rad/s rotates by 2 atan(h |w| / 2) per step.
 TEST(FirstOrderQuaternion, TurnsByTheArcTangent) {
     Scene ball;
     ball.name = "ball", ball.duration = 10;
@@ -149,11 +149,11 @@ TEST(FirstOrderQuaternion, TurnsByTheArcTangent) {
     const double h = 0.1, angle = 100 * 2 * std::atan(0.15);
     const Sample end = with_step(ball, "first_order_quaternion", h).samples.back();
     const Quaternion<double> expected = quaternion_from_rotation_vector((angle / 3) * ball.initial.angular_velocity);
-    // w goes to the body's axes and back by a q whose length is off by rounding: some ulp a step, times the angle
+    // w is transformed to body axes and back by a q with a rounded length: a few ulp per step, times the angle
     EXPECT_LT(attitude_error(end.q, expected), 100 * 4 * 0x1p-53 * angle);
 }
 
-/// What gains energy at every step says so in the end.
+/// A method that gains energy at every step finally reports divergence.
 TEST(GyroscopicExplicit, DivergesByName) {
     for (const char* method : {"gyroscopic_explicit", "gyroscopic_explicit_float32"}) {
         const Trajectory trajectory = with_step(free_body(1000), method, 0.5, 100);

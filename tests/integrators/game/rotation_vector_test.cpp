@@ -12,8 +12,8 @@ TEST(RotationVector, ConvergesWithOrderFourUnderEveryLoad) {
     expect_convergence(held(1), "rotation_vector", 1e-2, 4, 1e-4);
 }
 
-/// With w constant the vector goes straight on, and the chart's equation is exact: no error but rounding, at any number
-/// of turns and any step.
+/// With constant w the rotation vector moves on a straight line and its equation is exact: only rounding errors
+/// remain, for any number of rotations and any step.
 TEST(RotationVector, IsExactWhereTheAxisStands) {
     Scene scene;
     scene.name = "ball", scene.duration = 100;
@@ -29,13 +29,13 @@ TEST(RotationVector, IsExactWhereTheAxisStands) {
     }
 }
 
-/// Centred anew, the vector never meets its end at a full turn: the error goes on growing as slowly as before. By the
-/// body's own closed form.
+/// The recentred vector never reaches its singularity at a full rotation, so the error keeps growing slowly. Compared
+/// with the closed form of a symmetric body.
 TEST(RotationVector, PassesManyTurns) {
     const Scene scene = symmetric_body(200);
     const Trajectory trajectory = with_step(scene, "rotation_vector", 0.01, 20);
     ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
-    // 45 turns; order 4 leaves 1e-8 of the angle
+    // 45 rotations; order 4 leaves 1e-8 of the angle
     for (const Sample& s : trajectory.samples) EXPECT_LT(attitude_error(s.q, symmetric_attitude(scene, s.t)), 1e-6);
 }
 

@@ -1,4 +1,4 @@
-// Projection onto what the motion keeps: what it gains, what it leaves, what it hides.
+// Projection onto the invariants of the motion: what it improves, what it leaves unchanged and which errors it hides.
 #include "integrators/geometric/projection.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// A spring about an axis that is none of the body's: energy alone is kept.
+/// A spring about an axis other than a principal axis: only the energy is conserved.
 Scene sprung_body(double duration) {
     Scene scene = free_body(duration);
     scene.name = "sprung body", scene.loads = {Spring{1.3, {0.8, 0.6, 0, 0}, {}}};
@@ -34,8 +34,8 @@ Scene thrown_body(double duration) {
     return scene;
 }
 
-/// The largest relative error of each conserved quantity over the samples, by motion/conserved.h, which shares nothing
-/// with the projection's polynomials.
+/// The largest relative drift of the conserved quantities over the samples, computed by motion/conserved.h, which is
+/// independent of the projection's polynomials.
 double worst_drift(const Scene& scene, const Trajectory& trajectory) {
     const Problem problem = pose(scene);
     double worst = 0;
@@ -62,7 +62,7 @@ double worst_norm(const Trajectory& trajectory) {
 
 struct Case {
     const char* method;
-    double setting;  ///< a step where above 1e-4, else a tolerance
+    double setting;  ///< a step if above 1e-4, else a tolerance
 };
 class Projected : public ::testing::TestWithParam<Case> {
   protected:
@@ -85,7 +85,7 @@ TEST_P(Projected, KeepsWhatTheMotionKeepsToRoundOff) {
         for (const Formulation formulation : {Formulation::reduced, Formulation::full}) {
             const Trajectory trajectory = run(scene, formulation);
             ASSERT_EQ(trajectory.status, Status::ok) << scene.name << ": " << trajectory.message;
-            // measured 5e-15 at the most: the projection's own 4 ulp in each of up to nine constraints, and as many in
+            // measured at most 5e-15: 4 ulp from the projection in each of up to nine constraints, and as many from
             // the evaluation here, where the potential is a difference of larger numbers
             EXPECT_LT(worst_drift(scene, trajectory), 5e-14) << scene.name;
             EXPECT_LT(worst_norm(trajectory), 4e-15) << scene.name;
@@ -98,7 +98,7 @@ TEST_P(Projected, KeepsTheNormAloneWhereNothingElseIsKept) {
     EXPECT_LT(worst_norm(trajectory), 4e-15);
 }
 
-// Steady rotation: the gradients of energy and momentum are parallel. Of a sphere they always are.
+// In steady rotation the gradients of energy and momentum are parallel; for a sphere they always are.
 TEST_P(Projected, StandsConstraintsThatDependOnEachOther) {
     Scene steady = free_body(10), sphere = free_body(10), nearly = free_body(10), at_rest = free_body(10);
     steady.initial.angular_velocity = {0, 1, 0};
@@ -113,8 +113,9 @@ TEST_P(Projected, StandsConstraintsThatDependOnEachOther) {
     }
 }
 
-// The conserved quantities look perfect; the attitude is off by as much as the step is worth. Measured over T = 100 on
-// I = (1, 2, 3), omega = (1, 1, 1), h = 0.1: attitude 6.0e-4 without and 1.7e-4 with, energy 1.1e-5 and 3e-16.
+// The conserved quantities are accurate to round-off, but the attitude error remains that of the step. Measured over
+// T = 100 s with I = (1, 2, 3), omega = (1, 1, 1), h = 0.1 s: attitude error 6.0e-4 without and 1.7e-4 with
+// projection, energy error 1.1e-5 and 3e-16.
 TEST(Projection, HidesTheErrorAlongTheManifold) {
     const Scene scene = free_body(100);
     const Quaternion<double> truth = with_step(scene, "odeint_fehlberg78", 0.02).samples.back().q;
@@ -129,7 +130,7 @@ TEST(Projection, HidesTheErrorAlongTheManifold) {
     EXPECT_GT(after, 1e-5);
 }
 
-// Nothing of the error estimate is projected: with it CVODE stays at order 1 and takes five to ten times the steps.
+// The error estimate is not projected. A projected estimate keeps CVODE at order 1 with five to ten times the steps.
 TEST(Projection, CostsBdfNoSteps) {
     for (const Scene& scene : {symmetric_body(100), heavy_top(20)}) {
         const Trajectory plain = with_tolerance(scene, "cvode_bdf", 1e-6),
@@ -139,7 +140,7 @@ TEST(Projection, CostsBdfNoSteps) {
     }
 }
 
-// The move from a state off the manifold is across it: at right angles, in units of the scales, to every way along it.
+// The projection moves a state perpendicularly to the manifold, in units of the scales.
 TEST(Projection, GoesToTheNearestPoint) {
     const Problem problem = pose(heavy_top(1));
     using System7 = LoadedRotation;
@@ -152,7 +153,7 @@ TEST(Projection, GoesToTheNearestPoint) {
     std::uniform_real_distribution<double> uniform(-1, 1);
     for (int k = 0; k < 100; ++k) {
         double off[7], on[7];
-        // somewhere on the manifold, far from the start
+        // a state on the manifold, far from the start
         for (int i = 0; i < 7; ++i) on[i] = start[i] + 0.3 * scale[i] * uniform(random);
         if (!projection.project(on)) continue;
         for (int i = 0; i < 7; ++i) off[i] = on[i] + 1e-6 * scale[i] * uniform(random);
@@ -168,7 +169,7 @@ TEST(Projection, GoesToTheNearestPoint) {
             product += (along[i] - on[i]) * (off[i] - on[i]) / (scale[i] * scale[i]);
             length += std::pow((along[i] - on[i]) / scale[i], 2);
         }
-        // the manifold bends by 1e-5 over that way, and the linearisation by 1e-6; times curvatures below 20
+        // over this distance the manifold curves by 1e-5 and the linearisation errs by 1e-6; times curvatures below 20
         EXPECT_LT(std::abs(product), 1e-3 * std::sqrt(length * move)) << k;
     }
 }

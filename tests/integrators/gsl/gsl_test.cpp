@@ -40,7 +40,7 @@ TEST(GslFamily, IsInTheListOfMethods) {
     EXPECT_FALSE(gsl_library_version().empty());
 }
 
-// Also at samples, which lie inside steps. Measured over these tolerances: errors of 1e2 to 1e5 R.
+// The error is proportional to the tolerance R, also at samples inside steps. Measured: 1e2 to 1e5 times R.
 TEST_P(Gsl, FollowsAFreeBodyInProportionToItsTolerance) {
     const Scene scene = testing::free_body(20);
     const Trajectory exact = solve(scene, *find_method("exact"), {});
@@ -172,7 +172,7 @@ TEST_P(ExplicitGsl, LetsAnExceptionOfAUsersTorqueThrough) {
                                   return {};
                               },
                               {}}};
-    // posing runs the torque too
+    // posing evaluates the torque too
     const Problem problem = pose(scene);
     armed = true;
     Settings settings;

@@ -1,4 +1,4 @@
-// The right-hand side on registers against the one right-hand side, and the steps by each instruction set.
+// The vectorised right-hand side against the scalar one, and steps with each instruction set.
 #include "integrators/lanes/rotation_lanes.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ struct RandomRotation {
     RotationState state;
 };
 
-/// A body with some of all torques that have coefficients; `kind` says which.
+/// A body with some of the torques that have coefficients, selected by `kind`.
 RandomRotation random_rotation(std::mt19937_64& random, int kind) {
     std::uniform_real_distribution<double> unit(-1, 1);
     const auto number = [&] { return unit(random) * std::exp(3 * unit(random)); };
@@ -64,7 +64,7 @@ void evaluate(const RotationCoefficients& c, const double* y, double* rate) {
     }
 }
 
-/// All of them without their signs: the sum of the terms' magnitudes, by which rounding is measured.
+/// The coefficients without their signs give the sum of the magnitudes of all terms, the scale of rounding errors.
 RotationCoefficients magnitudes(RotationCoefficients c) {
     for (int lane = 0; lane < 8; ++lane) {
         for (auto* rows : {c.product, c.damping})
@@ -91,7 +91,7 @@ TEST(RotationRate, RestatesTheOneRightHandSide) {
         evaluate(magnitudes(*coefficients), magnitude, scale);
         LoadedRotation::Equations{r.inertia, &r.forcing}.derivative(0, r.state.y, one);
         for (int i = 0; i < 7; ++i) {
-            // the spring's and the world points' coefficients cancel among themselves before they are summed here
+            // the coefficients of the spring and the world points cancel partly before this sum
             const double loads = body % 4 == 3 && i < 3 ? 4 : 1;
             ASSERT_LE(std::abs(rate[i] - one[i]), loads * 4 * 0x1p-53 * scale[i]) << body << ' ' << i;
         }
@@ -102,7 +102,7 @@ TEST(RotationRate, RestatesTheOneRightHandSide) {
 TEST(RotationRate, LeavesOtherTorquesToTheGeneralOne) {
     std::mt19937_64 random(2);
     RandomRotation r = random_rotation(random, 3);
-    r.forcing.pivoted = false;  // the torque of a force at a world point then needs the position
+    r.forcing.pivoted = false;  // the torque of a force at a world point then depends on the position
     EXPECT_FALSE(rotation_coefficients(r.inertia, &r.forcing).has_value());
     r = random_rotation(random, 2);
     r.forcing.user_torques.push_back([](double, const Quaternion<double>&, const Vector3<double>&,
@@ -131,7 +131,7 @@ TEST(RotationSteps, AreTheSameBitsByEveryInstructionSet) {
         for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512}) {
             if (set > widest_instruction_set()) continue;
             for (int row = fewest_columns; row < table_rows; ++row) {
-                if (coefficients->terms == RotationTerms::quadratic) break;  // compiled columns are taken there
+                if (coefficients->terms == RotationTerms::quadratic) break;  // compiled columns are used here
                 midpoint_step(InstructionSet::plain)(*coefficients, allowance, r.state, 0.01, row, plain);
                 midpoint_step(set)(*coefficients, allowance, r.state, 0.01, row, wide);
                 expect_same(plain, wide);

@@ -1,4 +1,4 @@
-// Systems of equations with fewer that count, against Eigen's complete orthogonal decomposition.
+// Consistent singular linear systems against Eigen's complete orthogonal decomposition.
 #include "integrators/maximal/redundancy.h"
 
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 namespace polhode::maximal {
 namespace {
 
-// B B^T of small whole numbers, with a last row of B that makes the first pivot no better than others
+// A = B B^T with a random B of small integers, so that A is positive semidefinite
 struct Semidefinite {
     Dense<double> A;
-    std::vector<double> b;  ///< that A reaches
+    std::vector<double> b;  ///< in the range of A
     Eigen::MatrixXd matrix;
     Eigen::VectorXd right;
     int rank = 0;
@@ -44,7 +44,7 @@ RC_GTEST_PROP(Redundancy, TheShortestSolutionIsThePseudoinverses, ()) {
     RC_PRE(s.rank > 0);
     const std::vector<double> x = shortest_solution(s.A, s.b, s.rank);
     const Eigen::VectorXd expected = s.matrix.completeOrthogonalDecomposition().solve(s.right);
-    // the sum of the principal minors says how well the rank is determined
+    // the pivots depend on principal minors, so the error grows with a power of the condition number
     const Eigen::VectorXd values = s.matrix.selfadjointView<Eigen::Lower>().eigenvalues();
     const double condition = values[n - 1] / values[n - s.rank];
     for (int i = 0; i < n; ++i)
@@ -77,7 +77,7 @@ RC_GTEST_PROP(SparseLdl, SolvesWhatADenseDecompositionSolves, ()) {
                 entries[k].insert(i);
                 A(i, k) = A(k, i) = *rc::gen::inRange(-9, 10);
             }
-    for (int i = 0; i < n; ++i) A(i, i) = 1 + A.row(i).cwiseAbs().sum();  // dominant, so definite
+    for (int i = 0; i < n; ++i) A(i, i) = 1 + A.row(i).cwiseAbs().sum();  // diagonally dominant, so positive definite
     const SparsePattern pattern(entries);
     std::vector<double> values(pattern.entries(), 0), x(n);
     for (int k = 0; k < n; ++k) {

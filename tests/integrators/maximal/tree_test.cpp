@@ -1,5 +1,5 @@
-// The articulated-body recursion (src/motion/tree.h) against the other formulation, maximal coordinates with
-// multipliers, which shares nothing with it: motions, reactions (and so accelerations), impulses.
+// The articulated-body recursion (src/motion/tree.h) against an independent formulation, maximal coordinates with
+// multipliers: motions, reactions (and so accelerations), impulses.
 #include "motion/tree.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 double off(const Vector3<double>& a, const Vector3<double>& b) { return length(Vector3<double>(a - b)); }
 
-/// Every kind of load, on bodies drawn by lot; springs and dampers in every second joint.
+/// Every kind of load on random bodies; springs and dampers in every second joint.
 Scene loaded_tree(unsigned seed, int count, bool free_base) {
     Scene scene = random_tree(seed, count, free_base);
     Dice dice(seed + 1000);
@@ -81,7 +81,7 @@ void expect_alike(const Scene& scene) {
     ASSERT_EQ(one.size(), other.size());
     double largest = 0;
     for (const auto& r : other) largest = std::max({largest, length(r.force_W), length(r.torque_W)});
-    // both lose what the masses' ratios in a tree of a dozen bodies make of 2^-53
+    // both lose accuracy by the mass ratios in a tree of a dozen bodies
     for (std::size_t j = 0; j < one.size(); ++j) {
         EXPECT_LT(off(one[j].force_W, other[j].force_W), 1e-9 * largest) << scene.name << " joint " << j;
         EXPECT_LT(off(one[j].torque_W, other[j].torque_W), 1e-9 * largest) << scene.name << " joint " << j;
@@ -97,7 +97,7 @@ TEST(Tree, MovesAsBodiesHeldByMultipliers) {
         }
 }
 
-/// The tree with some bodies made massless, points or rods; whether its mass matrix is regular.
+/// Makes some bodies of the tree massless, points or rods. Returns whether the mass matrix is regular.
 bool lighten(Scene& scene, unsigned seed) {
     Dice dice(seed + 2000);
     for (NamedBody& named : scene.bodies) {
@@ -167,7 +167,7 @@ TEST(Tree, AcceleratesAPendulumAsTheBookSays) {
     EXPECT_EQ(dy[0], 0);
 }
 
-// Cost and memory are linear: the tape of a chain of spherical joints grows by as much with each link.
+// Cost and memory are linear in the number of bodies: each spherical joint of a chain adds the same number of nodes.
 TEST(Tree, TapeIsLinearInTheBodies) {
     const auto nodes = [](int count) {
         Scene scene = random_tree(3, 1, false);

@@ -1,4 +1,4 @@
-// Sequential impulses, soft steps and XPBD against the motion in joint coordinates, whose equations they do not share.
+// Sequential impulses, soft steps and XPBD against the motion in joint coordinates, whose equations are independent.
 #include <numbers>
 
 #include "integrators/multibody/multibody_cases.h"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace multibody_cases;
 
-// a body that hangs by a rod of 1 m from the world, turning about the rod's end: a loop of one row and no joint
+// a body on a rod of 1 m from the world, rotating about the rod's end: a loop with one equation and no joint
 Scene tethered_body() {
     Scene scene;
     scene.name = "tethered", scene.duration = 1;
@@ -16,7 +16,7 @@ Scene tethered_body() {
     bob.name = "bob";
     bob.body.mass = 2, bob.body.inertia_B = diagonal(Vector3<double>(0.25, 0.375, 0.5));
     bob.initial.position_W = {0.6, 0.25, -0.8};
-    bob.initial.angular_velocity = {0.5, 1, 0.25}, bob.initial.velocity_W = {-0.0625, 0, 0.125};  // its point at rest
+    bob.initial.angular_velocity = {0.5, 1, 0.25}, bob.initial.velocity_W = {-0.0625, 0, 0.125};  // rod end at rest
     scene.bodies = {bob};
     Loop rod;
     rod.name = "rod", rod.type = LoopType::distance;
@@ -26,7 +26,7 @@ Scene tethered_body() {
     return scene;
 }
 
-// a sphere on a ball joint, hanging at rest
+// a sphere hanging at rest on a spherical joint
 Scene hanging_ball() {
     Scene scene;
     scene.name = "hanging", scene.duration = 1;
@@ -44,8 +44,8 @@ Scene hanging_ball() {
 const std::vector<std::string> impulses{"sequential_impulses_10", "sequential_impulses_split_10",
                                         "sequential_impulses_cold_10", "sequential_impulses_block_10"};
 
-// Measured, h = 2e-3 and 1e-3 over 1 s: ball joints with springs 0.95 to 1.05, a rail 0.90 to 1.03, motors on a free
-// base 0.99 to 1.05, a weld 0.91 to 1.02.
+// Measured orders with h = 2e-3 and 1e-3 s over 1 s: spherical joints with springs 0.95 to 1.05, a prismatic joint
+// 0.90 to 1.03, motors on a free base 0.99 to 1.05, a fixed joint 0.91 to 1.02.
 TEST(MaximalMethods, HaveOrderOne) {
     for (const char* name : {"ball_joint_arm", "cart_pole_tilted", "free_flying_robot", "welded_pendulum"}) {
         const Case it(mechanism(name, 1));
@@ -57,8 +57,8 @@ TEST(MaximalMethods, HaveOrderOne) {
     }
 }
 
-// A Cardan shaft: a universal joint and a revolute loop, of whose rows most are redundant. Measured 0.94 and 1.00; by
-// impulses with Baumgarte's term 2.0 and more, for the shafts' axes stand still.
+// A Cardan shaft: a universal joint and a revolute loop with mostly redundant equations. Measured orders: 0.94 and
+// 1.00. Impulses with Baumgarte's term have 2.0 and more, because the axes of the shafts are fixed.
 TEST(MaximalMethods, ConvergeOnAUniversalJointAndALoop) {
     const Case it(mechanism("cardan_shaft", 1));
     for (const char* method : {"sequential_impulses_split_10", "xpbd_joints_10"})
@@ -75,9 +75,9 @@ TEST(MaximalMethods, HoldADistance) {
     EXPECT_LT(it.off("soft_step_4", 1e-3).attitude, 2e-2);
 }
 
-// Each impulse acts on two bodies alike. Rounding alone: 1000 steps of a momentum of 17 kg m/s. Of positions it is
-// 2^-53 |x| m / h = 2e-10 at each of 10^4 substeps, and wanders: measured 1.9e-8. The angular momentum is not kept: the
-// arms of a joint's two points differ by its gap.
+// Each impulse acts equally on two bodies, so only rounding remains: 1000 steps at a momentum of 17 kg m/s. Rounding
+// of positions is 2^-53 |x| m / h = 2e-10 at each of 10^4 substeps and accumulates randomly: measured 1.9e-8. The
+// angular momentum is not conserved, because the arms of a joint's two points differ by its gap.
 TEST(MaximalMethods, KeepLinearMomentum) {
     const Case it(mechanism("free_flying_robot", 1));
     const auto change = [&](const std::string& method) {
@@ -94,8 +94,8 @@ TEST(MaximalMethods, KeepLinearMomentum) {
     EXPECT_NEAR(turning(4e-3) / turning(2e-3), 2, 0.4);
 }
 
-// Nothing moves and no impulse changes in a substep: lambda = m h g and s b C = (1 - s) h g, whence C = g / w_n^2,
-// whatever the step. From a closed joint on it comes at the rate h w_n^2, h the substep.
+// In equilibrium no impulse changes in a substep: lambda = m h g and s b C = (1 - s) h g, hence C = g / w_n^2 for any
+// step. The gap approaches this value at the rate h w_n^2, where h is the substep.
 TEST(MaximalMethods, SoftJointsOpenByTheLoadOverTheirFrequencySquared) {
     const Case it(hanging_ball());
     const double w_n = 2 * std::numbers::pi * 60, gap = 9.81 / (w_n * w_n);
@@ -104,18 +104,18 @@ TEST(MaximalMethods, SoftJointsOpenByTheLoadOverTheirFrequencySquared) {
             const Trajectory run = it.run(method, step);
             EXPECT_NEAR(-run.at(10)[0].position_W[2] - 1, gap, 1e-5 * gap) << method << " " << step;
         }
-    // rigid ones do not open at all
+    // rigid joints do not open
     EXPECT_LT(it.off("sequential_impulses_10", 4e-3).gap, 1e-15);
 }
 
-// As long as that takes it has order 1. Measured 0.68, 0.94, 0.90 from h = 3.3e-4 on over 0.02 s.
+// Before this equilibrium is reached the order is 1. Measured 0.68, 0.94, 0.90 from h = 3.3e-4 s on over 0.02 s.
 TEST(MaximalMethods, SoftStepsConvergeOverShortTimes) {
     const Case it(mechanism("double_pendulum", 0.02));
     EXPECT_NEAR(it.order("soft_step_4", 2e-4), 1, 0.2);
 }
 
-// Gaps on the double pendulum over 2 s at h = 0.01: 1, 10, 20 substeps 3.4e-2, 3.6e-4, 8.7e-5 m; 10 and 50 iterations
-// 2.0e-2 m both, since two joints are solved by ten, and what is left is the step's.
+// Gaps of the double pendulum over 2 s at h = 0.01 s: 3.4e-2, 3.6e-4, 8.7e-5 m with 1, 10, 20 substeps; 2.0e-2 m with
+// 10 and with 50 iterations. Ten iterations solve two joints, so the rest is the error of the step.
 TEST(MaximalMethods, SubstepsCloseJointsBetterThanIterations) {
     const Case it(mechanism("double_pendulum", 2));
     const double one = it.off("xpbd_joints_1", 0.01).gap, ten = it.off("xpbd_joints_10", 0.01).gap,
@@ -123,12 +123,12 @@ TEST(MaximalMethods, SubstepsCloseJointsBetterThanIterations) {
     EXPECT_LT(ten, one / 20);
     EXPECT_LT(twenty, ten / 3);
     EXPECT_LT(twenty, iterations / 50);
-    // and the motion of a step cut in twenty, 20 rounds in all, is the nearer one too: 0.39 against 0.63 rad
+    // the attitude is closer as well with twenty substeps, 20 rounds in total: 0.39 against 0.63 rad
     EXPECT_LT(it.off("xpbd_joints_20", 0.01).attitude, it.off("sequential_impulses_50", 0.01).attitude);
 }
 
-// A rope with a ball of 1000 times a link's mass over 1 s at h = 1e-3, measured: gap 1.7e-2, 7.2e-3 and less by 4, 10
-// and 50 iterations.
+// A rope whose ball has 1000 times the mass of a link, over 1 s at h = 1e-3 s. Measured gaps: 1.7e-2 and 7.2e-3 m
+// with 4 and 10 iterations, less with 50.
 TEST(MaximalMethods, MoreIterationsStretchARopeLess) {
     const Case it(mechanism("rope_mass_ratio", 1));
     const double four = it.off("sequential_impulses_4", 1e-3).gap, ten = it.off("sequential_impulses_10", 1e-3).gap,
@@ -137,7 +137,8 @@ TEST(MaximalMethods, MoreIterationsStretchARopeLess) {
     EXPECT_LT(fifty, ten / 1.5);
 }
 
-// The chain of ten, kicked, at h = 3.8e-3: axes off by 1.4e-3 rad warm, 9.6e-3 rad cold; attitude 0.018 and 0.094 rad.
+// The chain of ten links after an impulse, h = 3.8e-3 s: axis errors of 1.4e-3 rad warm and 9.6e-3 rad cold; attitude
+// errors of 0.018 and 0.094 rad.
 TEST(MaximalMethods, WarmStartingHelpsWhereItIsStable) {
     const Case it(mechanism("chain_10", 1), 20);
     const Off warm = it.off("sequential_impulses_10", 4e-3), cold = it.off("sequential_impulses_cold_10", 4e-3);
@@ -146,11 +147,11 @@ TEST(MaximalMethods, WarmStartingHelpsWhereItIsStable) {
     EXPECT_LT(warm.gap, cold.gap / 1.5);
 }
 
-// One weld is enough. With G what n rounds leave of an error in the impulses, r = J v and c = C/h:
+// A single fixed joint is unstable. If n iterations reduce an error of the impulses by G, then with r = J v and c = C/h
 //   lambda' = -(1 - G) A^-1 (r + beta c) + G lambda,  r' = r + A lambda',  c' = c + r'
-// whose spectral radius at this start is 1.051 for n = 10 (G's is 0.963); 0.981 cold, 0.981 with split impulses,
-// and 1.018 still for n = 50 on the double pendulum's hinges. Measured energy errors at h = 2e-3 over 1 s: 1300 times
-// the motion's by rows, 4e-3 by blocks or cold.
+// The spectral radius at this start is 1.051 for n = 10 (that of G is 0.963); 0.981 cold, 0.981 with split impulses,
+// and still 1.018 for n = 50 on the hinges of the double pendulum. Measured energy errors at h = 2e-3 s over 1 s: 1300
+// times the motion's energy row by row, 4e-3 by blocks or cold.
 TEST(MaximalMethods, WarmStartingRowByRowBlowsUpOnAWeldAndByBlocksDoesNot) {
     const Case it(mechanism("welded_pendulum", 1));
     const Trajectory run = it.run("sequential_impulses_10", 2e-3);
@@ -159,14 +160,14 @@ TEST(MaximalMethods, WarmStartingRowByRowBlowsUpOnAWeldAndByBlocksDoesNot) {
     EXPECT_LT(it.off("sequential_impulses_cold_10", 2e-3).energy, 1e-2);
 }
 
-// Without the term the limit is another motion: 9.8e-3 rad off after 1 s whatever the step.
+// Without the gyroscopic term the limit is another motion: 9.8e-3 rad off after 1 s at any step.
 TEST(MaximalMethods, WithoutTheGyroscopicTermTheLimitIsAnotherMotion) {
     const Case it(mechanism("free_flying_robot", 1));
     EXPECT_GT(it.off("sequential_impulses_no_gyroscopic_10", 5e-4).attitude, 5e-3);
     EXPECT_LT(it.off("sequential_impulses_10", 5e-4).attitude, 1e-3);
 }
 
-// Coarse enough, the two arithmetics err alike; of XPBD rounding is divided by the step.
+// At coarse steps both arithmetics have the same errors. XPBD divides the rounding by the step.
 TEST(MaximalMethods, InBinary32ErrAsInBinary64AtCoarseSteps) {
     const Case it(mechanism("double_pendulum", 1));
     for (const char* method :
@@ -179,7 +180,7 @@ TEST(MaximalMethods, InBinary32ErrAsInBinary64AtCoarseSteps) {
     EXPECT_NEAR(it.off("xpbd_joints_1_float32", 4e-3).attitude, wide, 0.05 * wide);
 }
 
-// An impulse amid a step cuts it, and the same steps come again after a restart: impulses of the run before are gone.
+// An impulse inside a step splits it. A second run takes the same steps: no impulses remain from the first run.
 TEST(MaximalMethods, MeetEventsAndBeginAnew) {
     Scene scene = mechanism("double_pendulum", 0.5);
     scene.loads.push_back(Impulse{{0.5, 0, 0}, Frame::world, {0, 0, -0.25}, Frame::body, 0.1234, "lower"});
@@ -204,7 +205,7 @@ TEST(MaximalMethods, RefuseWhatIsNoMechanism) {
         EXPECT_NE(refusal(*find_method(method), alone), "") << method;
     Scene heavy = hanging_ball();
     heavy.bodies[0].body.mass = 1e39;
-    // with the moments of such a mass: beside it those of 1 kg are none
+    // inertia in proportion to this mass; moments for 1 kg would be refused beside it
     for (Vector3<double>& row : heavy.bodies[0].body.inertia_B.row) row = 1e39 * row;
     EXPECT_NE(refusal(*find_method("soft_step_4_float32"), pose(heavy)), "");
     EXPECT_EQ(refusal(*find_method("soft_step_4"), pose(heavy)), "");

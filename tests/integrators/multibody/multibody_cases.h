@@ -1,4 +1,4 @@
-// Runs of methods for mechanisms beside the motion, and what they are off by.
+// Runs of methods for mechanisms, compared with the motion, and their errors.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -33,15 +33,15 @@ inline std::vector<BodyMotion<double>> motions_of(const Bodies& bodies) {
     return motions;
 }
 
-/// The largest of all bodies and samples.
+/// The largest errors over all bodies and samples.
 struct Off {
     double attitude = 0;  ///< rad
     double gap = 0;       ///< m
-    double turn = 0;      ///< rad off a joint's axis
-    double energy = 0;    ///< against the motion's, relative to the largest kinetic energy or energy
+    double turn = 0;      ///< rad, angle between a joint's axes
+    double energy = 0;    ///< relative to the largest kinetic energy or energy
 };
 
-/// A scene with its motion by dop853 in joint coordinates, to a tolerance of 1e-12.
+/// A scene with its motion computed by dop853 in joint coordinates at a tolerance of 1e-12.
 class Case {
   public:
     explicit Case(const Scene& scene, long samples = 10)
@@ -85,7 +85,7 @@ class Case {
         JointCoordinates coordinates(problem.scene);
         return measure_.invariants(bodies.front().t, motions_of(bodies), coordinates);
     }
-    /// log2 of how the attitude's error falls as the step is halved.
+    /// The observed order: log2 of the ratio of attitude errors when the step is halved.
     double order(const std::string& method, double step) const {
         return std::log2(off(method, step).attitude / off(method, step / 2).attitude);
     }

@@ -1,4 +1,4 @@
-// Methods in joint coordinates: order, dampers, the solver behind them, and what the variational integrator keeps.
+// Methods in joint coordinates: order, implicit damping, linear solver, and invariants of the variational integrator.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -10,7 +10,7 @@ namespace {
 
 using namespace multibody_cases;
 
-// a state of the mechanism some way from its start, with any rates
+// a random state of the mechanism near its start, with arbitrary rates
 std::vector<double> any_state(const Tree<double>& tree) {
     const auto any = [] { return *rc::gen::inRange(-1000, 1001) / 500.0; };
     std::vector<double> y(static_cast<std::size_t>(tree.dimension()));
@@ -27,7 +27,7 @@ std::vector<double> any_state(const Tree<double>& tree) {
     return y;
 }
 
-// M x by the bodies' own masses: velocities are linear in rates, M_ij = sum m v_i . v_j + w_i . I w_j.
+// M x from the bodies' masses: velocities are linear in the rates, so M_ij = sum m v_i . v_j + w_i . I w_j.
 std::vector<double> mass_times(const Tree<double>& tree, const std::vector<double>& y, const std::vector<double>& x) {
     const std::size_t from = static_cast<std::size_t>(tree.links().coordinates), n = x.size();
     const auto moved_by = [&](const std::vector<double>& rates) {
@@ -50,7 +50,7 @@ std::vector<double> mass_times(const Tree<double>& tree, const std::vector<doubl
     return product;
 }
 
-// all kinds of joints, a free base among them; rounding, multiplied by the matrix's condition
+// all types of joints and a free base; rounding error times the condition number of the matrix
 RC_GTEST_PROP(ArmatureSolver, SolvesWithTheMassMatrixAndADiagonal, ()) {
     static const std::vector<Problem> problems = [] {
         std::vector<Problem> all;
@@ -97,8 +97,8 @@ TEST(ReducedMethods, HaveTheirOrders) {
     EXPECT_LT(shaft.off("reduced_semi_implicit_euler", 1e-3).gap, 1e-14);
 }
 
-// Dampers of -4891 /s at h = 2e-3: explicit ones diverge, implicit ones err by 4.5e-3 rad, and without dampers the two
-// are one.
+// Damping rates of 4891 /s at h = 2e-3 s: explicit damping diverges, implicit damping has an error of 4.5e-3 rad.
+// Without dampers the two methods are identical.
 TEST(ReducedMethods, ImplicitDampersDoNotBlowUp) {
     const Case stiff(mechanism("torsion_chain", 0.5));
     EXPECT_EQ(stiff.run("reduced_semi_implicit_euler", 2e-3).status, Status::diverged);
@@ -117,9 +117,9 @@ double largest_energy_error(const Case& it, const Trajectory& run, std::size_t f
     return largest;
 }
 
-// The chaotic double pendulum, 20,000 steps: the band of the first fifth is that of the last. Over 10^6 steps of 0.01
-// s, measured: at most 0.285 J in the first tenth, 0.228 J in the last, of a kinetic energy up to 29.7 J; the physical
-// pendulum at 0.02 s 6.94e-3 J in each tenth, of 17.7 J.
+// The chaotic double pendulum, 20,000 steps: the energy error of the last fifth stays in the band of the first fifth.
+// Measured over 10^6 steps of 0.01 s: at most 0.285 J in the first tenth and 0.228 J in the last, of a kinetic energy
+// up to 29.7 J. The physical pendulum at 0.02 s: 6.94e-3 J in each tenth, of 17.7 J.
 TEST(VariationalTree, KeepsTheEnergyInItsBand) {
     const Case it(mechanism("double_pendulum", 1));
     Scene scene = mechanism("double_pendulum", 200);
@@ -128,11 +128,11 @@ TEST(VariationalTree, KeepsTheEnergyInItsBand) {
     ASSERT_EQ(run.status, Status::ok) << run.message;
     const double early = largest_energy_error(it, run, 0, 400), late = largest_energy_error(it, run, 1600, 2000);
     EXPECT_LT(late, 1.5 * early);
-    EXPECT_LT(early, 1);  // J, of a kinetic energy up to 29.7
+    EXPECT_LT(early, 1);  // J, of a kinetic energy up to 29.7 J
 }
 
-// Symmetries: a free-flying robot's linear and angular momentum without outer forces, a gyroscope's about the plumb
-// line. About W's origin: the centre of mass itself goes straight to the step's square only.
+// Momenta of symmetries: linear and angular momentum of a free-flying robot without external forces, and a gyroscope's
+// about the vertical. They are about W's origin, because the centre of mass moves in a straight line only to O(h^2).
 TEST(VariationalTree, KeepsMomentaToRounding) {
     const Case robot(mechanism("free_flying_robot", 1));
     const Trajectory run = robot.run("variational_tree", 1e-2);
@@ -155,7 +155,7 @@ TEST(VariationalTree, KeepsMomentaToRounding) {
                 1e-12 * top.invariants(spun.at(0)).angular_size);
 }
 
-// A step beyond what its equations can be solved for is a named failure.
+// A step too long for solving its implicit equations fails with a message.
 TEST(VariationalTree, SaysWhereItsEquationsAreNotSolved) {
     const Problem problem = pose(mechanism("rope_mass_ratio", 1));
     const Trajectory run = stepped(problem, "variational_tree", 4e-3);

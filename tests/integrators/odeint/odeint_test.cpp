@@ -1,5 +1,4 @@
-// Boost.Odeint's steppers as they are wrapped: accuracy against closed forms, exact counts, nothing allocated in a
-// step.
+// The wrapped steppers of Boost.Odeint: accuracy against closed forms, exact counts, and no allocation in a step.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,7 +14,7 @@ namespace {
 std::atomic<long> allocations{0};
 }  // namespace
 
-// every allocation of this program is counted
+// counts every allocation of this program
 [[gnu::noinline]] void* operator new(std::size_t size) {
     ++allocations;
     if (void* memory = std::malloc(size ? size : 1)) return memory;
@@ -45,8 +44,7 @@ TEST_P(Tolerance, GovernsTheErrorOnAFreeSymmetricBody) {
         double worst = 0;
         for (const Sample& sample : trajectory.samples)
             worst = std::max(worst, attitude_error(sample.q, symmetric_attitude(scene, sample.t)));
-        // T |w| = 150 rad of motion, each step's error up to 2 R in every component and the error of the rates carried
-        // along: R times a few thousand at most
+        // 150 rad of motion; each step errs by up to 2 R per component and rate errors propagate: some thousand R
         EXPECT_LT(worst, 3000 * R) << R;
         EXPECT_LT(worst, last / 5) << R;
         last = worst;
@@ -67,17 +65,17 @@ TEST(Fehlberg78, IsWithin1e11AtTheTightestToleranceOverAHundredSeconds) {
 }
 
 TEST(Counts, AreExactForFixedSteps) {
-    // two events inside: three segments; the steps of 1e-2 meet 0.5 and 1.25, so that none is cut
+    // two events inside the run make three segments; the steps of 1/128 s meet 0.5 and 1.25, so none is split
     Scene scene = free_body(2);
     scene.loads = {Torque{{0.1, 0, 0}, Frame::world, {0.5, 1.25}}};
     const auto count = [&](const char* method) { return with_step(scene, method, 1.0 / 128); };
     EXPECT_EQ(count("odeint_rk4").steps, 256);
     EXPECT_EQ(count("odeint_euler").rhs_evaluations, 256);
     EXPECT_EQ(count("odeint_cash_karp54").rhs_evaluations, 6 * 256);
-    // five steps of Fehlberg's at the beginning of each segment
+    // five steps of Fehlberg's method at the start of each segment
     EXPECT_EQ(count("odeint_adams_bashforth_moulton").rhs_evaluations, 2 * 256 + 3 * 5 * (13 - 2));
     EXPECT_EQ(count("odeint_rk4").rhs_evaluations, 4 * 256);
-    // first same as last: one more at the beginning of each segment
+    // first same as last: one extra evaluation at the start of each segment
     EXPECT_EQ(count("odeint_dopri5").rhs_evaluations, 6 * 256 + 3);
     EXPECT_EQ(count("odeint_fehlberg78").rhs_evaluations, 13 * 256);
     EXPECT_EQ(count("odeint_rosenbrock4").rhs_evaluations, 6 * 256);
@@ -104,29 +102,29 @@ TEST(Counts, AreWhatAUserTorqueSees) {
 }
 
 TEST(Dopri5, DoesNotCarryItsDerivativeOverAnEvent) {
-    // a large torque that ends: one stale derivative would cost torque x h = 1e-2 in the rates
+    // a large torque ends: a stale derivative would change the rates by torque x h = 1e-2
     Scene scene = free_body(2);
     scene.loads = {Torque{{0, 0, 30}, Frame::body, {0, 1}},
                    Impulse{{0, 3, 0}, Frame::body, {1, 0, 0}, Frame::body, 1.5}};
     const Trajectory fsal = with_step(scene, "odeint_dopri5", 1e-3);
     const Trajectory plain = with_step(scene, "odeint_fehlberg78", 1e-3);
-    // order 5 at w h = 0.01: 1e-10 a step at the very worst over the turn of 15 rad
+    // order 5 at w h = 0.01: at most 1e-10 per step over a rotation of 15 rad
     EXPECT_LT(attitude_error(fsal.samples.back().q, plain.samples.back().q), 1e-9);
 }
 
 TEST(AdamsBashforthMoulton, StartsItsHistoryAgainAtAnEvent) {
-    // an event inside a step leaves two short steps: of all histories none may hold a rate from before it, or one at
-    // another spacing. A stale one would cost torque x h = 1e-2
+    // An event inside a step splits it. The history must not contain rates from before the event or at another
+    // spacing: a stale rate would cost torque x h = 1e-2
     Scene scene = free_body(2);
     scene.loads = {Torque{{0, 0, 30}, Frame::body, {0, 1.00037}},
                    Impulse{{0, 3, 0}, Frame::body, {1, 0, 0}, Frame::body, 1.50012}};
     const Trajectory multistep = with_step(scene, "odeint_adams_bashforth_moulton", 1e-3);
     const Trajectory plain = with_step(scene, "odeint_fehlberg78", 1e-3);
-    // order 6 at w h = 0.01: 1e-12 a step at the very worst over the turn of 15 rad
+    // order 6 at w h = 0.01: at most 1e-12 per step over a rotation of 15 rad
     EXPECT_LT(attitude_error(multistep.samples.back().q, plain.samples.back().q), 1e-9);
 }
 
-// rosenbrock4 is not among them: uBLAS allocates once in every factorisation
+// without rosenbrock4: uBLAS allocates once per factorisation
 TEST(FixedSteps, AllocateNothing) {
     const Problem problem = pose(heavy_top(10));
     for (const char* method :
@@ -163,7 +161,7 @@ TEST(OdeintAlgebra, ANormThatIsNotANumberIsInfinite) {
     }
 }
 
-/// y' = -1000 (y - c) with c' = -s, s' = c, so that c = cos t.
+/// The Prothero-Robinson problem y' = -1000 (y - c) with c' = -s and s' = c, so that c = cos t.
 struct Prothero {
     static void rhs(void*, double, const double* y, double* dydt) {
         dydt[0] = -1000 * (y[0] - y[1]), dydt[1] = -y[2], dydt[2] = y[1];
@@ -172,7 +170,7 @@ struct Prothero {
         const double rows[9] = {-1000, 1000, 0, 0, 0, -1, 0, 1, 0};
         std::copy(rows, rows + 9, J);
     }
-    /// y = (10^6 cos t + 10^3 sin t) / (10^6 + 1) once the transient, e^-1000t, is gone.
+    /// y = (10^6 cos t + 10^3 sin t) / (10^6 + 1) after the transient e^-1000t.
     static double solution(double t) { return (1e6 * std::cos(t) + 1e3 * std::sin(t)) / (1e6 + 1); }
 };
 
@@ -187,7 +185,7 @@ TEST(Rosenbrock4, SolvesAStiffEquation) {
         h = proposed;
     }
     EXPECT_NEAR(y[0], Prothero::solution(2), 1e-8);
-    // stability alone would hold an explicit method to h < 3 / 1000 everywhere, and to thousands of steps at order 4
+    // stability would limit an explicit method to h < 3 / 1000, so to thousands of steps at order 4
     EXPECT_LT(steps, 700);
 }
 

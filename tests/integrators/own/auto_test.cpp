@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// A body with drag c (N m s) over 10 s; I = (1, 2, 3), so the fastest decay is c.
+// A body with drag c (N m s) over 10 s; I = (1, 2, 3) kg m^2, so the fastest decay rate is c per second.
 Scene damped(double c, double duration = 10) {
     Scene scene = testing::free_body(duration);
     scene.loads = {Drag{{c, c, c}, 0, {}}};
@@ -41,19 +41,18 @@ TEST(ChooseMethod, TakesAnImplicitOneWhereDampingBindsTheStep) {
     EXPECT_NE(chosen(damped(0), Formulation::full), "radau");
 }
 
-// The eigenvalues of an overdamped spring: I lambda^2 + c lambda + k = 0 about each axis; the largest is c / I - k / c
-// and less.
+// An overdamped spring: I lambda^2 + c lambda + k = 0 per axis. The largest |lambda| is just below c / I - k / c.
 TEST(ChooseMethod, SeesDampedSprings) {
     EXPECT_EQ(chosen(on_spring(1e4, 1000, 5)), "radau");
-    // it oscillates 80 times, dying slowly: an explicit method follows that as easily
+    // 80 slowly decaying oscillations, which an explicit method follows as efficiently
     EXPECT_NE(chosen(on_spring(1e4, 10, 5)), "radau");
-    // long after it has come to rest an explicit method would still step as if it oscillated
+    // long after coming to rest, an explicit method would still take steps as for the oscillation
     EXPECT_EQ(chosen(on_spring(1e4, 10, 500)), "radau");
-    // without damping nothing is stiff that moves
+    // without damping a moving body is not stiff
     EXPECT_NE(chosen(on_spring(1e8, 0, 10)), "radau");
 }
 
-// A spin that is kept up turns the body as fast as damping decays.
+// A sustained spin rotates the body as fast as the damping decays.
 TEST(ChooseMethod, LeavesFastSustainedTurningToAnExplicitOne) {
     Scene scene = damped(1, 1000);
     scene.loads = {Drag{{1, 1, 1}, 0, {}}, Torque{{50, 30, 20}, Frame::body, {}}};
@@ -70,7 +69,7 @@ TEST(ChooseMethod, LooksAtEverySegmentByItself) {
     EXPECT_EQ(chosen(scene), "radau");
 }
 
-// An implicit method would need the derivative of a user's torque.
+// An implicit method would need the derivative of the user-defined torque.
 TEST(ChooseMethod, LeavesAUsersTorqueToAnExplicitOne) {
     Scene scene = damped(1100);
     scene.loads = {Drag{{1100, 1100, 1100}, 0, {}},
@@ -79,7 +78,7 @@ TEST(ChooseMethod, LeavesAUsersTorqueToAnExplicitOne) {
     EXPECT_EQ(stiffness(pose(scene)).decays, 0);
 }
 
-// omega_1 of a spin about the first axis decays as e^(-c t): it turns by 1 / c in c T decays.
+// For a spin about the first axis omega_1 decays as e^(-c t): the body rotates by 1 / c rad during c T decays.
 TEST(Stiffness, CountsDecaysAndTurning) {
     for (const double c : {1.0, 100.0}) {
         Scene scene = damped(c);
@@ -91,7 +90,7 @@ TEST(Stiffness, CountsDecaysAndTurning) {
     }
 }
 
-// Right-hand sides of few operations go to series, those of many to extrapolation: earlier where errors may be larger.
+// Right-hand sides with few operations use series, those with many use extrapolation, earlier at loose tolerances.
 TEST(ChooseMethod, TakesWhatIsFastestForJoinedBodies) {
     const auto taken = [](const char* name, double tolerance) {
         return std::string(choose_method(pose(find_scene(name)), tolerance).method->name);
@@ -101,7 +100,7 @@ TEST(ChooseMethod, TakesWhatIsFastestForJoinedBodies) {
     EXPECT_EQ(taken("mechanisms/four_bar", 1e-9), "extrapolation");
     EXPECT_EQ(taken("mechanisms/four_bar", 1e-13), "taylor");
     EXPECT_EQ(taken("mechanisms/chain_10", 1e-12), "extrapolation");
-    // rounding is all that is left to gain
+    // at this tolerance only rounding matters
     EXPECT_EQ(taken("mechanisms/chain_10", 1e-15), "taylor");
 }
 

@@ -1,4 +1,4 @@
-// DOP853's dense output: its order, its ends, what it costs, and that samples are as accurate as steps.
+// DOP853's dense output: order, end points, cost, and accuracy of samples compared with steps.
 #include "integrators/own/dop853_interpolant.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-/// Kepler's problem with mu = 1, half axis 1, from the nearest point on; counts its evaluations.
+/// Kepler's problem with mu = 1 and semi-major axis 1, from the periapsis on; counts evaluations.
 struct CountedKepler {
     double eccentricity = 0.3;
     long* calls;
@@ -64,14 +64,14 @@ double largest_error(const CountedKepler& system, double t, double h) {
     return error;
 }
 
-// halving h divides a local error of C h^9 by 512; Hairer's interpolant alone would give 256
+// halving h divides a local error of C h^9 by 512; Hairer's original interpolant would give 256
 TEST(Dop853Interpolant, HasALocalErrorOfOrderNine) {
     long calls = 0;
     const CountedKepler system{.calls = &calls};
     for (const double t : {0.0, 0.25, 0.5}) {
         const double coarse = largest_error(system, t, 0.2), fine = largest_error(system, t, 0.1);
         EXPECT_GT(fine, 1e-13) << "too near to round-off";
-        // measured: 8.72, 8.69, 8.79, and less at longer steps
+        // measured: 8.72, 8.69 and 8.79; less at longer steps
         EXPECT_GT(std::log2(coarse / fine), 8.6) << t << ": " << coarse << ' ' << fine;
     }
 }
@@ -89,7 +89,7 @@ TEST(Dop853Interpolant, MeetsTheStepAndItsRatesAtBothEnds) {
         y[i] += step.change[i];
     }
     system.derivative(1 + h, y.data(), rate.data());
-    // one-sided differences of second order at 1e-5: h^2 y''' / 3 (1e-5)^2 ~ 1e-11, and round-off of 1e-16 / 1e-5
+    // one-sided second-order differences at 1e-5: errors h^2 y''' / 3 (1e-5)^2 ~ 1e-11 and round-off 1e-16 / 1e-5
     constexpr double d = 1e-5;
     const auto change = [&](double x) { return step.interpolant.change(x); };
     for (std::size_t i = 0; i < 4; ++i) {
@@ -104,7 +104,7 @@ TEST(Dop853Interpolant, EvaluatesAsManyRightHandSidesAsItSays) {
     EXPECT_EQ(calls, dop853_stages + Dop853Interpolant<Numbers<4>>::evaluations);
 }
 
-// dense output costs nine evaluations per step with samples inside it, however many there are
+// dense output costs nine evaluations per step that contains samples, whatever their number
 TEST(Dop853, PaysForSamplesOncePerStep) {
     const Problem problem = pose(testing::symmetric_body(10));
     Settings settings;

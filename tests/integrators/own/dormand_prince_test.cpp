@@ -1,4 +1,4 @@
-// The order conditions of DOP853, one for each rooted tree (Butcher; Hairer, Norsett & Wanner 1993, II.2).
+// The order conditions of DOP853, one per rooted tree (Butcher; Hairer, Norsett & Wanner 1993, II.2).
 #include "integrators/own/dormand_prince.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-/// Phi_i(t) at each stage, with all magnitudes too (for the rounding), and gamma(t).
+/// Phi_i(t) at each stage, the sums of magnitudes for the rounding error, and gamma(t).
 struct Tree {
     int order = 1;
     double gamma = 1;
@@ -22,7 +22,7 @@ Tree leaf() {
     t.phi.fill(1), t.size.fill(1);
     return t;
 }
-/// The tree with one branch more at its root; `gamma` is filled in by the caller.
+/// The tree with another branch at its root; the caller completes `gamma`.
 Tree grown(Tree t, const Tree& branch) {
     t.order += branch.order, t.gamma *= branch.gamma;
     for (int i = 0; i < dop853_stages; ++i) {
@@ -34,7 +34,7 @@ Tree grown(Tree t, const Tree& branch) {
     return t;
 }
 
-/// All rooted trees of at most `most` vertices, by order: roots with branches in a fixed order, so that none is twice.
+/// All rooted trees with at most `most` vertices, by order. Branches have a fixed order, so no tree occurs twice.
 std::vector<Tree> rooted_trees(int most) {
     std::vector<Tree> trees{leaf()};
     for (int order = 2; order <= most; ++order) {
@@ -53,7 +53,7 @@ std::vector<Tree> rooted_trees(int most) {
     return trees;
 }
 
-/// How many conditions of `order` the weights miss.
+/// The number of conditions of this order that the weights violate.
 int missed(const std::vector<Tree>& trees, const double* weights, int order, bool against_zero) {
     int count = 0;
     for (const Tree& t : trees) {

@@ -1,4 +1,4 @@
-// Ensembles that tests and benchmarks share.
+// Ensembles shared by tests and benchmarks.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace polhode::testing {
 
-/// The same bodies on every machine: no distribution of the library's, which are free to differ.
+/// Random numbers that are the same on every machine; the distributions of the standard library may differ.
 class Draw {
   public:
     explicit Draw(unsigned seed) : engine_(seed) {}
@@ -25,7 +25,7 @@ class Draw {
             if (size > 0.1 && size < 1) return {q.w / size, q.x / size, q.y / size, q.z / size};
         }
     }
-    /// Within the triangle inequality.
+    /// Moments that satisfy the triangle inequality.
     Vector3<double> moments() {
         for (;;) {
             const Vector3<double> I(uniform(0, 1), uniform(0, 1), uniform(0, 1));
@@ -54,7 +54,7 @@ inline std::vector<EnsembleBody> free_bodies(std::size_t count, unsigned seed) {
     return bodies;
 }
 
-/// About the pivot I = (1, 1, 0.5) and m g l = 5.
+/// Tops with I = (1, 1, 0.5) kg m^2 about the pivot and m g l = 5 N m.
 inline Scene top_scene(double duration) {
     Scene scene;
     scene.name = "tops", scene.duration = duration;
@@ -65,7 +65,7 @@ inline Scene top_scene(double duration) {
     return scene;
 }
 
-/// Each about a tenth off in mass and moments, tilted and spinning at 17 to 23 rad/s; `symmetric`: two moments equal.
+/// Tops with masses and moments varied by ~10 %, tilted, spinning at 17 to 23 rad/s; `symmetric`: two equal moments.
 inline std::vector<EnsembleBody> tops(std::size_t count, bool symmetric, unsigned seed) {
     Draw draw(seed);
     std::vector<EnsembleBody> bodies(count);
@@ -82,7 +82,7 @@ inline std::vector<EnsembleBody> tops(std::size_t count, bool symmetric, unsigne
     return bodies;
 }
 
-/// The scene of one of its bodies.
+/// The scene of a single body of the ensemble.
 inline Scene scene_of(const Scene& scene, const EnsembleBody& b) {
     Scene one = scene;
     one.body.mass = b.mass, one.body.inertia_B = b.inertia_B, one.body.source = nullptr;

@@ -1,3 +1,4 @@
+// Ensembles of single bodies, row by row against closed forms, the truth and other methods; bits and failures.
 #include "integrators/own/ensemble.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ struct Worst {
     double attitude = 0, w = 0, p = 0;
 };
 
-// Each row against the named method on the scene of that body alone.
+// Compares each row with the named method on a scene of this body alone.
 Worst worst_against(const char* method, const Scene& scene, const std::vector<EnsembleBody>& bodies,
                     const std::vector<EnsembleRow>& rows, std::optional<double> tolerance = {}) {
     Worst worst;
@@ -64,7 +65,7 @@ TEST(Ensemble, NextToTheSeparatrix) {
     auto bodies = free_bodies(many_bodies, 2);
     Draw draw(3);
     for (EnsembleBody& b : bodies) {
-        // I1 (I2 - I1) w1^2 = I3 (I3 - I2) w3^2 up to 1e-1 .. 1e-15 of it, for the moments in order
+        // I1 (I2 - I1) w1^2 = I3 (I3 - I2) w3^2 up to a relative 1e-1 .. 1e-15, with the moments in ascending order
         std::size_t axis[3] = {0, 1, 2};
         std::sort(axis, axis + 3, [&](auto i, auto j) { return b.inertia_B[i][i] < b.inertia_B[j][j]; });
         const double I1 = b.inertia_B[axis[0]][axis[0]], I2 = b.inertia_B[axis[1]][axis[1]],
@@ -83,8 +84,8 @@ TEST(Ensemble, SpecialMotions) {
     Scene scene = free_scene(10);
     const Quaternion<double> q{0.5, -0.5, 0.5, 0.5};
     std::vector<EnsembleBody> bodies;
-    // spheres, two equal moments in each pair, all different; at rest, about one axis, about two, about all; each also
-    // an ulp away
+    // spheres, two equal moments in each position, three different moments; at rest, rotating about one, two and
+    // three axes; each also changed by one ulp
     for (const Vector3<double>& I :
          {Vector3<double>(2, 2, 2), Vector3<double>(1, 1, 1.5), Vector3<double>(1.5, 1, 1), Vector3<double>(1, 1.5, 1),
           Vector3<double>(1, 1, 0.5), Vector3<double>(1, 2, 2.5), Vector3<double>(1, 1 + 0x1p-52, 1.5),
@@ -134,7 +135,7 @@ TEST(Ensemble, TopsAgreeWithTheirClosedForm) {
 }
 
 TEST(Ensemble, TopsAboutAnyAxis) {
-    // the same top with its axes renamed, gravity along another world axis
+    // the same top with renamed axes and gravity along another world axis
     const auto upright = tops(few_bodies, true, 7);
     for (const int s : {0, 1}) {
         Scene scene = top_scene(3);
@@ -182,7 +183,7 @@ TEST(Ensemble, GeneralHeavyBodies) {
     EXPECT_LT(worst.attitude, 1e-9);
 }
 
-// Every load that the lanes know, in windows, with impulses.
+// Every load supported by the lanes, with windows and impulses.
 Scene scene_of_lane_loads(bool pivoted) {
     Scene scene = free_scene(5);
     scene.body.center_of_mass = {0.1, -0.2, 0.15};
@@ -219,7 +220,7 @@ TEST(Ensemble, LoadsInWindows) {
     }
 }
 
-// Loads that tie where a body is to how it turns, and several springs.
+// Loads that couple position and attitude, and several springs.
 TEST(Ensemble, LoadsThatMoveTheBodyInFlight) {
     Scene scene = scene_of_lane_loads(false);
     scene.loads.push_back(Force{{0.2, -0.1, 0.15}, Frame::world, {0.3, 0.2, -0.4}, Frame::world, {0.5, 4.5}});
@@ -238,7 +239,7 @@ TEST(Ensemble, LoadsThatMoveTheBodyInFlight) {
     EXPECT_LT(worst.attitude, 1e-8);
     EXPECT_LT(worst.w, 1e-8);
     EXPECT_LT(worst.p, 1e-8);
-    // a body by itself has the same bits
+    // solving a body alone gives the same bits
     for (std::size_t i = 0; i < bodies.size(); i += 4) {
         const auto alone = solve_ensemble(scene, std::vector<EnsembleBody>{bodies[i]});
         EXPECT_EQ(alone[0].end.q, rows[i].end.q);
@@ -261,7 +262,7 @@ bool same_bits(const EnsembleRow& a, const EnsembleRow& b) {
            a.end.position_W == b.end.position_W && a.end.velocity_W == b.end.velocity_W;
 }
 
-// Free bodies of every kind mixed; tops, symmetric and not.
+// A mixture of free bodies of every kind, and of symmetric and asymmetric tops.
 std::vector<std::pair<Scene, std::vector<EnsembleBody>>> mixed() {
     auto free = free_bodies(61, 13);
     for (std::size_t i = 0; i < free.size(); i += 7) free[i].inertia_B = diagonal(Vector3<double>(1, 1, 1.5));
@@ -311,7 +312,7 @@ TEST(Ensemble, BodiesThatFailStopNoOthers) {
     broken[6].mass = -1;
     broken[9].orientation = {1, 1, 0, 0};
     broken[13].velocity_W = {1, 0, 0};
-    broken[17].angular_velocity = {0, 1e5, 2e5};  // more steps than it may take
+    broken[17].angular_velocity = {0, 1e5, 2e5};  // needs more steps than the limit
     EnsembleSettings settings;
     settings.max_steps = 1000;
     const auto rows = solve_ensemble(scene, broken, settings);

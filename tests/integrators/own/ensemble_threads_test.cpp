@@ -49,7 +49,7 @@ TEST(EnsembleThreads, OneByOneToo) {
     }
 }
 
-// Some at a time, by several threads at once.
+// Blocks of bodies, solved by several threads at once.
 TEST(EnsembleThreads, ASolverMovesBodiesSomeAtATime) {
     for (const bool heavy : {false, true}) {
         const Scene scene = heavy ? testing::top_scene(0.05) : testing::free_scene(10);

@@ -1,4 +1,4 @@
-// The method as users call it, against the truth by Taylor series, which shares nothing with the closed forms.
+// The method `exact` against the truth by Taylor series, which is independent of the closed forms.
 #include "integrators/own/exact.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Trajectory solved(const Scene& scene, long samples = 10) {
     return solve(scene, *find_method("exact"), settings);
 }
 
-// the largest attitude error over kappa 2^-53, kappa the largest over the run
+// the largest attitude error divided by kappa 2^-53, with the largest kappa of the run
 double in_units_of_rounding(const Scene& scene, double* kappa = nullptr, long samples = 10) {
     const FreshCache cache;
     const Trajectory trajectory = solved(scene, samples);
@@ -46,7 +46,7 @@ Scene free_scene(const Vector3<double>& moments, const Vector3<double>& w, doubl
 }
 
 TEST(Exact, IsAsGoodAsItsDataNextToTheSeparatrix) {
-    // I = (3, 4, 6), w = (2, 0, 1) is on it
+    // I = (3, 4, 6), w = (2, 0, 1) is on the separatrix
     double largest = 0;
     for (const double off : {0.0, 1e-3, -1e-3, 1e-5, -1e-6, 3e-7, -1e-8, 1e-10, 1e-13})
         for (const double duration : {5.0, 26.5}) {
@@ -59,7 +59,7 @@ TEST(Exact, IsAsGoodAsItsDataNextToTheSeparatrix) {
     EXPECT_GT(largest, 1e8) << "nothing was next to the separatrix";
 }
 
-// Two moments agree but for what turns the body about the line from the pivot to its centre of mass.
+// The two large moments differ by no more than the small moment about the line from the pivot to the centre of mass.
 TEST(Exact, KnowsABodyThatIsNearlyAPointBesideItsPivot) {
     const FreshCache cache;
     for (const Vector3<double>& arm : {Vector3<double>(0.3, 0.4, 0.5), Vector3<double>(0, 0, 0.5)}) {
@@ -112,7 +112,7 @@ TEST(Exact, JoinsPiecesAtImpulsesAndWindows) {
     EXPECT_LT(in_units_of_rounding(sphere), 10);
 }
 
-// Axes that have to be computed, a centre of mass on a slant: the symmetry is there to rounding only.
+// A tensor that is not diagonal and a centre of mass on a tilted axis: the symmetry holds only up to rounding.
 TEST(Exact, FindsTheSymmetryOfATiltedTop) {
     Scene scene = testing::heavy_top(5);
     const Quaternion<double> tilt = normalized(Quaternion<double>{0.8, 0.3, -0.4, 0.2});
@@ -125,7 +125,7 @@ TEST(Exact, FindsTheSymmetryOfATiltedTop) {
     EXPECT_LT(in_units_of_rounding(scene), 60);
 }
 
-// An impulse that makes the rate infinite ends every method's run with a name, at once.
+// An impulse that makes the rate infinite ends every method's run with a failure at once.
 TEST(Exact, AnInfiniteRateIsANamedFailure) {
     Scene scene;
     scene.name = "struck beyond all bounds", scene.duration = 1;
@@ -134,7 +134,7 @@ TEST(Exact, AnInfiniteRateIsANamedFailure) {
     for (const double at : {0.0, 0.5}) {
         scene.loads = {Impulse{{0, 0, 1e308}, Frame::world, {1e10, 0, 0}, Frame::body, at}};
         for (const Method* method : methods()) {
-            // in its numbers the rate is finite: it steps until its time is up
+            // the rate is finite in multiprecision: the truth would step until its time limit
             if (method == find_method("truth")) continue;
             Settings settings;
             settings.samples = 4, settings.max_steps = 10'000;
@@ -163,21 +163,21 @@ TEST(Exact, RefusesWhatItDoesNotSolve) {
     Scene damped = testing::free_body(5);
     damped.loads = {Drag{{0.1, 0.1, 0.1}, 0, {}}};
     EXPECT_EQ(status(damped), Status::unsupported);
-    // a torque from the second second on
+    // a torque that starts at t = 2 s
     Scene late = testing::free_body(5);
     late.loads = {Torque{{0.1, 0.2, 0}, Frame::body, {2, 5}}};
     EXPECT_EQ(status(late), Status::unsupported);
 }
 
 TEST(Exact, LeavesAtAnyTimeTheDigitsThatTheoryLeaves) {
-    // no integration reaches 10^6 s in a test; the closed form in 100 digits does: its own error there is 10^-90
+    // integration to 10^6 s is too slow for a test; the closed form in 100 digits has an error of 10^-90
     const double T = 1e6;
     Scene scene = testing::free_body(T);
     const Trajectory far = solved(scene, 1);
     ASSERT_EQ(far.status, Status::ok);
     Reference truth = reference(scene, std::vector<double>{0, T});
     ASSERT_TRUE(truth.available) << truth.message;
-    // a phase of w T radians, known to 2^-53 of itself
+    // a phase of w T rad, with a relative accuracy of 2^-53
     EXPECT_LT(attitude_error(far.samples.back().q, truth.samples.back().q), 10 * 3 * T * float64_roundoff);
 }
 
@@ -194,12 +194,12 @@ TEST(Exact, CostsTheSameForAnyTime) {
 }
 
 TEST(Exact, SolvesScenesInAnyUnits) {
-    // a scale of 2^k in the moments, or in time, leaves the attitude at corresponding times as it is, bit for bit where
-    // no 128-bit path is taken and to rounding where it is
+    // scaling the moments or the time by 2^k leaves the attitude at corresponding times unchanged: bit for bit, or up
+    // to rounding where 128-bit arithmetic is used
     const Trajectory unit = solved(testing::free_body(10));
     for (const int moment : {-400, -30, 0, 30, 400})
         for (const int rate : {-400, -20, 0, 20, 400}) {
-            if (std::abs(moment + 2 * rate) > 900) continue;  // an energy beyond binary64
+            if (std::abs(moment + 2 * rate) > 900) continue;  // the energy would exceed the range of binary64
             const double w = std::ldexp(1.0, rate), I = std::ldexp(1.0, moment);
             Scene scene = free_scene({I, 2 * I, 3 * I}, {w, w, w}, 10 / w);
             scene.body.mass = I;
@@ -209,11 +209,11 @@ TEST(Exact, SolvesScenesInAnyUnits) {
                 EXPECT_LT(testing::attitude_error(scaled.samples[k].q, unit.samples[k].q), 2e-14)
                     << moment << ' ' << rate;
         }
-    // next to turning about the middle axis, down to where squares vanish
+    // near rotation about the middle axis, down to perturbations whose squares underflow
     for (const double off : {1e-30, 1e-150, 1e-300}) {
         const Trajectory near = solved(free_scene({1, 2, 3}, {off, 5, off}, 20));
         ASSERT_EQ(near.status, Status::ok) << off;
-        // dw/dt of the two outer components grows them at w2 sqrt((I2-I1)(I3-I2)/(I1 I3)) from 1e-30: not yet turned
+        // the outer components grow from below 1e-100 at the rate w2 sqrt((I2-I1)(I3-I2)/(I1 I3)): no flip yet
         if (off < 1e-100) {
             EXPECT_LT(std::abs(near.samples.back().angular_velocity_B[1] - 5), 1e-12);
         }

@@ -11,11 +11,11 @@ namespace {
 
 using Traced = Traced<double>;
 
-// x' = v, v' = -k x with a k of each one's own
+// x' = v, v' = -k x, with a different k in each lane
 struct Oscillator {
     void derivative(const Traced* y, Traced* dy) const { dy[0] = y[1], dy[1] = -(y[2] * y[0]), dy[2] = Traced(); }
 };
-// y' = k y^2 is beyond all numbers at 1/(k y_0)
+// y' = k y^2 diverges at 1/(k y_0)
 struct Pole {
     void derivative(const Traced* y, Traced* dy) const { dy[0] = y[1] * (y[0] * y[0]), dy[1] = Traced(); }
 };
@@ -28,7 +28,7 @@ struct Many {
     }
 };
 
-// more of them than lanes, from slow to fast, in two spans
+// more oscillators than lanes, from slow to fast, in two spans
 TEST(ExtrapolatedLanes, OscillatorsGoTheirOwnWays) {
     constexpr std::size_t count = 37;
     for (const double tolerance : {1e-4, 1e-7, 1e-10, 1e-13}) {

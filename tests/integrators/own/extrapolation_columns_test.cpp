@@ -1,4 +1,4 @@
-// Weights of the columns against what they are to cancel, and each row's order measured.
+// The weights of the columns against the terms that they must cancel, and the observed order of each row.
 #include "integrators/own/extrapolation_columns.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// sum of w_j / n_j^(2k), and the sum of the terms' magnitudes.
+/// sum of w_j / n_j^(2k), and the sum of the magnitudes of its terms.
 struct Moment {
     double sum = 0, size = 0;
 };
@@ -37,7 +37,7 @@ TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
         for (int k = 0; k < row.columns; ++k) {
             const Moment value = moment(row, row.weights.value, k);
             EXPECT_NEAR(value.sum, k == 0 ? 1 : 0, 1e-15 * value.size) << number << ' ' << k;
-            // differences of values that agree up to one and two powers fewer
+            // error estimates: differences of values that cancel one and two powers fewer
             const Moment error = moment(row, row.weights.error, k);
             if (k < row.columns - 1) {
                 EXPECT_NEAR(error.sum, 0, 1e-15 * error.size) << number << ' ' << k;
@@ -53,7 +53,7 @@ TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
     }
 }
 
-/// The value at zero of the polynomial through (x_j, z_j), first <= j < last, by Neville's scheme.
+/// The value at zero of the polynomial through (x_j, z_j), first <= j < last, by Neville's algorithm.
 double at_zero(const std::vector<double>& x, std::vector<double> z, std::size_t first, std::size_t last) {
     for (std::size_t width = 1; width < last - first; ++width)
         for (std::size_t j = first; j + width < last; ++j)
@@ -61,7 +61,7 @@ double at_zero(const std::vector<double>& x, std::vector<double> z, std::size_t 
     return z[first];
 }
 
-/// A row of the tables as this program makes it when it runs, beside the one that the compiler made.
+/// A row computed at run time, and the same row computed at compile time.
 struct MadeRow {
     ExtrapolationRow (*make)();
     const ExtrapolationRow& compiled;
@@ -134,7 +134,7 @@ TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
         return attitude_error({y[3], y[4], y[5], y[6]},
                               symmetric_attitude(problem.scene, T) * problem.body.principal.q_BP);
     };
-    // from five columns on, rounding comes before the asymptotic slope: for them the moments above speak
+    // with five columns and more, rounding hides the asymptotic slope; the moments above test these rows
     for (int row = 2; row <= 4; ++row) {
         const int steps = row == 2 ? 64 : row == 3 ? 24 : 12;
         EXPECT_NEAR(std::log2(error(row, steps) / error(row, 2 * steps)), 2 * row, 0.35) << row;
@@ -162,12 +162,12 @@ void expect_every_column_once(int chains_expected) {
     }
     EXPECT_EQ(evaluations, extrapolation_rows[row].evaluations);
     EXPECT_EQ(chains.chains, chains_expected);
-    // a piece ends where a column does
+    // a piece ends at the end of a column
     ASSERT_EQ(static_cast<std::size_t>(chains.pieces) + 1, ends.size());
     EXPECT_TRUE(std::equal(ends.begin(), ends.end(), chains.ends.begin()));
 }
 
-// How many chains first fit takes, counted by hand: of 4, 6, 8, 12 substeps those of 11, 7 + 3 and 5 evaluations.
+// The number of chains by first fit, counted by hand: for 4, 6, 8, 12 substeps they have 11, 7 + 3 and 5 evaluations.
 TEST(ColumnChains, HoldEveryColumnOnce) {
     expect_every_column_once<2>(2);
     expect_every_column_once<3>(3);

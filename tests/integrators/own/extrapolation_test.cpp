@@ -1,4 +1,4 @@
-// `extrapolation` and `dop853` against closed forms, the truth, and themselves by another way.
+// `extrapolation` and `dop853` against closed forms, the truth, and other code paths of the same methods.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,14 +34,14 @@ TEST_P(OwnTolerance, GovernsTheError) {
     for (const Scene& scene : {free_body(30), heavy_top(5)}) {
         const Trajectory reference = exact(scene, 10);
         for (double R : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12})
-            // measured at most 200 R: each step's error up to R in every component, added over up to 100 rad
+            // measured at most 200 R: each step errs by up to R per component, accumulated over up to 100 rad
             EXPECT_LT(worst_error(with_tolerance(scene, GetParam(), R, 10), reference), 2000 * R) << scene.name << R;
     }
 }
 
 TEST_P(OwnTolerance, NearTheRoundingLeavesLittleElse) {
     const Scene scene = free_body(100);
-    // measured 3e-14, a part of which is `exact`; dop853 5e-13, its truncation at 1e-14
+    // measured 3e-14, in part from `exact`; dop853 5e-13, its truncation error at 1e-14
     const double most = std::string(GetParam()) == "dop853" ? 2e-12 : 1e-13;
     for (double R : {1e-14, 1e-15})
         EXPECT_LT(worst_error(with_tolerance(scene, GetParam(), R, 10), exact(scene, 10)), most) << R;
@@ -66,7 +66,7 @@ TEST_P(OwnTolerance, FollowsTheTruthUnderLoads) {
     }
 }
 
-/// Gravity about the pivot as a torque of the user's own: r x R^T F. The general path against registers.
+/// Gravity about the pivot as a user-defined torque r x R^T F: the general code path against the vectorised one.
 TEST_P(OwnTolerance, TakesAUsersTorque) {
     const Scene scene = heavy_top(3);
     Scene user = scene;
@@ -123,7 +123,7 @@ TEST_P(OwnTolerance, SaysWhenATorqueIsNoNumber) {
     EXPECT_FALSE(trajectory.message.empty());
 }
 
-/// Round-off alone drifts in a long run: energy by a random walk, no faster.
+/// In a long run the energy drifts by a random walk of round-off, not faster.
 TEST(Extrapolation, KeepsEnergyForLong) {
     const double T = optimised_build ? 1e4 : 500;
     const Trajectory trajectory = with_tolerance(free_body(T), "extrapolation", 1e-14, 5);

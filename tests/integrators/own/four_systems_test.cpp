@@ -13,8 +13,8 @@
 namespace polhode {
 namespace {
 
-/// Against Eigen's factorisation with full pivoting, at random states, eigenvalues (none much smaller than the rates:
-/// steps are no longer than a turn) and right sides.
+/// Compares with Eigen's factorisation with full pivoting at random states, eigenvalues and right-hand sides. No
+/// eigenvalue is much smaller than the rates, because a step is at most one rotation.
 template <class SystemType>
 void expect_solved(const Scene& scene, Formulation formulation) {
     constexpr int N = SystemType::dimension;

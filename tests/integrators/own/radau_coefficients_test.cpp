@@ -14,7 +14,7 @@ class Coefficients : public ::testing::TestWithParam<int> {
     const RadauCoefficients& radau = radau_coefficients(s);
 };
 
-// B(2 s - 1): the last row integrates powers up to x^(2 s - 2); C(s): every row those up to x^(s - 1).
+// B(2 s - 1): the last row integrates powers up to x^(2 s - 2) exactly. C(s): every row those up to x^(s - 1).
 TEST_P(Coefficients, MeetTheOrderConditions) {
     EXPECT_EQ(radau.order(), 2 * s - 1);
     EXPECT_EQ(radau.nodes[s - 1], 1);
@@ -48,7 +48,7 @@ TEST_P(Coefficients, TransformToTheInverse) {
     for (int i = 0; i < s; ++i) EXPECT_NEAR(back[i], x[i], 1e-13);
 }
 
-// det A = 1 / product of the eigenvalues of A^-1, and the trace is their sum: by their conjugate pairs.
+// The product of the eigenvalues of A^-1 is 1 / det A and their sum is the trace. Complex ones are conjugate pairs.
 TEST_P(Coefficients, HaveTheEigenvaluesOfTheInverse) {
     double sum = radau.eigenvalue.re[3], product = sum;
     for (int l = 0; l < (s - 1) / 2; ++l) {
@@ -58,7 +58,7 @@ TEST_P(Coefficients, HaveTheEigenvaluesOfTheInverse) {
         sum += 2 * re, product *= re * re + im * im;
     }
     EXPECT_EQ(radau.eigenvalue.im[3], 0);
-    // the denominator of the Pade approximant (s - 1, s) of e^z, Hairer & Wanner 1996, IV.3:
+    // denominator of the Pade approximant (s - 1, s) of e^z, Hairer & Wanner 1996, IV.3:
     // 1 - s/(2 s - 1) z + .. +- (s - 1)! / (2 s - 1)! z^s
     double last = 1;
     for (int k = s; k <= 2 * s - 1; ++k) last *= k;
@@ -71,7 +71,7 @@ TEST_P(Coefficients, HaveTheEigenvaluesOfTheInverse) {
     EXPECT_NEAR(reciprocals, static_cast<double>(s) / (2 * s - 1), 1e-15);
 }
 
-// Of p(x) = x + 2 x^3, Z_j = p(c_j).
+// For p(x) = x + 2 x^3 and Z_j = p(c_j).
 TEST_P(Coefficients, GiveThePolynomialThroughTheStages) {
     const auto p = [](double x) { return x + 2 * x * x * x; };
     Lanes8 coefficients{};

@@ -1,4 +1,4 @@
-// Radau IIA: where the motion is stiff against a closed form and the truth, where it is not against `exact`.
+// Radau IIA: stiff motion against a closed form and the truth, other motion against `exact`.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,13 +24,13 @@ Scene driven_spin(double c, double torque, double duration) {
     return scene;
 }
 
-/// Its attitude: w = u + (3 - u) e^(-c t / 2) with u = torque / c, integrated.
+/// The attitude of driven_spin(): the integral of w = u + (3 - u) e^(-c t / 2) with u = torque / c.
 Quaternion<double> driven_attitude(double c, double torque, double t) {
     const double u = torque / c, angle = u * t - (3 - u) * std::expm1(-c * t / 2) * 2 / c;
     return {std::cos(angle / 2), 0, 0, std::sin(angle / 2)};
 }
 
-/// The heavy body in a viscous fluid of the catalogue's stiff_drag, with another drag.
+/// The heavy body in a viscous fluid of the built-in scene stiff_drag, with this drag.
 Scene viscous(double c, double duration) {
     Scene scene;
     scene.name = "viscous", scene.duration = duration;
@@ -64,7 +64,8 @@ TEST(RadauMethod, MeetsItsToleranceWhateverTheStiffness) {
             }
 }
 
-// Not more steps for a drag a million times as large: but for the first, which grow from the time scale of the decay.
+// The number of steps does not grow when the drag grows by a factor of a million, except for the first steps, which
+// start from the time scale of the decay.
 TEST(RadauMethod, TakesNoMoreStepsWhereTheMotionIsStiffer) {
     for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
         long least = std::numeric_limits<long>::max(), most = 0;
@@ -78,7 +79,7 @@ TEST(RadauMethod, TakesNoMoreStepsWhereTheMotionIsStiffer) {
     }
 }
 
-// After the transient a unit of time costs what the smooth motion asks for: here 2 rad of turning.
+// After the transient the cost per unit of time is that of the smooth motion, here a rotation at 2 rad/s.
 TEST(RadauMethod, PaysNothingForDampingAfterTheTransient) {
     constexpr double c = 1e6, tolerance = 1e-12;
     const Scene brief = driven_spin(c, 2 * c, 10), whole = driven_spin(c, 2 * c, 20);
@@ -90,7 +91,7 @@ TEST(RadauMethod, PaysNothingForDampingAfterTheTransient) {
     EXPECT_LT(of_steps(both) - of_steps(first), 10 * 100);
 }
 
-// The truth is made by collocation in multiprecision in two formulations.
+// The truth uses multiprecision collocation in two formulations.
 TEST(RadauMethod, FollowsTheTruthOfStiffMotion) {
     const FreshCache cache;
     std::vector<Scene> scenes{viscous(1000, 20)};
@@ -126,7 +127,7 @@ TEST(RadauMethod, FollowsMotionThatIsNotStiff) {
     }
 }
 
-// Nothing is projected, and yet |q| stays what it was.
+// |q| stays constant to the tolerance without projection.
 TEST(RadauMethod, KeepsTheLengthOfTheQuaternionToItsTolerance) {
     for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
         const Trajectory trajectory = with_tolerance(heavy_top(5), "radau", tolerance, 20);
@@ -169,7 +170,7 @@ TEST(RadauMethod, KnowsNoUsersTorque) {
     EXPECT_EQ(with_step(scene, "radau5", 0.1).status, Status::unsupported);
 }
 
-// The target: attitude to 1e-9 with less than half of the right-hand sides that CVODE's BDF needs.
+// Performance target: an attitude error of 1e-9 rad with less than half of the right-hand sides of CVODE's BDF.
 TEST(RadauMethod, NeedsFewerRightHandSidesThanBdf) {
     const Scene scene = viscous(1000, 20);
     const Quaternion<double> truth = with_tolerance(scene, "radau5", 1e-13).samples.back().q;

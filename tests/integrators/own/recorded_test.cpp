@@ -1,5 +1,5 @@
-// What is compiled of a right-hand side against the truth, which shares no code with it: random bodies under any of the
-// loads of the scene format. POLHODE_RANDOM_SCENES asks for more of them than the suite has time for.
+// Compiled right-hand sides against the truth, which shares no code with them: random bodies under any loads of the
+// scene format. POLHODE_RANDOM_SCENES sets a larger number of scenes than the test suite uses.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace polhode {
 namespace {
 
-// each load with an even chance, so that every combination of terms comes up
+// each load is present with probability 1/2, so that every combination of terms occurs
 Scene some_loads(unsigned seed) {
     Scene scene = loaded_scene(seed, seed % 2 == 0);
     Dice dice(seed + 1);

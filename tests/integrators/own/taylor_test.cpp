@@ -1,5 +1,4 @@
-// Taylor series in binary64 against closed forms and the truth: every load, dense output, tolerances down to absurd
-// ones.
+// Taylor series in binary64 against closed forms and the truth: every load, dense output, very small tolerances.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +48,7 @@ TEST(Taylor, IsAsAccurateAsItsArithmetic) {
     EXPECT_LT(error_against_truth(body, 1e-15, 100), 2e-15);
 }
 
-// The same motion at `factor` times the rate: times shorter, speeds larger, and torques and forces by its square.
+// The same motion `factor` times faster: times are shorter, speeds larger, torques and forces larger by its square.
 Scene at_rate(Scene scene, double factor) {
     scene.duration /= factor;
     scene.initial.angular_velocity = factor * scene.initial.angular_velocity;
@@ -105,7 +104,7 @@ TEST(Taylor, IsRightUnderEveryLoadAtAnyRate) {
             EXPECT_LT(error_against_truth(at_rate(loaded_scene(1, pivoted), rate), 1e-12, 4), 1e-10) << rate;
 }
 
-// A unit of time that is a power of two changes no bit, and so two rates a power of two apart run alike.
+// Scaling the time unit by a power of two changes no bit, so the two runs are identical.
 TEST(Taylor, IsTheSameAtRatesAPowerOfTwoApart) {
     for (const double tolerance : {1e-10, 1e-15})
         for (const bool pivoted : {false, true}) {
@@ -127,7 +126,7 @@ TEST(Taylor, IsTheSameAtRatesAPowerOfTwoApart) {
         }
 }
 
-// The largest distance (rad) between the attitudes of two runs of the same samples.
+// The largest distance (rad) between the attitudes of two runs with the same samples.
 double attitude_apart(const Trajectory& a, const Trajectory& b) {
     double worst = a.samples.size() == b.samples.size() ? 0 : HUGE_VAL;
     for (std::size_t k = 0; worst < HUGE_VAL && k < a.samples.size(); ++k) {
@@ -150,16 +149,16 @@ TEST(Taylor, KeepsTheEnergyOfALongRun) {
     EXPECT_LT(attitude_apart(run, run_of(scene, "exact")), 3e-11);
 }
 
-// Ten thousand radians and more: no more than ten times what rounding of the initial data alone does to the attitude.
+// Over ten thousand radians and more, the error is at most ten times the effect of rounding the initial data.
 TEST(Taylor, SpinsFastWithinTheConditioningFloor) {
     Scene scene = find_scene("extreme/free_spin_1e6");
     scene.duration = optimised_build ? 0.1 : 0.005;
     const double radians = 1e6 * scene.duration;
-    // float64_floor of the scene, 1.2e-10 rad at a million radians, grows with the angle
+    // float64_floor of this scene is 1.2e-10 rad at 10^6 rad and grows with the angle
     EXPECT_LT(attitude_apart(run_of(scene, "taylor", 1e-15), run_of(scene, "exact")), 10 * 1.2e-16 * radians);
 }
 
-// At equilibrium the coefficients of the rounded state vanish: those of what rounding left out still decay.
+// At equilibrium the coefficients of the rounded state vanish, but those of its low parts still decay.
 TEST(Taylor, StaysAtAStiffEquilibriumWithCare) {
     const FreshCache cache;
     Scene scene = find_scene("extreme/drag_torque_1e4");
@@ -167,7 +166,7 @@ TEST(Taylor, StaysAtAStiffEquilibriumWithCare) {
     EXPECT_LT(error_against_truth(scene, 1e-15, 5), 3e-15);
 }
 
-// Samples are looked up: neither their number nor whether they are kept changes a step.
+// Samples use dense output: neither their number nor recording changes the steps.
 TEST(Taylor, StepsDoNotDependOnSamples) {
     const Scene scene = free_body(20);
     Settings few, many;

@@ -1,4 +1,4 @@
-// Points in place of a body: its mass properties, its attitude and its loads, against sums written out.
+// Point bodies in place of a rigid body: mass properties, attitude and loads, compared with explicit sums.
 #include "integrators/points/point_body.h"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(PointBody, LinksAsManyAsItSays) {
     const Problem problem = pose(symmetric_body(1));
     EXPECT_EQ(point_body(problem, simplex).links.size(), 6u);
     EXPECT_EQ(point_body(problem, {}).links.size(), 28u);
-    // of n^3 points: 3 directions along edges, 6 along the diagonals of faces, 4 along those of cells
+    // of n^3 points: 3 directions along edges, 6 along face diagonals, 4 along cell diagonals
     for (const std::size_t n : {3u, 4u}) {
         const std::size_t m = n - 1;
         EXPECT_EQ(point_body(problem, {Arrangement::Kind::box, static_cast<int>(n)}).links.size(),
@@ -120,7 +120,7 @@ RC_GTEST_PROP(BestRotation, FindsTheRotation, ()) {
     RC_ASSERT(attitude_error(best_rotation(body.rest_B, r.data(), at), q) < 1e-14);
 }
 
-/// Of distorted points: no rotation nearby is better, and the points about it have no first moment.
+/// For distorted points: no nearby rotation fits better, and the points have no first moment about their centre.
 RC_GTEST_PROP(BestRotation, IsTheBest, ()) {
     const PointBody body = point_body(pose(moderate_scene()), {});
     std::vector<double> r = placed(body, moderate_orientation(), {});
@@ -157,7 +157,7 @@ RC_GTEST_PROP(PointMotion, StartsAsTheBodyDoes, ()) {
     std::vector<double> y(static_cast<std::size_t>(6 * body.count()));
     motion.initial(y.data());
     const Sample sample = motion.sample(0, y.data());
-    // what is lost in the points' own size against where they are
+    // rounding of positions relative to the extent of the points
     const double tolerance = 1e-13 / body.extent;
     RC_ASSERT(attitude_error(sample.q, problem.body.q) < tolerance);
     RC_ASSERT(distance(sample.angular_velocity_B, problem.body.angular_velocity_B) < 100 * tolerance);
@@ -165,7 +165,7 @@ RC_GTEST_PROP(PointMotion, StartsAsTheBodyDoes, ()) {
     RC_ASSERT(distance(sample.velocity_W, problem.body.velocity_W) < 1e-13);
 }
 
-/// The sum of the points' forces, and of their torques, are the loads' own, as the scene file defines them.
+/// The sums of the points' forces and torques equal the loads as the scene file defines them.
 RC_GTEST_PROP(PointMotion, SpreadsForceAndTorqueExactly, ()) {
     Scene scene = moderate_scene();
     scene.initial.position_W = scene.initial.velocity_W = {};
@@ -211,7 +211,7 @@ RC_GTEST_PROP(PointMotion, SpreadsForceAndTorqueExactly, ()) {
     }
     const double tolerance = 1e-11 / (body.extent * body.extent);
     RC_ASSERT(distance(about, tau) < tolerance);
-    // a pivot's reaction takes up the force
+    // the pivot's reaction takes the force
     if (!held) RC_ASSERT(distance(force, F) < tolerance);
 }
 

@@ -1,4 +1,4 @@
-// Points at hard distances by IDA, against the rigid motion.
+// Points with constant distances, solved by IDA, against the rigid motion.
 #include <gtest/gtest.h>
 
 #include "integrators/points/point_runs.h"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// A flying body, a flat one, a held one, one with every load.
+/// A body in flight, a flat one, one with a pivot, and one with every load.
 TEST(PointConstraintsIda, FollowsTheMotionToItsTolerance) {
     for (const Scene& scene : {symmetric_body(5), free_body(5), heavy_top(1), everything(2)}) {
         const Sample truth = with_tolerance(scene, "odeint_fehlberg78", 1e-13).samples.back();
@@ -23,7 +23,7 @@ TEST(PointConstraintsIda, FollowsTheMotionToItsTolerance) {
             ASSERT_EQ(run.trajectory.status, Status::ok) << scene.name << ": " << run.trajectory.message;
             const Sample& end = run.trajectory.samples.back();
             const double error = attitude_error(end.q, truth.q);
-            // errors of single steps add up over hundreds of them
+            // the errors of hundreds of steps add up
             EXPECT_LT(error, 1e4 * tolerance * scene.duration) << scene.name;
             EXPECT_LT(distance(end.position_W, truth.position_W), 1e4 * tolerance * scene.duration) << scene.name;
             EXPECT_LT(error, before / 5) << scene.name;
@@ -34,8 +34,7 @@ TEST(PointConstraintsIda, FollowsTheMotionToItsTolerance) {
     }
 }
 
-/// Nothing acts on the centre of mass, which moves in a line, however far: the tolerance is that of the points about
-/// it.
+/// The centre of mass moves freely on a line, however far. The tolerance applies to the points relative to it.
 TEST(PointConstraintsIda, LosesNoAttitudeByFlyingFar) {
     Scene scene = symmetric_body(5);
     scene.initial.velocity_W = {1000, 0, 0};

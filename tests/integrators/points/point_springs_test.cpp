@@ -1,4 +1,4 @@
-// Bodies on springs, by each method: momenta, orders, and what stiffness does to the motion.
+// Bodies of points on springs, by each method: momenta, orders, and the effect of stiffness on the motion.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -37,7 +37,7 @@ Vector3<double> momentum_W(const Scene& scene, const Sample& s) {
     return rotate(s.q, scene.body.inertia_B * s.angular_velocity_B);
 }
 
-/// Of the springs' own motion, against a finer step.
+/// The order with respect to the motion of the springs, measured against a finer step.
 TEST(PointSprings, HaveTheOrdersOfTheirSchemes) {
     const Problem problem = pose(everything(1));
     PointOptions options;
@@ -60,7 +60,7 @@ TEST(PointSprings, HaveTheOrdersOfTheirSchemes) {
     for (const double found : order(point_springs_verlet, 1.0 / 800)) EXPECT_NEAR(found, 2, 0.1);
 }
 
-/// The attitude error and the stretch go like 1/k.
+/// The attitude error and the stretch are proportional to 1/k.
 TEST(PointSprings, ApproachTheRigidBodyAsStiffnessGrows) {
     const Scene scene = tumbling(3);
     const Problem problem = pose(scene);
@@ -80,8 +80,8 @@ TEST(PointSprings, ApproachTheRigidBodyAsStiffnessGrows) {
     EXPECT_NEAR(stretch[1] / stretch[2], 10, 1);
 }
 
-/// Three points in a plane, turning about its normal: by symmetry each is drawn in by two springs at 30 degrees,
-/// sqrt(3) k (l - l0) = m w^2 r with l = sqrt(3) r, so that (l - l0) / l0 = m w^2 / (3 k - m w^2).
+/// Three points in a plane that rotates about its normal. By symmetry each is pulled by two springs at 30 degrees:
+/// sqrt(3) k (l - l0) = m w^2 r with l = sqrt(3) r, so (l - l0) / l0 = m w^2 / (3 k - m w^2).
 TEST(PointSprings, StretchAsMuchAsTheRotationAsks) {
     Scene scene;
     scene.name = "triangle", scene.duration = 1;
@@ -101,7 +101,7 @@ TEST(PointSprings, KeepTheMomentaOfAFreeBodyByVerlet) {
     scene.initial.velocity_W = {0.3, -0.2, 0.1};
     const Trajectory t = with_step(scene, "point_springs_verlet", 2e-3, 10);
     ASSERT_EQ(t.status, Status::ok) << t.message;
-    // L as the points have it, which is the rigid body's of that attitude and rate but for the stretch
+    // L of the points, which differs from that of the rigid body with this attitude and rate by the stretch
     const Vector3<double> L = momentum_W(scene, t.samples.front());
     for (const Sample& s : t.samples) {
         EXPECT_LT(distance(s.velocity_W, scene.initial.velocity_W), 1e-12);
@@ -109,7 +109,7 @@ TEST(PointSprings, KeepTheMomentaOfAFreeBodyByVerlet) {
     }
 }
 
-/// Every load, events and a pivot, by all three: what is left is the stretch's.
+/// Every load, events and a pivot, by all three methods: the remaining error is that of the stretch.
 TEST(PointSprings, FollowTheMotionUnderEveryLoad) {
     Scene user = heavy_top(0.3);
     user.loads.push_back(
@@ -137,7 +137,7 @@ TEST(PointSprings, SayWhichStepTheyWant) {
     const Problem problem = pose(scene);
     const PointBody body = point_body(problem, {});
     const double fastest = spring_frequencies(body, default_stiffness(problem, body)).fastest;
-    // just beyond it the classical scheme folds the body up and goes on
+    // just beyond the limit the classical scheme folds the body up and continues
     for (const double share : {1.04, 1.2})
         for (const auto& [method, limit] :
              {std::pair{&point_springs_rk4, 2 * std::sqrt(2)}, std::pair{&point_springs_verlet, 2.0}}) {
@@ -148,7 +148,7 @@ TEST(PointSprings, SayWhichStepTheyWant) {
         }
 }
 
-/// Dampers let CVODE take steps longer than the vibrations, and change nothing of the motion at this accuracy.
+/// Dampers let CVODE take steps longer than the vibrations and do not change the motion at this accuracy.
 TEST(PointSpringsCvode, OutgrowsDampedVibrations) {
     const Scene scene = tumbling(3);
     const Problem problem = pose(scene);
@@ -161,7 +161,7 @@ TEST(PointSpringsCvode, OutgrowsDampedVibrations) {
     const PointRun with = point_springs_cvode_bdf(problem, settings, damped);
     ASSERT_EQ(with.trajectory.status, Status::ok) << with.trajectory.message;
     EXPECT_LT(attitude_error(with.trajectory.samples.back().q, truth.q), 1e-3);
-    // half of what the explicit scheme of order 4 must take
+    // half the number of steps that the explicit scheme of order 4 needs
     const double fastest = spring_frequencies(point_body(problem, {}), 1e6).fastest;
     EXPECT_LT(static_cast<double>(with.trajectory.steps), 0.5 * fastest * scene.duration / 2.83);
     const PointRun without = point_springs_cvode_bdf(problem, settings, undamped);

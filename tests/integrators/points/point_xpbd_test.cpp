@@ -1,4 +1,4 @@
-// Points at hard distances by position-based dynamics: what sweeps and steps do. Its order: order_test.cpp.
+// Points with constant distances by position-based dynamics: effect of sweeps and steps. For the order: order_test.cpp.
 #include <gtest/gtest.h>
 
 #include "integrators/points/point_runs.h"
@@ -35,7 +35,7 @@ TEST(PointXpbd, ConvergesWithOrderOneUnderEveryLoad) {
     }
 }
 
-/// A load that begins where rounding has put it beside the end of a step leaves 10^-17 s of that: the velocity stays.
+/// Rounding can place the start of a load next to the end of a step, 10^-17 s before it. The velocity must not change.
 TEST(PointXpbd, StandsAStepCutByRounding) {
     Scene scene = symmetric_body(1);
     scene.initial.velocity_W = {1, 2, 3};
@@ -48,7 +48,7 @@ TEST(PointXpbd, StandsAStepCutByRounding) {
     }
 }
 
-/// What the sweeps leave of the distances' errors falls with their number, and with the square of the step.
+/// The remaining error of the distances decreases with the number of sweeps and with the square of the step.
 TEST(PointXpbd, HoldsTheDistancesByItsSweeps) {
     const Scene scene = symmetric_body(2);
     const double one = run_with(scene, 0.01, 1).largest_stretch, ten = run_with(scene, 0.01, 10).largest_stretch;
@@ -56,7 +56,7 @@ TEST(PointXpbd, HoldsTheDistancesByItsSweeps) {
     EXPECT_NEAR(std::log2(one / run_with(scene, 0.005, 1).largest_stretch), 2, 0.4);
 }
 
-/// It damps: of the rotation's energy the more is lost the longer the step. Momentum stays.
+/// The method damps: it loses more rotational energy at longer steps. Momentum is conserved.
 TEST(PointXpbd, LosesEnergyButNotMomentum) {
     Scene scene = symmetric_body(2);
     scene.initial.velocity_W = {0.1, 0.2, -0.3};

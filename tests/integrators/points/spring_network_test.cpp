@@ -1,4 +1,4 @@
-// Springs between points: against the vibrations of molecules in closed form, and against themselves.
+// Spring networks: vibration frequencies against closed forms for molecules, and internal consistency.
 #include "integrators/points/spring_network.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ RC_GTEST_PROP(SpringNetwork, HasTheJacobianOfItsForces, ()) {
     std::vector<double> r = distorted(body), above(n), below(n);
     r.resize(2 * n);  // at rest
     const Eigen::MatrixXd J = network.jacobian(r.data());
-    // points that (nearly) coincide have a force with (nearly) a corner
+    // nearly coincident points have a nearly non-differentiable force
     for (const PointLink& link : body.links)
         RC_PRE(distance(vector_at(r.data(), 3 * link.i), vector_at(r.data(), 3 * link.j)) > 0.05 * body.extent);
     const double h = 1e-5 * body.extent;
@@ -62,7 +62,7 @@ RC_GTEST_PROP(SpringNetwork, HasTheJacobianOfItsForces, ()) {
     }
 }
 
-/// A rigid motion moves no damper; any other loses what dampers take, c (d'.u)^2 each.
+/// A rigid motion does not move the dampers. Other motions lose the power of the dampers, c (d'.u)^2 each.
 RC_GTEST_PROP(SpringNetwork, LosesEnergyByItsDampersAlone, ()) {
     Scene scene = moderate_scene();
     scene.pivot.reset();
@@ -82,7 +82,7 @@ RC_GTEST_PROP(SpringNetwork, LosesEnergyByItsDampersAlone, ()) {
         taken += c * rate * rate;
     }
     RC_ASSERT(std::abs(power + taken) <= 1e-12 * taken);
-    // its derivative by v
+    // the derivative with respect to v
     const Eigen::MatrixXd D = SpringNetwork(body, k, c).velocity_jacobian(y.data());
     for (int i = 0; i < 3 * n; ++i) {
         double product = 0;
@@ -95,7 +95,7 @@ RC_GTEST_PROP(SpringNetwork, LosesEnergyByItsDampersAlone, ()) {
     for (int i = 0; i < 3 * n; ++i) RC_ASSERT(std::abs(with[i] - without[i]) < 1e-11);
 }
 
-/// Settled points, under a steady rotation about a principal axis, stay at their distances.
+/// Settled points in steady rotation about a principal axis keep their distances.
 TEST(SpringNetwork, SettlesIntoASteadyRotation) {
     Scene scene = symmetric_body(1);
     scene.initial.angular_velocity = {0, 0, 3};
@@ -108,12 +108,12 @@ TEST(SpringNetwork, SettlesIntoASteadyRotation) {
     const SpringNetwork network(body, k);
     const Vector3<double> w = motion.initial(y.data());
     network.accelerations(y.data(), a.data());
-    EXPECT_LT(std::abs(a[0]), 1e-8);  // unstretched: nothing turns the points about
+    EXPECT_LT(std::abs(a[0]), 1e-8);  // unstretched: the points do not rotate
     network.settle(w, y.data());
     network.accelerations(y.data(), a.data());
     for (int i = 0; i < n; ++i) {
         const Vector3<double> needed = cross(w, cross(w, vector_at(y.data(), 3 * i)));
-        // but for the square of the stretch, m w^2 / k
+        // up to the square of the stretch, m w^2 / k
         EXPECT_LT(distance(vector_at(a.data(), 3 * i), needed), 1e-5 * length(needed));
         EXPECT_GT(length(needed), 1.0);
         EXPECT_LT(distance(vector_at(y.data(), 3 * (n + i)), cross(w, vector_at(y.data(), 3 * i))), 1e-15);

@@ -1,5 +1,4 @@
-// Methods in binary32: the arithmetic's share of the error, apart from the method's; what their descriptors say; where
-// the range of binary32 ends.
+// Methods in binary32: rounding errors separated from those of the method, descriptors, limits of binary32's range.
 #include "integrators/run/binary32.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +32,7 @@ double largest(const Vector3<double>& v) { return std::max({std::abs(v[0]), std:
 
 class Binary32Method : public ::testing::TestWithParam<const Method*> {};
 
-/// Behind the method it is made of, with the same claims.
+/// Each one follows its binary64 method in the list, with the same properties.
 TEST_P(Binary32Method, FollowsItsMethod) {
     const Method& narrow = *GetParam();
     const auto place = std::find(methods().begin(), methods().end(), &narrow);
@@ -48,13 +47,13 @@ TEST_P(Binary32Method, FollowsItsMethod) {
     EXPECT_TRUE(narrow.conserves.starts_with(wide.conserves));
 }
 
-/// The same steps in both arithmetics, on a tumbling body and on a top. Coarse: the errors are the method's, in both
-/// the same. Fine: what the two differ by is rounding, in the worst case all one way: some 2^-24 a step in the
-/// attitude, and in the rates, whose relative error the angle turned through multiplies.
+/// The same steps in both arithmetics, on a tumbling body and a top. At coarse steps both have the error of the
+/// method. At fine steps they differ by rounding: at worst 2^-24 per step in the attitude and in the rates, whose
+/// relative error is multiplied by the rotated angle.
 TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
     const Method &narrow = *GetParam(), &wide = in_binary64(narrow);
     if (!refusal(wide, pose(free_body(2))).empty()) GTEST_SKIP() << "of scenes of several bodies: multibody/";
-    // these take w to the body's axes and back at every step, one of them four times
+    // these transform w to body axes and back at every step, one of them four times
     const bool takes_rates_round = narrow.name.starts_with("gyroscopic") || narrow.name.starts_with("first_order");
     const double roundings = takes_rates_round ? 6 : 1;
     for (const Scene& scene : {free_body(2), heavy_top(1)}) {
@@ -66,7 +65,7 @@ TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
             return std::pair(with_step(scene, narrow.name.data(), h), with_step(scene, wide.name.data(), h));
         };
         const auto attitude = [](const Trajectory& trajectory) { return trajectory.samples.back().q; };
-        // the coarsest steps that are of use; some methods converge to another motion
+        // the coarsest useful steps; some methods converge to another motion
         for (long n = 4;; n *= 2) {
             const auto [single, binary64] = both(n);
             if (single.status != Status::ok || binary64.status != Status::ok) continue;
@@ -74,7 +73,7 @@ TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
             if (method_error > 0.1 && n < 256) continue;
             ASSERT_GT(method_error, 1e-4) << scene.name << " " << n;
             EXPECT_LT(attitude_error(attitude(single), attitude(binary64)), 0.01 * method_error) << scene.name;
-            // and so is the order seen there; order_test.cpp has it in binary64 down to its round-off
+            // the observed order agrees as well; order_test.cpp measures it in binary64 down to round-off
             const auto [half_single, half_binary64] = both(2 * n);
             ASSERT_EQ(half_single.status, Status::ok) << half_single.message;
             const double single_order = std::log2(attitude_error(attitude(single), truth) /
@@ -83,7 +82,7 @@ TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
             EXPECT_NEAR(single_order, order, 0.05) << scene.name;
             break;
         }
-        // a velocity that is a difference of places over h is rounded the more the smaller h is
+        // velocities that are position differences divided by h have rounding errors proportional to 1/h
         if (narrow.name.starts_with("xpbd_")) continue;
         const long n = optimised_build ? 16384 : 2048;
         const auto [single, binary64] = both(n);
@@ -92,21 +91,21 @@ TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
         const double bound = roundings * unit_roundoff * static_cast<double>(n) * (1 + angle);
         RecordProperty(scene.name.substr(0, 4), std::to_string(apart / bound));
         EXPECT_LT(apart, bound) << scene.name;
-        // of a method of order 4 the arithmetic is then all of the error
+        // for a method of order 4, rounding is then the whole error
         if (narrow.order == 4) {
             EXPECT_GT(attitude_error(attitude(single), truth), 100 * attitude_error(attitude(binary64), truth));
         }
     }
 }
 
-/// A free body keeps what the method keeps, to roundings: |q| = 1, or that of the vector L.
+/// On a free body the invariants of the method, |q| = 1 or the vector L, are conserved up to rounding.
 TEST(Binary32, KeepsWhatTheMethodKeeps) {
     const Scene scene = free_body(10);
     const Vector3<double> L0(1, 2, 3);
     for (const char* name : {"fleck_quaternion_float32", "splitting2_float32", "moser_veselov2_float32", "buss_float32",
                              "simo_wong_float32"})
         for (const Sample& s : with_step(scene, name, 0.01, 20).samples) {
-            // the attitude's rounding is in R L_B
+            // R L_B contains the rounding of the attitude
             const Vector3<double> L =
                 (1 / squared_norm(s.q)) * rotate(s.q, scene.body.inertia_B * s.angular_velocity_B);
             EXPECT_LT(largest(L - L0), 1e-5) << name;
@@ -114,7 +113,7 @@ TEST(Binary32, KeepsWhatTheMethodKeeps) {
         }
 }
 
-/// Motions that binary32 cannot hold.
+/// Motions beyond the range of binary32 are refused.
 TEST_P(Binary32Method, RefusesNumbersBeyondItsRange) {
     if (refusal(*find_method(GetParam()->name), pose(free_body(1))).find("several bodies") != std::string::npos)
         GTEST_SKIP() << "a free body is none of its motions";
@@ -133,12 +132,12 @@ TEST_P(Binary32Method, RefusesNumbersBeyondItsRange) {
     refused(scene, 1e-43);
 }
 
-/// Flung off by a torque until w passes 3.4e38, or the terms of a step do: no NaN goes out as a result.
+/// A torque accelerates the body until w, or a term of a step, exceeds 3.4e38: the run reports it and returns no NaN.
 TEST_P(Binary32Method, DivergesByNameBeyondItsRange) {
     for (const double torque : {1e38, 1e20, 1e10}) {
         Scene scene = free_body(100);
         scene.loads = {Torque{{torque, 2 * torque, -torque}, Frame::body, {}}};
-        // about one axis w grows all one way
+        // rotation about one axis, so that w only grows
         if (torque > 1e30)
             scene.initial.angular_velocity = {0, 0, 1}, scene.loads = {Torque{{0, 0, torque}, Frame::body, {}}};
         const Trajectory trajectory = with_step(scene, GetParam()->name.data(), 1, 10);

@@ -1,4 +1,4 @@
-// The drivers: events, samples, limits, and what becomes of a method that fails.
+// The drivers: events, samples, limits, and failing methods.
 #include "integrators/run/march.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace polhode::testing;
 
-/// One method by steps or by a tolerance.
+/// A method with a step or a tolerance.
 struct Run {
     const char* method;
     std::optional<double> step, tolerance;
@@ -63,13 +63,13 @@ void expect_same_bits(const Sample& a, const Sample& b) {
 
 double distance(const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); }
 
-/// All of the state, each part in its own unit.
+/// The largest difference of all parts of the state, each in its own unit.
 double difference(const Sample& a, const Sample& b) {
     return std::max({attitude_error(a.q, b.q), distance(a.angular_velocity_B, b.angular_velocity_B),
                      distance(a.position_W, b.position_W), distance(a.velocity_W, b.velocity_W)});
 }
 
-/// Evaluations of the steps alone, without those that samples between them cost.
+/// Evaluations of the steps, without those for samples between steps.
 long of_steps(const Trajectory& t) { return t.rhs_evaluations - t.sample_evaluations; }
 
 TEST_P(March, TakesTheSameStepsWithAndWithoutSamples) {
@@ -94,7 +94,7 @@ TEST_P(March, TakesTheSameStepsWithAndWithoutSamples) {
 
 TEST_P(March, ToleranceDrivenStepsDoNotDependOnTheSampling) {
     if (GetParam().step) {
-        // fixed steps do, knowingly: whole steps meet every sample; then the step is the one it says
+        // a fixed step is fitted so that whole steps meet every sample, and the run reports this step
         const Trajectory t = GetParam().on(everything(3), 7);
         EXPECT_LE(t.step, *GetParam().step);
         EXPECT_EQ(t.steps, std::lround(3 / t.step));
@@ -106,7 +106,7 @@ TEST_P(March, ToleranceDrivenStepsDoNotDependOnTheSampling) {
     expect_same_bits(one.samples.back(), many.samples.back());
 }
 
-/// A body that turns about one axis under a torque M for 1 <= t < 2 and gets an angular kick at 2.5 and at the end.
+/// A body that rotates about one axis under a torque for 1 <= t < 2, with angular impulses at 2.5 s and at the end.
 Scene pushed_about_one_axis() {
     Scene scene;
     scene.name = "pushed", scene.duration = 4;
@@ -117,7 +117,8 @@ Scene pushed_about_one_axis() {
                    Impulse{{0, 1, 0}, Frame::body, {1, 0, 0}, Frame::body, 4}};
     return scene;
 }
-/// I3 = 2.5: rate 0.5 until 1, then + t - 1 until 2; + 0.5 / 2.5 from 2.5 on, + 1 / 2.5 at 4.
+/// I3 = 2.5: the rate is 0.5 until 1 s, then grows by 0.5 (t - 1) until 2 s, by 0.5 / 2.5 at 2.5 s and by 1 / 2.5 at 4
+/// s.
 double pushed_rate(double t) {
     double w = 0.5 + 0.5 * std::min(std::max(t - 1, 0.0), 1.0);
     if (t >= 2.5) w += 0.2;
@@ -130,20 +131,20 @@ double pushed_angle(double t) {
 }
 
 TEST_P(March, MeetsWindowsAndImpulsesExactly) {
-    // samples at every event (1, 2, 2.5, 4) and between; a sample at an event shows the motion after it
+    // samples at every event (1, 2, 2.5, 4 s) and between; a sample at an event shows the motion after it
     const Trajectory trajectory = GetParam().on(pushed_about_one_axis(), 16);
     ASSERT_EQ(trajectory.status, Status::ok) << trajectory.message;
     ASSERT_EQ(trajectory.samples.size(), 17u);
     for (const Sample& sample : trajectory.samples) {
         const double half = pushed_angle(sample.t) / 2;
-        // the methods' own errors: R = 1e-11 a step, or h^4 = 1e-12; nothing like the 1e-3 of a step cut wrongly
+        // errors of the methods: R = 1e-11 per step, or h^4 = 1e-12; a wrongly split step would give 1e-3
         EXPECT_NEAR(sample.angular_velocity_B[2], pushed_rate(sample.t), 1e-9) << "t = " << sample.t;
         EXPECT_LT(attitude_error(sample.q, {std::cos(half), 0, 0, std::sin(half)}), 1e-9) << "t = " << sample.t;
     }
 }
 
-/// The scene from time `begin` to `end` on, started from `from`, its windows moved along; impulses at `begin` count
-/// only in the first piece, for a sample at an event shows the motion after it.
+/// The scene from time `begin` to `end`, started at `from`, with shifted windows. Impulses at `begin` count only in
+/// the first piece, because a sample at an event shows the motion after it.
 Scene piece(const Scene& whole, double begin, double end, const Sample* from) {
     Scene scene = whole;
     scene.duration = end - begin;
@@ -168,7 +169,7 @@ Scene piece(const Scene& whole, double begin, double end, const Sample* from) {
     return scene;
 }
 
-/// An impulse by the textbook, on the body's own axes: I dw = r x J, m dv = J.
+/// An impulse by the textbook equations in body axes: I dw = r x J, m dv = J.
 void kick(const Scene& scene, const Impulse& impulse, Sample& s) {
     const Vector3<double> J_W = impulse.frame == Frame::world ? impulse.vector : rotate(s.q, impulse.vector);
     const Vector3<double> point_W = impulse.point_frame == Frame::world
@@ -194,7 +195,7 @@ TEST_P(March, EqualsTheSolutionComposedOfItsPieces) {
     }
     const Trajectory whole = GetParam().on(scene, 1);
     ASSERT_EQ(whole.status, Status::ok) << whole.message;
-    // the pieces' steps are others; the two agree as well as the method is right at these settings
+    // the pieces have other steps; the difference is the error of the method at these settings
     EXPECT_LT(difference(whole.samples.back(), state), 2e-9);
 }
 
@@ -218,7 +219,7 @@ Scene with_user_torque(Vector3<double> (*torque)(const LoadState&)) {
     return scene;
 }
 
-/// Ends as `unsupported` where it needs a derivative, else with one of the two failures, soon, and nothing but numbers.
+/// Checks that the run soon ends with an allowed failure and finite numbers, or as `unsupported` without derivatives.
 void expect_named_failure(const Run& run, const Scene& scene, std::initializer_list<Status> allowed) {
     const auto start = std::chrono::steady_clock::now();
     const Trajectory trajectory = run.on(scene, 20);
@@ -248,7 +249,7 @@ TEST_P(March, NamesATorqueThatIsNotANumber) {
 }
 
 TEST_P(March, NamesABlowUp) {
-    // dw/dt ~ w^3: infinite after half a second
+    // dw/dt ~ w^3: infinite after 0.5 s
     const auto growing = [](const LoadState& s) {
         const Vector3<double>& w = s.angular_velocity_B;
         return dot(w, w) * w;
@@ -266,7 +267,7 @@ TEST_P(March, StopsAtTheLimits) {
         const Trajectory stepped = solve(problem, method, settings);
         EXPECT_EQ(stepped.status, Status::failed);
         EXPECT_TRUE(stepped.limit_reached);
-        // a fixed step tells beforehand that it cannot end within its limit
+        // with a fixed step the limit is checked before the run
         EXPECT_EQ(stepped.steps, GetParam().step ? 0 : 10);
         EXPECT_NE(stepped.message.find("10 steps"), std::string::npos) << stepped.message;
 
@@ -294,11 +295,11 @@ TEST(MarchControlled, ATooSmallToleranceIsNotMet) {
         }
 }
 
-/// A stepper that behaves as it is told; it moves nothing.
+/// A stepper with a prescribed outcome, which does not change the state.
 struct Puppet {
     const Problem* problem;
     Attempt outcome;
-    double proposal;  ///< every step is this long
+    double proposal;  ///< the length of every step
     double shrinkage;
 
     void restart() {}
@@ -342,7 +343,7 @@ TEST(MarchControlled, EndsWhenStepsAreAcceptedButTooShortToArrive) {
     EXPECT_EQ(crawling.status, Status::tolerance_not_met);
     EXPECT_NE(crawling.message.find("no progress"), std::string::npos) << crawling.message;
     EXPECT_LT(crawling.steps, 100000);
-    // 2e5 steps are many, but they arrive
+    // 2e5 steps are many, but the run reaches the end
     const Trajectory slow = pull({nullptr, Attempt::accepted, 1e-5, 1});
     EXPECT_EQ(slow.status, Status::ok) << slow.message;
     EXPECT_NEAR(static_cast<double>(slow.steps), 2e5, 1);
@@ -352,7 +353,7 @@ TEST(StepsPerSample, RoundsTheStepDown) {
     EXPECT_EQ(steps_per_sample(1, 0.3), 4);
     EXPECT_EQ(steps_per_sample(1, 0.25), 4);
     EXPECT_EQ(steps_per_sample(1, 2), 1);
-    // 0.1 is not a tenth: the ratio misses 10 by rounding alone
+    // 0.1 is not exactly a tenth: the ratio differs from 10 by rounding
     EXPECT_EQ(steps_per_sample(1, 0.1), 10);
     EXPECT_EQ(steps_per_sample(0.3, 0.1), 3);
 }

@@ -1,4 +1,4 @@
-// Sample times of the caller's own: every method meets them, with the same motion as at equal intervals.
+// User-defined sample times: every method meets them, with the same motion as at equal intervals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr long intervals = 20;
 
 Scene sampled_scene() {
     Scene scene = find_scene("every_load");
-    scene.duration = 2;  // impulses and windows lie inside
+    scene.duration = 2;  // impulses and load windows are inside
     return scene;
 }
 
@@ -29,8 +29,7 @@ std::vector<double> some_of_the_usual() {
 
 class SampleTimes : public ::testing::TestWithParam<const Method*> {};
 
-/// What is driven by a tolerance takes the same steps wherever it is sampled. A fixed step is fitted into other
-/// intervals.
+/// With a tolerance the steps do not depend on the samples. A fixed step is fitted into other intervals.
 TEST_P(SampleTimes, ShowTheSameMotion) {
     const Method& method = *GetParam();
     const Problem problem = pose(sampled_scene());
@@ -53,8 +52,7 @@ TEST_P(SampleTimes, ShowTheSameMotion) {
         while (usual.samples[k].t < sample.t) ++k;
         ASSERT_EQ(usual.samples[k].t, sample.t);
         const double off = std::abs(usual.samples[k].q.w - sample.q.w) + std::abs(usual.samples[k].q.z - sample.q.z);
-        // by a fixed step the rounding of h; by a tolerance several samples inside one step are reached one from
-        // another
+        // fixed steps: the rounding of h; tolerances: consecutive samples inside one step start from each other
         const double most = method.precision == Precision::binary32 ? 1e-2
                             : fixed                                 ? 1e-6
                                                                     : 100 * settings.tolerance.value_or(1e-14);
@@ -89,7 +87,7 @@ TEST(SampleTimesOfARun, AreRefusedOutOfOrderOrRange) {
     }
 }
 
-/// Intervals cover the run, each by whole steps none of which is longer than asked.
+/// The intervals cover the run, each by whole steps not longer than the given step.
 TEST(SampleTimesOfARun, AreMetByWholeSteps) {
     const Problem problem = pose(sampled_scene());
     Settings settings;

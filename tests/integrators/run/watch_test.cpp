@@ -1,4 +1,4 @@
-// What all tolerance-driven runs share: the same look at the energy, in the same places, told in the same words.
+// All tolerance-driven runs check the energy at the same places and report divergence with the same message.
 #include "integrators/run/watch.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST(Watch, EnergyBeyondBoundsIsSeenWithinSixteenStepsWhoeverSteps) {
     for (const bool record : {true, false}) {
         Settings settings;
         settings.samples = 1, settings.record = record;
-        // energy is beyond 10^6 times its own after 4 steps; the next sample is 1000 steps away
+        // the energy exceeds 10^6 times the scene's after 4 steps; the next sample is 1000 steps away
         const Runs runs = runs_of(10, 1000 * step, settings);
         for (const Trajectory* trajectory : {&runs.by_session, &runs.by_steps}) {
             EXPECT_EQ(trajectory->status, Status::diverged);
@@ -93,7 +93,7 @@ TEST(Watch, EnergyBeyondBoundsIsSeenWithinSixteenStepsWhoeverSteps) {
 TEST(Watch, AndAtASampleBefore) {
     Settings settings;
     settings.samples = 10;
-    // a sample after every 5 steps
+    // a sample every 5 steps
     const Runs runs = runs_of(10, 50 * step, settings);
     for (const Trajectory* trajectory : {&runs.by_session, &runs.by_steps}) {
         EXPECT_EQ(trajectory->status, Status::diverged);

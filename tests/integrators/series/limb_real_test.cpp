@@ -1,4 +1,4 @@
-// Radix-2^58 numbers against MPFR at more digits than they have.
+// Radix-2^58 numbers against MPFR with more digits.
 #include "integrators/series/limb_real.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ Exact exact(const Real<digits>& x) {
     mpfr_set(raw(result), raw(x), MPFR_RNDN);
     return result;
 }
-// All digits of a number: what remains beyond the nearest of the precision is taken off and converted again.
+// The exact value: repeatedly subtracts the nearest number of the precision and converts the rest.
 template <unsigned digits>
 Exact exact(LimbReal<digits> x) {
     Exact sum(0);
@@ -32,7 +32,7 @@ Exact exact(LimbReal<digits> x) {
     return sum;
 }
 
-// Numbers of either sign with all bits, few bits, or none, of sizes near one another and far apart.
+// Random numbers of either sign with all, few or no bits set, of similar and of very different sizes.
 template <unsigned digits>
 Real<digits> random_real(int most_exponent) {
     const int kind = *rc::gen::inRange(0, 8);
@@ -49,7 +49,7 @@ Real<digits> random_real(int most_exponent) {
     return x;
 }
 
-// The precision that the class states, with `terms` products.
+// The documented error bound for `terms` products.
 template <unsigned digits>
 Exact allowed(int terms) {
     Exact unit(terms);
@@ -96,7 +96,7 @@ RC_GTEST_PROP(LimbReal, HasThePrecisionThatItStates, ()) {
     check_arithmetic<100>(300);
 }
 
-// Half a power of the radix lies between a digit of one half and one of half the radix.
+// Half of a power of the radix is a digit 1/2 or half the radix, depending on the power.
 TEST(LimbReal, HalvesKeepThePrecision) {
     using T = LimbReal<50>;
     for (const int power : {-117, -59, -1, 57, 115})
@@ -139,7 +139,7 @@ RC_GTEST_PROP(LimbReal, SumsProductsToThePrecisionOfTheLargest, ()) {
     check_convolution<100>(200);
 }
 
-// All digits at their largest, as many products as the longest series has: the columns hold them.
+// The columns do not overflow with all digits at their maximum and as many products as the longest series has.
 TEST(LimbReal, ColumnsHoldTheLongestSumOfTheLargestDigits) {
     using T = LimbReal<100>;
     Real<100> x(1);
@@ -173,13 +173,13 @@ TEST(LimbReal, WhatIsNotFiniteIsNotANumberAndStaysSo) {
     EXPECT_TRUE(std::isnan(log2_magnitude(none)));
     divide(quotient, 3);
     EXPECT_TRUE(quotient.is_nan());
-    // beyond the range of exponents
+    // beyond the exponent range
     T large{Real<50>(2)};
     for (int i = 0; i < 60; ++i) large = large * large;
     EXPECT_TRUE(large.is_nan());
 }
 
-// The coefficients of a random system, by both.
+// The Taylor coefficients of a random system agree with those from MPFR.
 RC_GTEST_PROP(LimbReal, GivesTheTaylorCoefficientsOfMpfr, ()) {
     const testing::RandomSystem system = testing::random_system(30);
     const int n = static_cast<int>(system.variables), order = 24;
@@ -194,7 +194,7 @@ RC_GTEST_PROP(LimbReal, GivesTheTaylorCoefficientsOfMpfr, ()) {
     for (int i = 0; i < n; ++i)
         for (int k = 0; k <= order; ++k) {
             const P want = reference.coefficient(i, k), off = abs(P(P(series.coefficient(i, k)) - want));
-            // what rounding makes of the largest coefficients so far
+            // rounding relative to the largest coefficient so far
             P largest(1);
             for (int j = 0; j <= k; ++j) largest = std::max(largest, P(abs(reference.coefficient(i, j))));
             RC_ASSERT(off <= P(1e-40) * largest);

@@ -1,4 +1,4 @@
-// Random autonomous systems of all operations that a tape has, over any scalar, smooth about the start.
+// Random autonomous systems with all operations of a tape, for any scalar type, smooth near the start.
 #pragma once
 
 #include <rapidcheck.h>
@@ -9,18 +9,18 @@
 
 namespace polhode::testing {
 
-/// A list of operations, each on two of the variables and results so far; the rates are the last results.
+/// A list of operations, each on two of the variables and earlier results; the rates are the last results.
 struct RandomSystem {
     struct Step {
         int operation;
-        std::size_t a, b;  ///< how far back the operands are
-        double c;          ///< from 0.25 to 1
+        std::size_t a, b;  ///< distance back to the operands
+        double c;          ///< in [0.25, 1]
     };
     std::size_t variables = 0;
     std::vector<Step> steps;
-    std::vector<double> start;  ///< from -1 to 1
+    std::vector<double> start;  ///< in [-1, 1]
 
-    /// Results stay of size 1: divisors are 1 at least, and what grows is kept down by a sine.
+    /// Results stay of order 1: divisors are at least 1, and a sine bounds growing values.
     template <class S>
     void derivative(const S* y, S* dy) const {
         std::vector<S> v(y, y + variables);
@@ -61,7 +61,7 @@ struct RandomSystem {
     }
 };
 
-/// One of up to `most` operations.
+/// A system with up to `most` operations.
 inline RandomSystem random_system(int most) {
     RandomSystem system;
     system.variables = *rc::gen::inRange<std::size_t>(1, 5);

@@ -1,4 +1,4 @@
-// The parts of the truth: recorded right-hand sides, Taylor coefficients, Radau tables, decimal strings.
+// Components of the truth: recorded right-hand sides, Taylor coefficients, Radau tables, decimal strings.
 #include "integrators/series/series.h"
 
 #include <gtest/gtest.h>
@@ -59,11 +59,11 @@ TEST(Series, SquareAndProductFollowTheGeometricSeries) {
     }
     double end[2];
     series.evaluate(0.125, end);
-    // the remainder of 1 / (1 - t) is t^13 / (1 - t) = 2.1e-12
+    // the remainder of the series of 1 / (1 - t) is t^13 / (1 - t) = 2.1e-12
     EXPECT_NEAR(end[0], 1 / 0.875, 2.2e-12);
 }
 
-// t' = 1, and functions of t as rates: a rate's k-th coefficient is (k + 1) times the next one of the variable.
+// t' = 1 and functions of t as rates: a rate's k-th coefficient is (k + 1) times the next coefficient of the variable.
 struct OfTime {
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -87,7 +87,7 @@ void check_closed_forms(double tolerance) {
     series.expand(start.data());
     T s(0), c(0), power(1), root(1), geometric(1);  // 2^k / k!, (1/2 over k) 2^k, 2^-k
     sine_cosine(T(0.5), s, c);
-    // B. Taylor: t + t^3 / 3 + 2 t^5 / 15 + 17 t^7 / 315 + 62 t^9 / 2835
+    // tan t = t + t^3 / 3 + 2 t^5 / 15 + 17 t^7 / 315 + 62 t^9 / 2835
     const T tangent[10] = {T(0),         T(1), T(0),           T(1) / T(3), T(0),
                            T(2) / T(15), T(0), T(17) / T(315), T(0),        T(62) / T(2835)};
     for (int k = 0; k < order; ++k) {
@@ -115,7 +115,7 @@ TEST(Series, SinesQuotientsAndRootsHaveTheirClosedForms) {
     check_closed_forms<R>(1e-47);
 }
 
-// t' = 1 beside a random system's first rate of variables c_i t + start_i, which is then a function of t alone
+// t' = 1 and the first rate of a random system with the variables c_i t + start_i, so a function of t only
 struct AlongALine {
     const testing::RandomSystem& system;
     template <class S>
@@ -132,8 +132,8 @@ struct AlongALine {
     }
 };
 
-// The rest from order N on is (h / r)^N of the size, r being the radius of convergence. A dozen smooth operations on
-// numbers of size 1 leave r above 1/16: 8^-24 and 32^-40 are below what is asked for.
+// The remainder beyond order N is (h / r)^N relative to the size, where r is the radius of convergence. A dozen
+// smooth operations on numbers of order 1 keep r above 1/16: 8^-24 and 32^-40 are below the tolerances.
 template <class T>
 void check_polynomial(const testing::RandomSystem& system, int order, double step, double tolerance) {
     const AlongALine line{system};
@@ -152,7 +152,7 @@ RC_GTEST_PROP(Series, OfRandomFunctionsSumToThem, ()) {
     check_polynomial<R>(system, 40, 0x1p-9, 1e-40);
 }
 
-// y'' = J f
+// The Jacobian from dual numbers satisfies y'' = J f, with y'' from the second Taylor coefficients.
 RC_GTEST_PROP(Dual, HasTheJacobianThatTheSecondCoefficientsSay, ()) {
     const testing::RandomSystem system = testing::random_system(40);
     const int n = static_cast<int>(system.variables);
@@ -203,7 +203,7 @@ TEST(Radau, HasTheKnownTables) {
 }
 
 TEST(Radau, IntegratesPolynomialsExactly) {
-    // the quadrature up to degree 2 s - 2, each stage up to degree s - 1; 24 stages lose a few digits of 50
+    // quadrature exact up to degree 2 s - 2, each stage up to degree s - 1; 24 stages lose a few of 50 digits
     const int s = 24;
     const RadauNodes<R> table(s);
     const R small(1e-44);
@@ -221,7 +221,7 @@ TEST(Radau, IntegratesPolynomialsExactly) {
 }
 
 TEST(Radau, LastLegendreCoefficientIsThePolynomials) {
-    // of the shifted P_s itself it is 1, and of P_{s-1} the last but one
+    // the last coefficient of the shifted P_s is 1, and so is the last but one of P_{s-1}
     const int s = 8;
     const RadauNodes<R> table(s);
     R last(0), last_but_one(0);

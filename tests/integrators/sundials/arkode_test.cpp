@@ -1,4 +1,4 @@
-// ARKODE's methods as they are wrapped: accuracy in proportion to the tolerance, samples, counts, faults.
+// The wrapped methods of ARKODE: error in proportion to the tolerance, samples, counts, failures.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,8 +37,8 @@ double worst_error(const Scene& scene, const Trajectory& trajectory) {
     return worst;
 }
 
-// A method of order p whose pair estimates the error of order p - 1 and whose step is as long as that error allows:
-// h ~ R^(1/p), global error ~ h^p ~ R. The slope of log(error) over log(R) is 1, give or take the control's bias.
+// For a method of order p with an error estimate of order p - 1, h ~ R^(1/p) and the global error is ~ h^p ~ R. The
+// slope of log(error) over log(R) is 1, apart from the bias of the step control.
 TEST_P(Arkode, ErrsInProportionToItsTolerance) {
     const Scene scene = symmetric_body(20);
     std::vector<double> found;
@@ -58,8 +58,8 @@ TEST_P(Arkode, ErrsInProportionToItsTolerance) {
     EXPECT_LT(slope, 1.25) << ::testing::PrintToString(found);
 }
 
-// At samples inside the steps the error is the method's own: not that of an interpolation of degree 5 at the most,
-// which over steps of 0.6 s at 1e-10 errs by 1e-5 and more.
+// Samples inside steps have the accuracy of the method. ARKODE's interpolation, of degree 5 at most, would err by
+// 1e-5 and more over steps of 0.6 s at 1e-10.
 TEST(ArkodeSamples, AreAsRightAsTheSteps) {
     const Scene scene = symmetric_body(20);
     const Trajectory steps = with_tolerance(scene, "arkode_erk8", 1e-10, 1);
@@ -91,14 +91,14 @@ TEST_P(ExplicitArkode, CountsWhatAUserTorqueSees) {
 }
 
 TEST_P(ExplicitArkode, HandsAUserTorqueTheTimesOfItsSteps) {
-    // a torque of t alone: a wrong time shows in the rate, which is the integral, 1 + (1 - cos 3 t) / 3 / I3
+    // a torque that depends only on t: a wrong time shows in the rate, its integral 1 + (1 - cos 3 t) / 3 / I3
     Scene scene = free_body(2);
     scene.initial.angular_velocity = {0, 0, 1};
     scene.loads = {
         UserTorque{"swinging", [](const LoadState& s) { return Vector3<double>(0, 0, std::sin(3 * s.t)); }, {}},
         Impulse{{1e-300, 0, 0}, Frame::body, {0, 1, 0}, Frame::body, 0.777}};
     const double rate = 1 + (1 - std::cos(6.0)) / 9;
-    // order p: the error constant of the quadrature is below 1, (3 h)^p
+    // for order p the quadrature error is below (3 h)^p
     const double h = 1.0 / 128;
     EXPECT_NEAR(with_step(scene, GetParam(), h).samples.back().angular_velocity_B[2], rate,
                 std::pow(3 * h, order()) + 1e-14);
@@ -123,7 +123,7 @@ TEST_P(Arkode, SaysWhichToleranceIsTooSmallAndWritesNothing) {
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-// At the edge of what ARKODE accepts a run goes through or says why it does not, in bounded time.
+// At the smallest tolerances that ARKODE accepts a run succeeds or reports why not, in bounded time.
 TEST_P(Arkode, EndsAtTheEdgeOfRoundOff) {
     for (const double tolerance : {1e-15, 1e-16, 7e-17}) {
         Settings settings;
@@ -149,7 +149,7 @@ TEST_P(ExplicitArkode, EndsAtOnceWhereATorqueIsNotFinite) {
             EXPECT_EQ(t.status, Status::diverged);
             EXPECT_NE(t.message.find("not finite at t = "), std::string::npos) << t.message;
             EXPECT_NE(t.message.find("ARKODE: "), std::string::npos) << t.message;
-            // a hundred fixed steps of thirteen stages to t = 1
+            // a hundred fixed steps with thirteen stages up to t = 1
             EXPECT_LT(t.rhs_evaluations, from == 0 ? 2 : 1400);
         }
 }
@@ -178,7 +178,7 @@ TEST_P(Arkode, PassesASegmentOfOneRoundingError) {
     scene.loads = {Torque{{1, 0, 0}, Frame::body, {1, std::nextafter(1, HUGE_VAL)}}};
     const Trajectory t = with_tolerance(scene, GetParam(), 1e-6);
     ASSERT_EQ(t.status, Status::ok) << t.message;
-    // a restart more: both within steps * 2 R * sqrt(7) * 2 * T of the truth
+    // one more restart: both are within steps * 2 R * sqrt(7) * 2 * T of the exact motion
     const double bound = static_cast<double>(plain.steps + t.steps) * 2e-6 * std::sqrt(7.0) * 2 * 2;
     EXPECT_LT(attitude_error(t.samples.back().q, plain.samples.back().q), bound);
     const Trajectory fixed = with_step(scene, GetParam(), 0.01);
@@ -198,7 +198,7 @@ TEST(ArkodeFamily, ImplicitMethodsAreFarCheaperWhereTheMotionIsStiff) {
     EXPECT_LT(attitude_error(implicit.samples.back().q, explicit_one.samples.back().q), 1e-6);
 }
 
-// A step far too long for Newton's method: a named failure, not a wrong motion
+// Newton's method fails at a step that is far too long: the run reports it and does not return a wrong motion.
 TEST(ArkodeFamily, AFixedStepWhoseEquationsHaveNoSolutionIsNamed) {
     Scene scene = free_body(1e6);
     const Trajectory t = with_step(scene, "arkode_dirk4", 1e3);

@@ -1,4 +1,4 @@
-// Impacts on planes: located as events, stepped over, halved down to, and in many digits.
+// Impacts on planes: located as events, at the end of a step, by halving the step, and in multiprecision.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ Scene falling(const Shape& shape, double height, double restitution) {
     return scene;
 }
 
-/// Falls through 1 m: touches at sqrt(2/g) and again after flights of 2 e^k sqrt(2/g).
+/// A fall from 1 m: first contact at sqrt(2/g), then after flights of 2 e^k sqrt(2/g).
 Scene bouncing(double restitution, double duration) {
     Scene scene = falling(SolidSphere{0.25}, 1.25, restitution);
     scene.duration = duration;
@@ -79,19 +79,19 @@ TEST(CvodeImpacts, OfABallAreAGeometricSequence) {
             const double T = e == 0.5 ? 1.35 : 2;
             const Trajectory run = by_impacts(bouncing(e, T), tolerance);
             ASSERT_EQ(run.status, Status::ok) << run.message;
-            // what a flight begins with it loses as dp / v: more with every slower bounce
+            // the time error grows as dp / v with every slower bounce
             const double loss = e == 0.5 ? 3000 : 100;
             EXPECT_LT(largest_late(run.impact_times, bounce_times(e, T)), loss * tolerance);
             for (const Sample& s : run.samples) EXPECT_NEAR(s.position_W[2], height_of_ball(e, s.t), 100 * tolerance);
         }
 }
 
-/// The corner that hits first, and the motion after it, of a box that turns about x as it falls: all by hand.
+/// The corner of a rotating, falling box that hits first, and the motion after the impact, computed by hand.
 TEST(CvodeImpacts, OfATurningBoxStartWhereTheCornerComesDown) {
     Scene scene = falling(Box{{0.1, 0.2, 0.3}}, 1, 1);
     scene.initial.angular_velocity = {2, 0, 0};
     scene.duration = 0.5;
-    // the lowest corner is 0.3 cos a + 0.2 sin a below the centre at the angle a = 2 t
+    // at the angle a = 2 t the lowest corner is 0.3 cos a + 0.2 sin a below the centre
     const auto height = [](double t) {
         return 1 - falling_g * t * t / 2 - 0.3 * std::cos(2 * t) - 0.2 * std::sin(2 * t);
     };
@@ -101,7 +101,7 @@ TEST(CvodeImpacts, OfATurningBoxStartWhereTheCornerComesDown) {
     ASSERT_EQ(run.status, Status::ok) << run.message;
     ASSERT_EQ(run.impact_times.size(), 1U) << run.message;
     EXPECT_NEAR(run.impact_times[0], low, 1e-10);
-    // plane motion: the edge along x meets the floor, r = (0, y, -h); j = 2 u / (1/m + y^2/I), e = 1
+    // planar motion: an edge parallel to x hits the floor, r = (0, y, -h); j = 2 u / (1/m + y^2/I), e = 1
     const double t = low, y = 0.3 * std::sin(2 * t) - 0.2 * std::cos(2 * t), I = 2.0 / 3 * (0.04 + 0.09);
     const double u = -(-falling_g * t + 2 * y), j = 2 * u / (1 / 2.0 + y * y / I);
     const Sample& last = run.samples.back();
@@ -117,15 +117,15 @@ TEST(CvodeImpacts, OfABoxThatLandsFlatAreFlat) {
     for (const Sample& s : run.samples) EXPECT_LT(length(s.angular_velocity_B), 1e-9);
 }
 
-/// A long rod that spins fast beside the floor dips into it for less than a step.
+/// A long, fast-spinning rod near the floor penetrates it for less than one step.
 TEST(CvodeImpacts, SeesADipWithinAStep) {
     Scene scene;
     scene.name = "spinning rod", scene.duration = 20;
-    // one end is heavier by the radius of its ball alone: a capsule's hull, on one side
+    // a capsule: spherical ends of radius 0.1 m, 0.9 m from the centre
     scene.body = body_of(body_source(ShapedBody{Capsule{0.1, 0.9}, {1, false}}));
     scene.initial.angular_velocity = {1, 0, 0};
-    scene.initial.orientation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};  // the axis is level
-    scene.initial.position_W = {0, 0, 0.99999};                          // it would reach 1e-5 below
+    scene.initial.orientation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};  // the axis is horizontal
+    scene.initial.position_W = {0, 0, 0.99999};                          // it would reach 1e-5 m below the floor
     scene.planes = {{{0, 0, 1}, 0, 1, 0}};
     for (double tolerance : {1e-3, 1e-6}) {
         const Trajectory run = by_impacts(scene, tolerance);
@@ -157,8 +157,8 @@ TEST(CvodeImpacts, WithFrictionTakeTheSlipAndNeverAddEnergy) {
     Scene scene = bouncing(0.5, 1);
     scene.initial.velocity_W = {3, 0, 0};
     scene.planes[0].friction = 0.1;
-    // at the first impact J_n = 1.5 m sqrt(2 g), and sliding takes 0.1 J_n / m of 3 m/s; the second would take half as
-    // much, which is more than is left to rolling at 5/7 of 3 m/s
+    // first impact: J_n = 1.5 m sqrt(2 g), and friction takes 0.1 J_n / m from 3 m/s; the second would take half as
+    // much, more than is left until rolling at 5/7 of 3 m/s
     const Trajectory run = by_impacts(scene, 1e-10);
     ASSERT_EQ(run.status, Status::ok) << run.message;
     EXPECT_NEAR(run.samples[60].velocity_W[0], 3 - 0.15 * std::sqrt(2 * falling_g), 1e-8);
@@ -168,7 +168,7 @@ TEST(CvodeImpacts, WithFrictionTakeTheSlipAndNeverAddEnergy) {
         EXPECT_LE(energy_of(scene, run.samples[i]), energy_of(scene, run.samples[i - 1]) + 1e-9);
 }
 
-/// Rest and Zeno are named, with time and number.
+/// Rest and accumulating impacts (Zeno) are reported with time and number.
 TEST(CvodeImpacts, ThatAccumulateEndInFailedByName) {
     const Trajectory zeno = by_impacts(bouncing(0.5, 2), 1e-8);
     EXPECT_EQ(zeno.status, Status::failed);
@@ -182,7 +182,7 @@ TEST(CvodeImpacts, ThatAccumulateEndInFailedByName) {
     const Trajectory resting = by_impacts(falling(SolidSphere{0.25}, 0.25, 0.5), 1e-8);
     EXPECT_EQ(resting.status, Status::failed);
     EXPECT_NE(resting.message.find("comes to rest"), std::string::npos) << resting.message;
-    // a box that rattles to rest
+    // a box that comes to rest after many impacts
     Scene box = falling(Box{{0.1, 0.2, 0.3}}, 0.5, 0.3);
     box.initial.angular_velocity = {1, 2, 0.5};
     box.duration = 10;
@@ -220,7 +220,7 @@ TEST(ImpactStepping, IsLateByAStepAtMost) {
         const Trajectory run = by_steps(bouncing(1, 2), "impact_stepping", step);
         ASSERT_EQ(run.status, Status::ok) << run.message;
         ASSERT_FALSE(run.impact_times.empty());
-        // semi-implicit Euler is below the parabola by g h t / 2: it may also come early
+        // semi-implicit Euler is below the parabola by g h t / 2, so it may also be early
         EXPECT_NEAR(run.impact_times[0], std::sqrt(2 / falling_g), 2 * step);
     }
 }
@@ -230,13 +230,13 @@ TEST(ImpactHalving, MeetsThePlaneOfItsOwnMotion) {
         const Trajectory run = by_steps(bouncing(1, 0.5), "impact_halving", step);
         ASSERT_EQ(run.status, Status::ok) << run.message;
         ASSERT_EQ(run.impact_times.size(), 1U);
-        // whole steps of semi-implicit Euler fall by g h^2 k (k + 1) / 2, then a part s of one by (k g h + s g) s
+        // whole steps of semi-implicit Euler fall by g h^2 k (k + 1) / 2, a partial step s by (k g h + s g) s
         double fallen = 0, v = 0, t = 0;
         while (true) {
             if (fallen + (v + falling_g * step) * step > 1) break;
             v += falling_g * step, fallen += v * step, t += step;
         }
-        // the part is reached by halves, each an update of its own; within a step of the whole in any case
+        // the partial step consists of halved steps, each with its own update: within one step in any case
         EXPECT_GE(run.impact_times[0], t - 1e-12);
         EXPECT_LE(run.impact_times[0], t + step + 1e-12);
     }
@@ -250,7 +250,7 @@ TEST(ImpactMethods, EndOnAZenoBallInTime) {
     }
 }
 
-/// Without planes they are plain methods: the loads, pivot and events of the other scenes.
+/// Without planes the methods support the loads, pivot and events of other scenes.
 TEST(ImpactMethods, FollowAHeavyTopAsOthersDo) {
     const Scene top = heavy_top(0.5);
     const Sample expected = with_tolerance(top, "odeint_fehlberg78", 1e-12).samples.back();
@@ -274,7 +274,7 @@ TEST(TruthOfImpacts, OfABallIsTheGeometricSequence) {
     }
 }
 
-/// The first impact's time squared is 2 h / g: to more digits than a binary64 has.
+/// The square of the first impact's time is 2 h / g, to more digits than binary64 has.
 TEST(TruthOfImpacts, LocatesThemToItsDigits) {
     const Reference truth = truth_of(bouncing(1, 0.5));
     ASSERT_TRUE(truth.available) << truth.message;
@@ -301,7 +301,7 @@ TEST(TruthOfImpacts, KeepsWhatTheImpactsKeep) {
     }
 }
 
-/// Two ways to the same motion: events of a variable-order method, and polynomials in 50 digits.
+/// Event location with a variable-order method agrees with polynomials in 50 digits.
 TEST(TruthOfImpacts, IsWhatCvodeConvergesTo) {
     for (const Shape& shape : {Shape(Box{{0.1, 0.2, 0.3}}), Shape(Capsule{0.1, 0.2}), Shape(Cone{0.2, 0.4}),
                                Shape(Ellipsoid{{0.1, 0.15, 0.3}})}) {
@@ -337,7 +337,7 @@ TEST(TruthOfImpacts, IsNoneWhereTheBodyComesToRestOrRubs) {
     const Reference zeno = truth_of(bouncing(0.5, 2));
     EXPECT_FALSE(zeno.available);
     EXPECT_NE(zeno.message.find("comes to rest"), std::string::npos) << zeno.message;
-    // at rest is what is slower than 10^-15 of the first impact, and each halves the speed
+    // rest means slower than 10^-15 of the first impact's speed, and each impact halves the speed
     const std::string told = "no truth: ";
     ASSERT_EQ(zeno.message.rfind(told, 0), 0U) << zeno.message;
     EXPECT_NEAR(std::stoi(zeno.message.substr(told.size())), 50, 4) << zeno.message;
@@ -348,8 +348,8 @@ TEST(TruthOfImpacts, IsNoneWhereTheBodyComesToRestOrRubs) {
     EXPECT_NE(rubbed.message.find("friction"), std::string::npos) << rubbed.message;
 }
 
-/// Two planes that meet: a ball between them strikes the one at (1 - 1/4) / 2, the other at (1 - 1/4) / 3, and the
-/// speed along each normal alone turns round.
+/// Two intersecting planes: the ball hits one at (1 - 1/4) / 2 s and the other at (1 - 1/4) / 3 s. Only the velocity
+/// component along each normal is reversed.
 TEST(TruthOfImpacts, TakeTheSpeedAlongTheNormalTimesTheRestitution) {
     Scene scene = falling(SolidSphere{0.25}, 0, 1);
     scene.duration = 0.5;
@@ -370,7 +370,7 @@ TEST(TruthOfImpacts, TakeTheSpeedAlongTheNormalTimesTheRestitution) {
     EXPECT_EQ(end.angular_velocity_B[1].high, 2);
 }
 
-/// A rod that turns fast and flies slowly strikes with its end: the speed of its points is mostly that of the turn.
+/// A fast-rotating rod with slow flight hits with its end, whose speed comes mainly from the rotation.
 TEST(TruthOfImpacts, SeesTheEndOfAFastRod) {
     Scene scene = falling(Box{{0.02, 0.02, 1}}, 0.75, 1);
     scene.duration = 0.05;

@@ -1,3 +1,4 @@
+// The wrapped methods of CVODE: accuracy against closed forms, events, samples, limits, failures.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +18,7 @@ namespace {
 Eigen::Quaterniond eigen(const Quaternion<double>& q) { return {q.w, q.x, q.y, q.z}; }
 Eigen::Vector3d eigen(const Vector3<double>& v) { return {v[0], v[1], v[2]}; }
 
-// the angle between two attitudes, normalised first
+// the angle between two attitudes; normalises the first one
 double angle(const Quaternion<double>& a, const Eigen::Quaterniond& b) {
     const Eigen::Quaterniond r = eigen(a).conjugate() * b;
     return 2 * std::atan2(r.vec().norm(), std::abs(r.w()));
@@ -41,7 +42,7 @@ void expect_ok(const Trajectory& t) { ASSERT_EQ(t.status, Status::ok) << t.messa
 class Cvode : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Cvode, ::testing::Values("cvode_adams", "cvode_bdf"));
 
-// Free symmetric body, I1 = I2: it precesses about L at |L|/I1 and spins about its axis at w3 (1 - I3/I1):
+// A free symmetric body, I1 = I2, precesses about L at |L|/I1 and spins about its axis at w3 (1 - I3/I1):
 // q = exp(t/2 L/I1) q0 exp(t/2 spin e3).
 TEST_P(Cvode, FollowsTheSymmetricBodyInProportionToItsTolerance) {
     Scene scene = body(2, 2, 3, {0.6, 0.2, 1.1}, 20);
@@ -61,17 +62,17 @@ TEST_P(Cvode, FollowsTheSymmetricBodyInProportionToItsTolerance) {
             const Eigen::Quaterniond q = turn(s.t * rate_W) * q0 * turn(s.t * Eigen::Vector3d(0, 0, 1.1 * (1 - 1.5)));
             worst = std::max(worst, angle(s.q, q));
         }
-        // each step errs by at most its tolerance, 2 R a component; with 7 of them, rotation angles twice the
-        // quaternion's, and a wrong rate acting for the rest of the run: no more than steps * 2R * sqrt(7) * 2 * T
+        // each step errs by at most 2 R per component; with 7 components, rotation angles twice those of the
+        // quaternion, and a rate error acting for the rest of the run: at most steps * 2 R * sqrt(7) * 2 * T
         EXPECT_LT(worst, static_cast<double>(t.steps) * 2 * tolerance * std::sqrt(7.0) * 2 * 20);
         (tolerance == 1e-5 ? first : last) = worst;
     }
-    // a ratio of 1e-4 in tolerance is one of 1e-4 in error, give or take the changes of order on the way
+    // a tolerance ratio of 1e-4 gives this error ratio, apart from changes of order
     EXPECT_GT(last / first, 1e-5);
     EXPECT_LT(last / first, 1e-3);
 }
 
-// About a principal axis with drag: w = w0 exp(-c t / I), angle = w0 I / c (1 - exp(-c t / I)).
+// Rotation about a principal axis with drag: w = w0 exp(-c t / I), angle = w0 I / c (1 - exp(-c t / I)).
 TEST_P(Cvode, FollowsADampedSpinAboutAPrincipalAxis) {
     Scene scene = body(1, 2, 3, {0, 0, 4}, 10);
     scene.loads = {Drag{{0, 0, 0.9}, 0, {}}};
@@ -79,14 +80,14 @@ TEST_P(Cvode, FollowsADampedSpinAboutAPrincipalAxis) {
     expect_ok(t);
     for (const Sample& s : t.samples) {
         const double decay = std::exp(-0.3 * s.t), turned = 4 / 0.3 * -std::expm1(-0.3 * s.t);
-        // as above: steps * 2 R * sqrt(3), over 10 s, at the scale of 4 rad/s
+        // bound: steps * 2 R * sqrt(3), over 10 s, at the scale of 4 rad/s
         const double bound = static_cast<double>(t.steps) * 2e-11 * std::sqrt(3.0) * 4 * 2 * 10;
         EXPECT_NEAR(s.angular_velocity_B[2], 4 * decay, bound);
         EXPECT_LT(angle(s.q, Eigen::Quaterniond(std::cos(turned / 2), 0, 0, std::sin(turned / 2))), bound);
     }
 }
 
-// With every term of the 13-dimensional system there: the exact Jacobian and none at all lead to the same motion.
+// With all terms of the 13-dimensional system, BDF with the exact Jacobian and Adams without any give the same motion.
 TEST(CvodeFamily, AgreesOnTheFullMotion) {
     Scene scene = body(1, 2, 3, {0.4, 1, -0.3}, 5);
     scene.body.mass = 2;
@@ -96,7 +97,7 @@ TEST(CvodeFamily, AgreesOnTheFullMotion) {
                    Spring{2, {1, 0, 0, 0}, {}}};
     const Trajectory a = run(scene, "cvode_adams", 1e-12), b = run(scene, "cvode_bdf", 1e-12);
     expect_ok(a), expect_ok(b);
-    const double bound = static_cast<double>(b.steps) * 2e-12 * std::sqrt(13.0) * 100;  // scales below 100
+    const double bound = static_cast<double>(b.steps) * 2e-12 * std::sqrt(13.0) * 100;  // all scales are below 100
     for (std::size_t k = 0; k < a.samples.size(); ++k) {
         EXPECT_LT(angle(a.samples[k].q, eigen(b.samples[k].q)), bound);
         EXPECT_LT((eigen(a.samples[k].position_W) - eigen(b.samples[k].position_W)).norm(), bound);
@@ -110,7 +111,7 @@ TEST(CvodeFamily, BdfIsFarCheaperWhereTheMotionIsStiff) {
     scene.loads = {Gravity{{0, -9.8, -9.8}, {}}, Drag{{1e4, 1e4, 1e4}, 0, {}}};
     const Trajectory bdf = run(scene, "cvode_bdf", 1e-8), adams = run(scene, "cvode_adams", 1e-8);
     expect_ok(bdf), expect_ok(adams);
-    // measured: 75 times fewer
+    // measured: 75 times fewer evaluations
     EXPECT_LT(20 * bdf.rhs_evaluations, adams.rhs_evaluations);
 }
 
@@ -135,7 +136,7 @@ TEST_P(Cvode, SaysWhichToleranceIsTooSmallAndWritesNothing) {
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-// At the edge of what CVODE accepts a run goes through or says why it does not, in bounded time.
+// At the smallest tolerances that CVODE accepts a run succeeds or reports why not, in bounded time.
 TEST_P(Cvode, EndsAtTheEdgeOfRoundOff) {
     for (const double tolerance : {1e-15, 1e-16, 7e-17, 3e-17}) {
         Settings settings;
@@ -158,7 +159,7 @@ TEST(CvodeFamily, EndsAtOnceWhereATorqueIsNotFinite) {
         EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
         EXPECT_EQ(t.status, Status::diverged);
         EXPECT_NE(t.message.find("not finite at t = "), std::string::npos) << t.message;
-        // one second at 1e-9 takes some 60 evaluations; a run that kept trying would spend thousands
+        // one second at 1e-9 takes about 60 evaluations; endless retries would take thousands
         EXPECT_LT(t.rhs_evaluations, from == 0 ? 2 : 200);
     }
 }
@@ -182,7 +183,7 @@ TEST(CvodeFamily, LetsAnExceptionOfAUsersTorqueThrough) {
                                   return {};
                               },
                               {}}};
-    // posing runs the torque too
+    // posing evaluates the torque too
     EXPECT_THROW(run(scene, "cvode_adams", 1e-8), std::domain_error);
     bool armed = false;
     scene.loads = {UserTorque{"throws later",
@@ -198,7 +199,7 @@ TEST(CvodeFamily, LetsAnExceptionOfAUsersTorqueThrough) {
     EXPECT_THROW(solve(problem, *find_method("cvode_adams"), settings), std::domain_error);
 }
 
-// A torque from 0.5 to 1 and an impulse at 1.5, against three runs joined by hand.
+// A torque from 0.5 to 1 s and an impulse at 1.5 s, compared with three runs joined by hand.
 TEST_P(Cvode, MeetsEventsExactly) {
     constexpr double tolerance = 1e-12;
     const Vector3<double> push(0, 0.7, 0.2), point(0.5, 0, 0.1);
@@ -224,7 +225,7 @@ TEST_P(Cvode, MeetsEventsExactly) {
             const Eigen::Vector3d kick = eigen(point).cross(eigen(s.q).conjugate() * eigen(push));
             s.angular_velocity_B = s.angular_velocity_B + Vector3<double>(kick[0], kick[1] / 2, kick[2] / 3);
         }
-        // the sample at 1.5 s shows the motion after the impulse; each run adds at most steps * 2 R * sqrt(7) * 2
+        // the sample at 1.5 s shows the motion after the impulse; each run errs by at most steps * 2 R * sqrt(7) * 2
         const double bound = static_cast<double>(whole.steps) * 2 * tolerance * std::sqrt(7.0) * 2 * 2;
         const Sample& sample = whole.samples[static_cast<std::size_t>(k)];
         EXPECT_EQ(sample.t, 0.5 * k);
@@ -244,7 +245,7 @@ TEST_P(Cvode, ShowsAnImpulseAtTheVeryEnd) {
         expect_ok(t);
         EXPECT_EQ(t.samples.size(), record ? 101u : 1u);
         EXPECT_EQ(t.samples.back().t, 2);
-        // (0, 1, 0) x (1, 0, 0) = (0, 0, -1); over I3 = 3. Each run ends within its tolerance of w = 1
+        // (0, 1, 0) x (1, 0, 0) = (0, 0, -1), divided by I3 = 3; each run is accurate to its tolerance at w = 1
         EXPECT_NEAR(t.samples.back().angular_velocity_B[2], 1 - 1.0 / 3, 1e-9);
     }
     EXPECT_NEAR(before.samples.back().angular_velocity_B[2], 1, 1e-9);
@@ -256,12 +257,12 @@ TEST_P(Cvode, PassesASegmentOfOneRoundingError) {
     scene.loads = {Torque{{1, 0, 0}, Frame::body, {1, std::nextafter(1, HUGE_VAL)}}};
     const Trajectory t = run(scene, GetParam(), 1e-10);
     expect_ok(t), expect_ok(plain);
-    // a restart more: both within steps * 2 R * sqrt(7) * 2 * T of the truth
+    // one more restart: both are within steps * 2 R * sqrt(7) * 2 * T of the exact motion
     const double bound = static_cast<double>(plain.steps + t.steps) * 2e-10 * std::sqrt(7.0) * 2 * 2;
     EXPECT_LT(angle(t.samples.back().q, eigen(plain.samples.back().q)), bound);
 }
 
-// What is timed is what is measured: the same steps whatever is recorded, and on every repetition.
+// The steps do not depend on recording or repetitions, so a timed run is the measured run.
 TEST_P(Cvode, TakesTheSameStepsHoweverItIsSampled) {
     Scene scene = body(1, 2, 3, {1, 1, 1}, 10);
     scene.loads = {Torque{{0.1, 0, 0}, Frame::body, {3, 4}}, Spring{1, {1, 0, 0, 0}, {}}};
@@ -281,7 +282,7 @@ TEST_P(Cvode, TakesTheSameStepsHoweverItIsSampled) {
         }
 }
 
-// The two vectors do the same sums in the same order: no difference but that of SUNDIALS' special case c (x + y).
+// Both vectors sum in the same order. They differ only in SUNDIALS' special case c (x + y).
 TEST(CvodeFamily, RunsAlikeOnTheSerialVector) {
     const Problem problem = pose(body(1, 2, 3, {1, 1, 1}, 10));
     using System7 = FreeRotation;
@@ -291,7 +292,7 @@ TEST(CvodeFamily, RunsAlikeOnTheSerialVector) {
     while (fixed.time() < 10) {
         ASSERT_GE(fixed.step(), 0);
         ASSERT_GE(serial.step(), 0);
-        // an ulp a step at the most, each
+        // each differs by at most one ulp per step
         ASSERT_NEAR(fixed.time(), serial.time(), 1e-12);
         for (int i = 0; i < 7; ++i) ASSERT_NEAR(fixed.y()[i], serial.y()[i], 1e-12);
     }

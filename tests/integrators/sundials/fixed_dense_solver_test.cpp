@@ -17,7 +17,7 @@ using Sizes =
     ::testing::Types<std::integral_constant<int, 3>, std::integral_constant<int, 7>, std::integral_constant<int, 13>>;
 TYPED_TEST_SUITE(FixedDenseSolverOf, Sizes);
 
-// 1 - gamma J formed by the matrix's operations and solved: the residual is round-off.
+// Forms 1 - gamma J with the matrix operations and solves it: the residual is round-off.
 TYPED_TEST(FixedDenseSolverOf, SolvesANewtonSystem) {
     constexpr int N = TypeParam::value;
     SundialsContext context;
@@ -47,7 +47,7 @@ TYPED_TEST(FixedDenseSolverOf, SolvesANewtonSystem) {
     }
 }
 
-// A positive answer asks CVODE to try again with a smaller step.
+// A positive return value makes CVODE retry with a smaller step.
 TYPED_TEST(FixedDenseSolverOf, AsksForASmallerStepWhereTheMatrixIsSingular) {
     constexpr int N = TypeParam::value;
     SundialsContext context;

@@ -1,4 +1,4 @@
-// FixedVector against SUNDIALS' own serial vector, operation by operation.
+// FixedVector against SUNDIALS' serial vector, operation by operation.
 #include "integrators/sundials/fixed_vector.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using Lengths =
     ::testing::Types<std::integral_constant<int, 3>, std::integral_constant<int, 7>, std::integral_constant<int, 13>>;
 TYPED_TEST_SUITE(FixedVectorOf, Lengths);
 
-/// The same three vectors of random numbers, none of them zero, in both kinds; the third is the result's place.
+/// Three vectors of random non-zero numbers, the same for both types; the third receives the result.
 template <class Vector, int N>
 struct Three {
     explicit Three(SUNContext context)

@@ -14,7 +14,7 @@
 namespace polhode::maximal {
 namespace {
 
-// every column of the Jacobian by colours against a central difference of that unknown alone
+// every column of the coloured Jacobian agrees with a central difference in this unknown
 TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
     for (unsigned seed = 0; seed < 6; ++seed) {
         Scene scene = random_tree(seed, 6, seed % 2 == 0);
@@ -38,7 +38,7 @@ TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
             std::vector<char> met(n);
             for (const Group& group : equations.groups())
                 for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
-                    // all groups of its colour at once, as the session does
+                    // all groups of this colour at once, as in the session
                     for (const Group& other : equations.groups())
                         for (std::size_t j = 0; other.color == group.color && j < other.unknowns.size(); ++j)
                             at[other.unknowns[j]].slope[j] = 1;
@@ -86,7 +86,7 @@ JointViolations<double> violations(const Scene& scene, const Trajectory& traject
     return measure.violations(motions);
 }
 
-// four bars in a plane: 2 of the closure's 5 rows count
+// planar four-bar linkage: 2 of the closure's 5 equations are independent
 Scene four_bar() {
     Scene scene;
     scene.name = "four bar", scene.duration = 1;
@@ -151,7 +151,7 @@ TEST(IdaMechanism, MultipliersAreTheReactions) {
     ASSERT_EQ(trajectory.reactions.size(), 5 * scene.joints.size());
     System<double> system(scene, mechanism_initial_motions(scene));
     std::vector<double> y(static_cast<std::size_t>(system.dimension()));
-    // the last moment's state, from its motion
+    // the state at the last sample, from its motion
     const Bodies end = trajectory.at(4);
     System<double> there(scene, end);
     there.initial(y.data());

@@ -1,4 +1,4 @@
-// SUNDIALS' own serial vector behind FixedVector's interface: what the fixed-size one is held against.
+// SUNDIALS' serial vector with FixedVector's interface, for comparison with the fixed-size vector.
 #pragma once
 
 #include <nvector/nvector_serial.h>

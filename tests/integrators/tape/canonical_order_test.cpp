@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-// One right-hand side, its products found in one order or in the other, as compilers choose for p + q.
+// The same right-hand side with its products recorded in either order; compilers choose the order for p + q.
 struct EitherOrder {
     bool is_reversed;
 
@@ -57,7 +57,7 @@ RC_GTEST_PROP(CanonicalOrder, IsItsOwn, ()) {
     for (std::size_t i = 0; i < once.rates.size(); ++i) RC_ASSERT(once.rates[i].node == twice.rates[i].node);
 }
 
-// More angles than registers, their sines one after the other.
+// More angles than registers, with consecutive sines.
 struct ManyAngles {
     static constexpr int angles = 40;
 

@@ -1,4 +1,4 @@
-// What holds for any tape: machine code, and the interpreter by any instructions, give the same bits.
+// Requirement on any tape: machine code and the interpreter with every instruction set give the same bits.
 #pragma once
 
 #include <bit>
@@ -12,20 +12,19 @@
 
 namespace polhode::testing {
 
-/// Whatever sign and payload a NaN has: they are those of one operand or the other.
+/// Equal bits, or both NaN: the sign and payload of a NaN come from either operand.
 inline bool same_bits(double a, double b) {
     return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// Throws std::logic_error where one of the ways gives other bits than the plain interpreter. Returns how many ways
-/// there were.
+/// Throws std::logic_error if a variant differs from the plain interpreter. Returns the number of variants compared.
 inline int compare_ways(const Recording<double>& recording, int order, bool careful, const std::vector<double>& start) {
     const auto made = [&](InstructionSet set, bool compiled) {
         return TapeSeries(recording, {.instructions = set, .compiled = compiled, .careful = careful, .order = order});
     };
     TapeSeries plain = made(InstructionSet::plain, false);
     const std::vector<double> elsewhere(start.size(), 0.3);
-    // what an expansion leaves behind means nothing to the next
+    // an expansion must not depend on an earlier one
     plain.expand(elsewhere.data());
     plain.expand(start.data());
     int ways = 0;
@@ -46,14 +45,14 @@ inline int compare_ways(const Recording<double>& recording, int order, bool care
 
 using LaneNumbers = std::vector<double, LineAllocator<double>>;
 
-/// The rates of eight states side by side.
+/// The rates of eight states at once.
 inline LaneNumbers rates_of(TapeRates& tape, const LaneNumbers& y) {
     LaneNumbers rates(y.size());
     tape.find(y.data(), rates.data());
     return rates;
 }
 
-/// Likewise of substeps of eight states side by side: `start` and what is near it.
+/// compare_ways() for substeps of eight states at once: `start` and states near it.
 inline int compare_ways_of_rates(const Recording<double>& recording, const std::vector<double>& start) {
     constexpr int lanes = TapeRates::lanes;
     LaneNumbers y(start.size() * lanes), now(y.size()), change(y.size()), scale(lanes);
@@ -65,7 +64,7 @@ inline int compare_ways_of_rates(const Recording<double>& recording, const std::
     const auto changed = [&](const TapeOptions& options) {
         TapeRates rates(recording, options);
         LaneNumbers to = change;
-        // once more: what is left in memory means nothing
+        // twice, because the result must not depend on memory left by the first call
         for (int time = 0; time < 2; ++time) to = change, rates({y.data(), now.data(), scale.data(), to.data()});
         return to;
     };
@@ -84,8 +83,8 @@ inline int compare_ways_of_rates(const Recording<double>& recording, const std::
     return ways;
 }
 
-/// A tape from any bytes: a few for the states and the order, then some for each operation. Reads no further than to
-/// the end; the same bytes give the same tape.
+/// Builds a tape from arbitrary bytes: a few for the states and the order, then some per operation. It does not read
+/// beyond the end, and the same bytes give the same tape.
 class TapeOfBytes {
   public:
     TapeOfBytes(const std::uint8_t* data, std::size_t size) : data_(data), end_(data + size) {
@@ -137,7 +136,7 @@ class TapeOfBytes {
     const std::uint8_t *data_, *end_;
 
     int next() { return data_ < end_ ? *data_++ : 0; }
-    /// One of the last nodes.
+    /// The index of one of the last nodes.
     int place() {
         const int count = static_cast<int>(recording.tape.nodes.size());
         return count - 1 - next() % count;

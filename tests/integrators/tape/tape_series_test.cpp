@@ -1,5 +1,4 @@
-// Series by machine code and by the interpreter against plain series in 50 digits, on random systems and on tapes of
-// any operations.
+// Series by machine code and by the interpreter against plain series in 50 digits, on random systems and random tapes.
 #include "integrators/tape/tape_series.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +24,7 @@ void check_tape(const testing::RandomSystem& system, int order) {
     const std::vector<R> start(system.start.begin(), system.start.end());
     series.expand(system.start.data());
     exact.expand(start.data());
-    double growth = 1;  // of the coefficients, and of what rounding makes of them
+    double growth = 1;  // growth of the coefficients and of their rounding errors
     for (int k = 0; k <= order; ++k) {
         for (int i = 0; i < n; ++i)
             growth = std::max(growth, std::abs(exact.coefficient(i, k).template convert_to<double>()));
@@ -45,7 +44,7 @@ RC_GTEST_PROP(TapeSeries, HasTheCoefficientsOfPlainSeriesInEveryWay, ()) {
     }
 }
 
-// whatever the operations, and whether or not numbers stay finite
+// for arbitrary operations, including values that are not finite
 RC_GTEST_PROP(TapeSeries, HasTheSameBitsInEveryWayForAnyTape, ()) {
     const auto bytes = *rc::gen::scale(8, rc::gen::arbitrary<std::vector<std::uint8_t>>());
     const testing::TapeOfBytes tape(bytes.data(), bytes.size());
@@ -71,7 +70,7 @@ RC_GTEST_PROP(TapeRates, AreTheRightHandSideInEveryLane, ()) {
     testing::compare_ways_of_rates(record<double>(system, n), system.start);
 }
 
-// beyond what lanes take, and what is no angle at all
+// angles beyond the range of the vectorised sine, and NaN
 TEST(TapeRates, TakeAnyAngle) {
     struct Wave {
         void derivative(const Traced<double>* y, Traced<double>* dy) const {
@@ -86,7 +85,7 @@ TEST(TapeRates, TakeAnyAngle) {
     EXPECT_TRUE(std::isnan(f[7]));
 }
 
-// (k + 1) y_{k+1} = [k = 0]: a tape without an operation
+// (k + 1) y_{k+1} = [k = 0]: a tape without operations
 TEST(TapeSeries, OfConstantRatesIsALine) {
     struct Line {
         void derivative(const Traced<double>*, Traced<double>* dy) const {
@@ -105,7 +104,7 @@ TEST(TapeSeries, OfConstantRatesIsALine) {
     }
 }
 
-// y'' = -y: the rates are states, each read after the other has changed
+// y'' = -y: each state is the other's rate, read after the other has changed
 TEST(TapeSeries, OfTwoStatesThatAreEachOthersRates) {
     struct Circle {
         void derivative(const Traced<double>* y, Traced<double>* dy) const { dy[0] = y[1], dy[1] = -y[0]; }
@@ -123,7 +122,7 @@ TEST(TapeSeries, OfTwoStatesThatAreEachOthersRates) {
     }
 }
 
-// a system is prepared once
+// equal tapes share one prepared program
 TEST(TapeSeries, OfEqualTapesSharesWhatIsPrepared) {
     struct Pendulum {
         double g;
@@ -141,7 +140,7 @@ TEST(TapeSeries, OfEqualTapesSharesWhatIsPrepared) {
     EXPECT_EQ(one.tape().code != nullptr, may_compile() && instruction_set() != InstructionSet::plain);
 }
 
-// the tighter the tolerance, the higher the order that costs least
+// the cheapest order increases as the tolerance decreases
 TEST(TapeSeries, ChoosesHigherOrdersForTighterTolerances) {
     const TapeProgram program(
         record<double>(testing::RandomSystem{2, {{0, 0, 1, 0.5}, {4, 0, 0, 1.0}}, {0.5, 0.25}}, 2));

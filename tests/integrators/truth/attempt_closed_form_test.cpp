@@ -1,4 +1,4 @@
-// The attempt by closed form: when there is one, and that it is right in flight and compared with series.
+// Truth by closed form: when it applies, its flight, and its comparison with the series.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ TEST(AttemptByClosedForm, FliesAsAStoneDoes) {
         EXPECT_EQ(s.position_W[2].high, 3 + 6 * s.t - 4 * s.t * s.t);
         EXPECT_EQ(s.velocity_W[2].high, 6 - 8 * s.t);
     }
-    // the rotation is that of the series
+    // the rotation agrees with the series
     const Attempt series = attempt_by_taylor<50>(problem, times, 33);
     for (std::size_t k = 0; k < times.size(); ++k) {
         const ReferenceSample &a = attempt.truth.reference.samples[k], &b = series.truth.reference.samples[k];
@@ -41,8 +41,8 @@ TEST(AttemptByClosedForm, FliesAsAStoneDoes) {
     }
 }
 
-// Both runs of the closed form agree in nearly all of their hundred digits: what the attempt claims is no more than
-// what the series of its beginning says.
+// Both runs of the closed form agree in nearly all of their hundred digits. The attempt still claims only the digits
+// that the series confirms at its start.
 TEST(AttemptByClosedForm, ClaimsNoMoreThanTheSeriesSays) {
     const Attempt attempt = attempt_by_closed_form(pose(thrown_body(16)), {0, 16}, 12);
     ASSERT_EQ(attempt.fault, "");

@@ -1,3 +1,4 @@
+// The truth cache: exact round trip, keys, corrupted files, location.
 #include "integrators/truth/cache.h"
 
 #include <gtest/gtest.h>
@@ -93,7 +94,8 @@ TEST(TruthCache, WhatOtherCodeComputedIsNotFound) {
     EXPECT_NE(cache_key(scene_of(1), times, 25, "another " + program()), cache_key(scene_of(1), times, 25));
 }
 
-// The thread's clock changes no digit; the proofs, in a folder below, are not kept.
+// The key covers every folder included by the truth, except the thread clock, which does not affect digits, and the
+// proofs in a subfolder, which are not cached.
 TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
     const std::set<std::string> folders{"src/text",
                                         "src/body",
@@ -107,7 +109,7 @@ TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
     for (const std::string& folder : folders) {
         EXPECT_NE(read(source_dir() + "/integrators/CMakeLists.txt").find(folder), std::string::npos) << folder;
         for (const auto& entry : std::filesystem::directory_iterator(source_dir() + "/" + folder)) {
-            // the method `truth` hands on what is computed, and computes none of it
+            // the method `truth` only returns a computed truth
             if (!entry.is_regular_file() || entry.path().filename() == "truth_method.cpp") continue;
             std::istringstream lines(read(entry.path().string()));
             for (std::string line; std::getline(lines, line);) {
@@ -144,7 +146,7 @@ TEST(TruthCache, BrokenFilesAreComputedAgain) {
     }
 }
 
-// A truth of two bodies at three times with four joints, every number another.
+// A truth of two bodies at three times with four joints, in which every number is different.
 Truth of_several_bodies(bool with_reactions) {
     Truth truth;
     Reference& r = truth.reference;
@@ -222,7 +224,7 @@ TEST(TruthCache, LiesWhereTheEnvironmentSays) {
     ::unsetenv("POLHODE_CACHE");
     ::setenv("HOME", "/some/one", 1), ::setenv("XDG_CACHE_HOME", "/some/cache", 1);
     EXPECT_EQ(cache_path("k"), "/some/cache/polhode/truth-k.txt");
-    // the specification: what is not absolute is to be ignored
+    // the specification requires that relative paths are ignored
     ::setenv("XDG_CACHE_HOME", "relative", 1);
     EXPECT_EQ(cache_path("k"), "/some/one/.cache/polhode/truth-k.txt");
     ::unsetenv("HOME"), ::unsetenv("XDG_CACHE_HOME");
@@ -239,7 +241,7 @@ TEST(TruthCache, KeyHasTheTimes) {
               cache_key(scene_of(1), std::vector<double>{0, 1}, 26));
 }
 
-// A file that was renamed, or one of the same key by another way: what it says of itself decides.
+// A renamed file, or one with the key of another: the key inside the file decides.
 TEST(TruthCache, AFileUnderAnotherNameIsNotTaken) {
     Truth made;
     made.reference.available = true, made.reference.message = "by hand";

@@ -1,3 +1,4 @@
+// Comparison of two runs of a truth, made by hand: disagreement, bounds, written decimals and invariants.
 #include "integrators/truth/compare.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ using Fifty = Real<50>;
 using RunOfOne = Run<Fifty>;
 using RunOfTwo = Run<Fifty, Motions<Fifty>>;
 
-// Two free bodies: one spins about its z axis and flies, the other is pulled by a spring at its joint.
+// Two free bodies: one spins about its z axis in flight, the other is pulled by the spring of its joint.
 Scene two_bodies() {
     Scene scene;
     scene.name = "two", scene.duration = 1;
@@ -83,7 +84,7 @@ TEST(TruthOfSeveralBodies, IsWrittenTimeByTimeWithWhatTheBodiesHaveTogether) {
         EXPECT_LT(std::abs(off_by(system.kinetic, 0) - kinetic.convert_to<double>()), 1e-15);
         EXPECT_LT(abs(Fifty(system.kinetic.high) + Fifty(system.kinetic.low) - kinetic).convert_to<double>(), 1e-30);
         EXPECT_LT(abs(Fifty(system.energy.high) + Fifty(system.energy.low) - energy).convert_to<double>(), 1e-30);
-        // about the centre of mass of both, which are one above the other
+        // about the common centre of mass; one body is above the other
         EXPECT_LT(std::abs(off_by(system.angular_momentum_W[2], 8)), 1e-30);
         EXPECT_LT(std::abs(off_by(system.angular_momentum_W[0], 0)), 1e-30);
         EXPECT_EQ(system.linear_momentum_W[0].high, 6);
@@ -92,7 +93,7 @@ TEST(TruthOfSeveralBodies, IsWrittenTimeByTimeWithWhatTheBodiesHaveTogether) {
 
 TEST(TruthOfSeveralBodies, DiffersByTheWorstBody) {
     RunOfTwo other = run_of_two();
-    // relative to the largest length of all bodies: position, at the end
+    // relative to the largest length over all bodies: position at the end
     other.motions[1][1].position_W[1] += Fifty(1e-20);
     const double longest = std::sqrt(1 + std::pow(1.0 / 3 + 1.0 / 7, 2));
     EXPECT_NEAR(disagreement(run_of_two(), other), 1e-20 / longest, 1e-26);
@@ -116,7 +117,7 @@ TEST(TruthOfSeveralBodies, ReactionsAreComparedAndWritten) {
     EXPECT_LT(std::abs(off_by(attempt.truth.reference.reactions[0].force_W[2], 2.0 / 3) - 3.70074341541719e-17), 1e-31);
     EXPECT_EQ(attempt.truth.reaction_decimals[1][2].substr(0, 27), "6.6666666666666666666666666");
     EXPECT_EQ(attempt.truth.reaction_decimals[1][4].substr(0, 4), "2.50");
-    // the largest force is |(2, 0, 2/3)|; the torques' scale is that force half a metre from the child's centre
+    // the largest force is |(2, 0, 2/3)|; torques are scaled by this force times 0.5 m, the arm to the child's centre
     const double force = std::sqrt(4 + 4.0 / 9);
     second.reactions[0][0].torque_W[0] += Fifty(1e-13);
     attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
@@ -124,7 +125,7 @@ TEST(TruthOfSeveralBodies, ReactionsAreComparedAndWritten) {
     second.reactions[1][0].force_W[1] += Fifty(4e-13);
     attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
     EXPECT_NEAR(attempt.truth.reference.bound, 4e-13 / force, 1e-19);
-    // what is left open by redundant constraints neither counts nor is told
+    // undetermined components of redundant constraints do not count and are not printed
     second.reactions[2][0].torque_W[2] = 0.5;
     attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
     EXPECT_NEAR(attempt.truth.reference.bound, 4e-13 / force, 1e-19);
@@ -144,17 +145,16 @@ TEST(TruthOfSeveralBodies, RoundOffOfWhatDoesNotMoveIsNoDisagreement) {
     RunOfTwo other = one;
     other.motions[1][0].position_W[2] = other.motions[2][1].velocity_W[0] = 1e-48;
     EXPECT_EQ(disagreement(other, one), 1);
-    // relative to the largest radius of gyration, sqrt(6 / 2 / 2), and as much in a second
+    // relative to the largest radius of gyration, sqrt(6 / 2 / 2) m, and to this length per second
     EXPECT_NEAR(disagreement(other, one, natural_sizes<Fifty>(two_bodies())), 1e-48 / std::sqrt(1.5), 1e-54);
 }
 
-// of one body
-// -----------------------------------------------------------------------------------------------------------
+// ---- one body
 
 RunOfOne run_of_one() {
     RunOfOne run;
     for (const double t : three_times) run.motions.push_back(spinning_body(Fifty(t)));
-    // each block is largest in the middle
+    // each block is largest at the middle sample
     run.motions[1].position_W = {Fifty(8), Fifty(0), Fifty(0)},
     run.motions[1].velocity_W = {Fifty(0), Fifty(4), Fifty(0)};
     run.motions[1].angular_velocity_B = {Fifty(0), Fifty(0), Fifty(16)};
@@ -167,7 +167,7 @@ TEST(TruthOfOneBody, DiffersByItsWorstBlockOverTheBlocksLargestLength) {
         change(other);
         return disagreement(run_of_one(), other);
     };
-    // at the first time, where neither the difference nor the length is the last one
+    // at the first sample: neither the difference nor the scale comes from the last one
     EXPECT_NEAR(differs([](auto& run) { run.motions[0].position_W[1] += Fifty(1e-20); }), 1e-20 / 8, 1e-30);
     EXPECT_NEAR(differs([](auto& run) { run.motions[0].velocity_W[2] += Fifty(1e-20); }), 1e-20 / 4, 1e-30);
     EXPECT_NEAR(differs([](auto& run) { run.motions[0].angular_velocity_B[0] += Fifty(1e-20); }), 1e-20 / 16, 1e-30);
@@ -180,7 +180,7 @@ TEST(TruthOfOneBody, DiffersByItsWorstBlockOverTheBlocksLargestLength) {
     const double infinite = std::numeric_limits<double>::infinity();
     EXPECT_EQ(differs([](auto& run) { run.motions[1].q.w = std::numeric_limits<Fifty>::quiet_NaN(); }), infinite);
     EXPECT_EQ(differs([&](auto& run) { run.motions[1].velocity_W[0] = Fifty(infinite); }), infinite);
-    // what is at rest throughout differs by what it differs
+    // a block that is zero throughout has an absolute difference
     RunOfOne rest = run_of_one();
     for (Motion<Fifty>& m : rest.motions) m.velocity_W = {};
     RunOfOne other = rest;
@@ -199,13 +199,13 @@ Problem problem_of_one() {
 
 TEST(TruthOfOneBody, IsWrittenWithItsEnergyAndItsRateInTheWorld) {
     RunOfOne run = run_of_one();
-    // turned by a third of a turn about (1, 1, 1), so that the body's z is the world's x
+    // rotated by a third of a rotation about (1, 1, 1), so that the body's z axis is the world's x axis
     run.motions[0].q = {Fifty(0.5), Fifty(0.5), Fifty(0.5), Fifty(0.5)};
     const Attempt attempt = compared(problem_of_one(), three_times, run, run, "by hand", 50);
     const ReferenceSample& first = attempt.truth.reference.samples[0];
     EXPECT_EQ(first.angular_velocity_B[2].high, 2);
     EXPECT_EQ(first.angular_momentum_W[0].high, 6);
-    // 3 2^2 / 2, and 2 (1 + 1/9) / 2 of the flight
+    // 3 2^2 / 2 for the rotation, and 2 (1 + 1/9) / 2 for the flight
     EXPECT_EQ(first.energy.high, 6 + 10.0 / 9);
     EXPECT_EQ(attempt.truth.decimals[0][4].substr(0, 4), "2.00");
     EXPECT_EQ(attempt.truth.decimals[0][6][0], '0');

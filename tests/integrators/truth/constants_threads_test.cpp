@@ -1,4 +1,4 @@
-// Constants of multiple precision that two threads ask for at once: TSan sees those that a library fills unguarded.
+// Multiprecision constants requested by two threads at once: TSan detects constants initialised without a lock.
 #include <gtest/gtest.h>
 
 #include <atomic>

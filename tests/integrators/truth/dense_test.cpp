@@ -26,13 +26,13 @@ double distance(const Vector3<Pair>& a, const Vector3<Pair>& b) {
     return std::sqrt(square);
 }
 
-// every scene of the catalogue, at times off any grid and at the events themselves
+// every built-in scene, at arbitrary times and at its events
 TEST(DenseTruth, IsTheReferenceRoundedOnce) {
     const FreshCache cache;
     int compared = 0;
     constexpr std::size_t every = optimised_build ? 1 : 8;
     std::vector<std::string> names = scenes_in();
-    // one of each family of the extreme ones, for some radians
+    // one scene of each extreme family, for a few radians
     std::string last;
     for (const std::string& name : scenes_in("extreme"))
         if (family_member(name).family != last) last = family_member(name).family, names.push_back(name);
@@ -63,7 +63,7 @@ TEST(DenseTruth, IsTheReferenceRoundedOnce) {
             EXPECT_LE(distance(d.angular_velocity_B, s.angular_velocity_B), dense.bound * w) << name << s.t;
             EXPECT_LE(distance(d.position_W, s.position_W), dense.bound * p) << name << ", t = " << s.t;
             EXPECT_LE(distance(d.velocity_W, s.velocity_W), dense.bound * v) << name << ", t = " << s.t;
-            // products of the others, in binary64
+            // products of the other values in binary64
             EXPECT_LE(distance(d.angular_momentum_W, s.angular_momentum_W), 4 * dense.bound * L) << name << s.t;
         }
         ++compared;

@@ -1,4 +1,4 @@
-// The two formulations against each other, on random bodies under every load; collocation against Taylor series.
+// The two formulations against each other on random bodies under every load, and collocation against Taylor series.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ TEST(Formulations, HaveTheSameRatesInDouble) {
         // all loads act, after the impulses
         euler.enter(0.5, y), momentum.enter(0.5, z);
         const truth::Motion<double> a = euler.motion(y), b = momentum.motion(z);
-        // a few hundred operations on numbers of up to 100: 1e-15 each, condition of the inertia up to 100
+        // a few hundred operations on numbers up to 100, 1e-15 each; condition number of the inertia up to 100
         EXPECT_LT(largest(a.angular_velocity_B - b.angular_velocity_B), 1e-10) << seed;
         EXPECT_LT(largest(a.velocity_W - b.velocity_W), 1e-10) << seed;
         euler.derivative(y, dy), momentum.derivative(z, dz);
@@ -79,13 +79,13 @@ TEST(Formulations, CollocationAgreesWithTaylorSeries) {
         ASSERT_TRUE(series.fault.empty() && implicit.fault.empty()) << series.fault << implicit.fault;
         EXPECT_GE(series.agreed_digits, 25);
         EXPECT_GE(implicit.agreed_digits, 25);
-        // both promise 25 digits, of numbers up to 10
+        // both promise 25 digits of numbers up to 10
         EXPECT_LT(difference(series.truth, implicit.truth), 1e-24);
     }
 }
 
 TEST(Formulations, StiffSceneIsDoneByCollocation) {
-    // a stiff relaxation under a torque: w about z tends to torque / drag = 0.5 at the rate 10^6 / 2
+    // stiff relaxation under a torque: w about z tends to torque / drag = 0.5 at the rate 10^6 / 2
     Scene scene;
     scene.name = "stiff";
     scene.duration = 100;
@@ -97,7 +97,7 @@ TEST(Formulations, StiffSceneIsDoneByCollocation) {
     const Reference truth = reference(scene, 4);
     ASSERT_TRUE(truth.available) << truth.message;
     EXPECT_NE(truth.message.find("Radau"), std::string::npos);
-    // angle = t / 2 + 0.5 (1 - e^(-t 10^6 / 2)) 2e-6, and the exponential is 0 to double at t = 25
+    // angle = t / 2 + 0.5 (1 - e^(-t 10^6 / 2)) 2e-6, and the exponential is 0 in binary64 at t = 25
     for (int k = 1; k <= 4; ++k) {
         EXPECT_NEAR(truth.samples[k].angular_velocity_B[2].high, 0.5, 1e-16);
         EXPECT_NEAR(truth.samples[k].q.w.high, std::cos((truth.samples[k].t / 2 + 1e-6) / 2), 1e-14);

@@ -1,4 +1,4 @@
-// A cache of the test's own, empty at the start and gone at the end.
+// A private truth cache, empty at the start and removed at the end.
 #pragma once
 
 #include <cstdlib>

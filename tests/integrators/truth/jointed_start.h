@@ -1,4 +1,4 @@
-// How the bodies of a tree of joints start, by the definition of each joint and nothing else; and random trees.
+// Initial motions of the bodies of a tree, directly from the definition of each joint, and random trees.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace polhode {
 
-/// exp(axis x): a turn by x about an axis of any length but zero.
+/// exp(axis x): a rotation by x about an axis of any non-zero length.
 template <class P>
 Quaternion<P> turn_about(const Vector3<double>& axis, const P& x) {
     P s(0), c(0);
@@ -24,12 +24,12 @@ Quaternion<P> turn_about(const Vector3<double>& axis, const P& x) {
     return {c, v[0], v[1], v[2]};
 }
 
-/// Joints stand in the scene after those that carry their parents.
+/// The initial motions. Joints must come after those that carry their parents.
 template <class P>
 std::vector<truth::Motion<P>> jointed_start(const Scene& scene) {
     struct Placed {
         Quaternion<P> q;
-        Vector3<P> w_W, origin, velocity;  // of the body's own origin
+        Vector3<P> w_W, origin, velocity;  // of the body's origin
     };
     const std::size_t n = scene.bodies.size();
     std::vector<Placed> frames(n + 1);
@@ -102,7 +102,7 @@ inline Body random_body(Dice& dice) {
     return body;
 }
 
-/// A random joint of that type from one body to another.
+/// A random joint of this type between two bodies.
 inline Joint random_joint(Dice& dice, JointType type, std::string parent, std::string child) {
     Joint joint;
     joint.name = "to " + child;
@@ -118,8 +118,8 @@ inline Joint random_joint(Dice& dice, JointType type, std::string parent, std::s
     return joint;
 }
 
-/// A tree of bodies named b0, b1, ..: the first flies free or hangs on the world, each other is carried by an earlier
-/// one. All types of joints take turns.
+/// A tree of bodies b0, b1, ..: the first is free or joined to the world, and each other one is carried by an earlier
+/// one. The types of joints alternate.
 inline Scene random_tree(unsigned seed, int count, bool free_base) {
     Dice dice(seed);
     Scene scene;

@@ -30,7 +30,7 @@ inline Scene loaded_scene(unsigned seed, bool pivoted) {
     scene.name = "loaded";
     scene.duration = 1;
     scene.body.mass = 1.5 + dice.number();
-    // point masses make an inertia that is one
+    // the sum over point masses is a valid inertia
     Matrix3<double> inertia;
     for (int i = 0; i < 6; ++i) inertia = inertia + parallel_axis(1.0, dice.vector());
     scene.body.inertia_B = inertia;

@@ -1,4 +1,4 @@
-// Mechanisms in maximal coordinates: against closed forms, what a motion keeps, one body's own truth, and Newton's
+// Mechanisms in maximal coordinates against closed forms, invariants, the truth of a single body, and Newton's
 // equations of each body.
 #include "integrators/truth/maximal_form.h"
 
@@ -24,7 +24,7 @@ using V = Vector3<P>;
 double size(const P& x) { return std::abs(x.convert_to<double>()); }
 double size(const V& v) { return length(v).convert_to<double>(); }
 
-/// A mechanism that shows the state and the reactions beside the motions.
+/// A mechanism that also returns the state and the reactions.
 struct Shown {
     std::vector<Motion<P>> bodies;
     std::vector<Reaction<P>> reactions;
@@ -76,7 +76,7 @@ P kinetic_energy(const Scene& scene, const std::vector<Motion<P>>& bodies) {
     return sum;
 }
 
-// a rod on a hinge along y, at rest at the angle 2
+// a rod on a hinge along y, at rest at 2 rad
 Scene pendulum() {
     Scene scene;
     scene.name = "pendulum";
@@ -105,7 +105,7 @@ TEST(MaximalForm, SwingsAsAPendulumInClosedForm) {
         EXPECT_LT(size(P(q.y - k * sn)), 1e-30) << times[i];
         EXPECT_LT(size(P(motion[i].bodies[0].angular_velocity_B[1] - P(2) * k * rate * cn)), 1e-30);
         EXPECT_LT(size(P(motion[i].gap.point + motion[i].gap.turn + motion[i].gap.velocity)), 1e-30);
-        // the hinge carries: along the rod m g cos x + m l x'^2, and no torque about its axis
+        // the hinge carries m g cos x + m l x'^2 along the rod and no torque about its axis
         const Reaction<P>& reaction = motion[i].reactions[0];
         const P cosine = 1 - 2 * q.y * q.y, x_rate = P(2) * k * rate * cn;
         const V along = rotate(q, V(P(0), P(0), P(1)));
@@ -177,7 +177,7 @@ TEST(MaximalForm, KeepsTheEnergyOfSpringsAndGravity) {
                     const P x = dot(d, rail) - P(joint.rest[0]);
                     sum += P(joint.stiffness[0]) * x * x / P(2);
                 } else if (joint.type != JointType::fixed) {
-                    // what the attitude says of the angles must agree with what was counted
+                    // the angles from the attitude must agree with the counted ones
                     Quaternion<P> J = turn_about(joint.axes[0], angles[0]);
                     if (joint.type == JointType::universal) J = J * turn_about(joint.axes[1], angles[1]);
                     EXPECT_LT(size(vector_part(conjugate(J) * turned)), 1e-30) << seed;
@@ -195,7 +195,7 @@ TEST(MaximalForm, KeepsTheEnergyOfSpringsAndGravity) {
     }
 }
 
-// m v' and d(R I w)/dt by differences of seventh order from samples h apart
+// m v' and d(R I w)/dt by seventh-order differences of samples h apart
 TEST(MaximalForm, ReactionsObeyNewtonsEquationsOfEachBody) {
     for (unsigned seed = 0; seed < 3; ++seed) {
         Scene scene = random_tree(seed, 5, false);
@@ -281,7 +281,7 @@ TEST(MaximalForm, TopOnASphericalJointIsTheOneBodysOwn) {
 }
 
 TEST(MaximalForm, SpringsAndMotorsCountTurns) {
-    // I x'' = Q - k (x - rest): about rest + Q/k with W^2 = k/I, from 20 rad, far more than a turn
+    // I x'' = Q - k (x - rest): oscillation about rest + Q/k with W^2 = k/I, from 20 rad, several rotations
     Scene scene = pendulum();
     scene.joints[0].coordinate[0] = 20, scene.joints[0].rate[0] = -3;
     scene.joints[0].stiffness[0] = 2, scene.joints[0].rest[0] = 1;
@@ -313,7 +313,7 @@ TEST(MaximalForm, ImpulsesActThroughAllJoints) {
         scene.loads = {Impulse{{1, 2, -3}, Frame::world, {0.5, -0.25, 1}, Frame::body, 0, "b3"}};
         form.enter(0, y.data());
         const std::vector<Motion<P>> after = form.motion(y.data()).bodies;
-        // workless joints: the kinetic energy gains J . (v + v') / 2 at the point
+        // joints do no work: the kinetic energy increases by J . (v + v') / 2 at the point
         const V arm = V(P(0.5), P(-0.25), P(1)) - cast<P>(scene.bodies[3].body.center_of_mass);
         const auto speed = [&](const Motion<P>& m) {
             return V(m.velocity_W + rotate(m.q, cross(m.angular_velocity_B, arm)));
@@ -330,14 +330,14 @@ TEST(MaximalForm, ImpulsesActThroughAllJoints) {
     }
 }
 
-// rods from corner to corner of a polygon, hinged at each corner about an axis in the world; at rest but for one rate
+// rods along the edges of a polygon, hinged at each corner about an axis in the world; only one rate is not zero
 Scene ring(const std::vector<Vector3<double>>& corners, const std::vector<Vector3<double>>& axes, std::size_t cut) {
     Scene scene;
     scene.name = "ring";
     scene.duration = 2;
     const std::size_t n = corners.size();
     Dice dice(11);
-    // every body's origin is the world's at the start, and its axes are too; the first and the last corner stay put
+    // the origin and axes of every body are the world's at the start; the first and the last corner are fixed
     for (std::size_t i = 0; i + 1 < n; ++i) {
         Body body = random_body(dice);
         body.center_of_mass = 0.5 * (corners[i] + corners[i + 1]);
@@ -346,7 +346,7 @@ Scene ring(const std::vector<Vector3<double>>& corners, const std::vector<Vector
     const auto rod = [&](std::size_t i) { return i + 1 < n ? "rod" + std::to_string(i) : std::string("world"); };
     for (std::size_t corner = 0; corner < n; ++corner) {
         if (corner == cut) continue;
-        // carried from the left before the cut, from the right behind it
+        // before the cut the left body carries the right one, behind it the right one carries the left one
         Joint joint;
         joint.name = "at " + std::to_string(corner);
         const std::size_t left = corner == 0 ? n - 1 : corner - 1, right = corner;
@@ -398,13 +398,13 @@ void expect_same_wherever_cut(const std::vector<Vector3<double>>& corners, const
 }
 
 TEST(MaximalForm, FourBarIsTheSameWhereverItIsCut) {
-    // in a plane askew to all axes: 2 of the closure's 5 rows count
+    // in a plane oblique to all axes: 2 of the closure's 5 equations are independent
     const Vector3<double> e{0.8, 0.6, 0}, f{-0.6, 0.8, 0};
     const auto at = [&](double x, double y) { return Vector3<double>(x * e + y * Vector3<double>{0, 0, 1}); };
     expect_same_wherever_cut({at(0, 0), at(0.25, 1), at(1.25, 1.5), at(1.5, 0.25)}, {f, f, f, f}, 1, 0, 0.25);
 }
 
-// another of the closure's 5 rows is redundant at another state: all are kept
+// Which of the closure's 5 equations is redundant depends on the state, so all are kept.
 TEST(MaximalForm, BricardsMechanismIsTheSameWhereverItIsCut) {
     const Vector3<double> x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
     expect_same_wherever_cut({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}}, {y, z, x, y, z, x}, 1,
@@ -412,7 +412,7 @@ TEST(MaximalForm, BricardsMechanismIsTheSameWhereverItIsCut) {
 }
 
 TEST(MaximalForm, BodyOnARodSwingsAsAPoint) {
-    // a free body whose centre of mass is at a distance of 2 from the world's origin
+    // a free body whose centre of mass has a constant distance of 2 m from the world's origin
     Scene scene;
     scene.name = "rod", scene.duration = 2;
     Dice dice(5);
@@ -429,7 +429,7 @@ TEST(MaximalForm, BodyOnARodSwingsAsAPoint) {
     scene.loops = {loop};
     scene.loads = {Gravity{{0, 0, -9}, {}}};
     const std::vector<Shown> motion = solved(scene, {0, 2});
-    // 1.2, 1.6 are rounded: what is kept is the distance that the start has
+    // 1.2 and 1.6 are rounded: the constant distance is that at the start
     const V start = motion[0].bodies[0].position_W, end = motion[1].bodies[0].position_W;
     EXPECT_LT(size(P(dot(end, end) - dot(start, start))), 1e-16);
     const auto energy = [&](const Shown& shown) {
@@ -438,7 +438,7 @@ TEST(MaximalForm, BodyOnARodSwingsAsAPoint) {
     };
     EXPECT_LT(size(P(energy(motion[1]) - energy(motion[0]))), 1e-15);
     EXPECT_LT(size(end[1]), 1e-30);
-    // the pull along the rod: -m (v^2 / l + g . p / l)
+    // force along the rod: -m (v^2 / l + g . p / l)
     const Motion<P>& m = motion[1].bodies[0];
     const P pull = P(body.mass) * (dot(m.velocity_W, m.velocity_W) - P(9) * m.position_W[2]) / P(2);
     EXPECT_LT(size(P(dot(motion[1].reactions[0].force_W, m.position_W) / P(2) + pull)), 1e-14);

@@ -1,5 +1,4 @@
-// The truth of several bodies as it is asked for: impulses in both formulations, and energies of joints that turn
-// often.
+// The truth of several bodies as users call it: impulses in both formulations, energies of joints with many rotations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +21,7 @@ TEST(ReferenceOfMechanism, IsStruckByImpulses) {
     }
 }
 
-// A disc on a hinge with a spring, wound up by 20 rad: k x^2 / 2 counts its turns, whatever lies between the samples.
+// A disc on a hinge with a spring wound up by 20 rad: k x^2 / 2 counts whole rotations, whatever the sample times.
 TEST(ReferenceOfMechanism, HasTheEnergyOfASpringThatIsWoundUp) {
     const FreshCache cache;
     Scene scene;

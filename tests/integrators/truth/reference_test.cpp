@@ -33,7 +33,7 @@ double distance(const Quaternion<R>& a, const Quaternion<R>& b) {
     return square_root(squared_norm(Quaternion<R>{a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z})).convert_to<double>();
 }
 
-// the unit quaternion of a turn by `angle` about the unit vector `axis`
+// unit quaternion of a rotation by `angle` about the unit vector `axis`
 Quaternion<R> turn(const Vector3<R>& axis, const R& angle) {
     const R s = sin(R(angle / 2));
     return {cos(R(angle / 2)), s * axis[0], s * axis[1], s * axis[2]};
@@ -48,7 +48,7 @@ Scene free_body(const Vector3<double>& moments, const Vector3<double>& rate, dou
     return scene;
 }
 
-// 25 digits are promised; the scales of these motions are at most 10
+// 25 digits are promised; these motions have scales of at most 10
 constexpr double promised = 1e-24;
 
 TEST(Reference, SymmetricBodyFollowsTheTrigonometricForm) {
@@ -62,7 +62,7 @@ TEST(Reference, SymmetricBodyFollowsTheTrigonometricForm) {
     const Vector3<R> L_B(R(0.5), R(0.25), R(3)), L_W = rotate(q0, L_B);
     const R length = square_root(dot(L_B, L_B));
     for (const ReferenceSample& sample : truth.samples) {
-        // w_perp turns at (I3 - I1)/I1 w3 = 1 rad/s; q = turn about L by |L| t / I1, then about z by (I1 - I3)/I1 w3 t
+        // w_perp rotates at (I3 - I1)/I1 w3 = 1 rad/s; q: about L by |L| t / I1 after about z by (I1 - I3)/I1 w3 t
         const R t(sample.t), c = cos(t), s = sin(t);
         const Vector3<R> w(R(0.5) * c - R(0.25) * s, R(0.25) * c + R(0.5) * s, R(2));
         const Quaternion<R> q = turn((R(1) / length) * L_W, R(length * t)) * q0 * turn({R(0), R(0), R(1)}, R(-t));
@@ -133,7 +133,7 @@ TEST(Reference, HeavyTopKeepsEnergyAndVerticalMomentum) {
 }
 
 TEST(Reference, NasaTumblingBrickTurnsAsPublished) {
-    // NESC-RP-12-00770, check case 2, simulation 1; NASA's own tools differ by up to 5e-3 deg/s among themselves
+    // NESC-RP-12-00770, check case 2, simulation 1; NASA's own tools differ from each other by up to 5e-3 deg/s
     constexpr double degree = std::numbers::pi / 180;
     const Scene scene = free_body({0.001894220, 0.006211019, 0.007194665}, {10 * degree, 20 * degree, 30 * degree}, 30);
     const FreshCache cache;
@@ -166,7 +166,7 @@ TEST(Reference, SamplesAtAnEventShowTheMotionAfterIt) {
     EXPECT_NEAR(end.position_W[2].high, 3, 1e-15);
 }
 
-// w = (cn, sn, 2 dn)(2 t, k), k^2 = 1/12, as above, at times that no number of samples gives
+// w = (cn, sn, 2 dn)(2 t, k), k^2 = 1/12, at times other than regular samples
 TEST(Reference, IsThereAtAnyTimes) {
     const FreshCache cache;
     const Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 5);
@@ -183,7 +183,7 @@ TEST(Reference, IsThereAtAnyTimes) {
             EXPECT_LT(distance(value(truth.samples[i].angular_velocity_B), {cn, sn, 2 * dn}), promised);
         }
     }
-    // the usual times share the usual truth
+    // explicit times equal to the default times use the same cached truth
     const Reference usual = reference(scene, 4), same = reference(scene, {0, 1.25, 2.5, 3.75, 5});
     EXPECT_EQ(usual.message, same.message);
     const std::filesystem::directory_iterator files(cache.directory());
@@ -203,8 +203,7 @@ TEST(Reference, UsersTorqueHasNoTruth) {
 }
 
 TEST(Reference, SensitiveMotionIsComputedInMoreDigitsOrRefused) {
-    // next to the separatrix errors grow by e^(t sqrt 2) = 10^24 over t = 40: fifty digits do not leave 30, a hundred
-    // do
+    // near the separatrix errors grow by e^(t sqrt 2) = 10^24 over t = 40 s: 30 digits need a hundred, not fifty
     const FreshCache cache;
     const Scene scene = free_body({3, 4, 6}, {0, 2, 0x1p-30}, 100);
     const Reference truth = reference(scene, 4, 30);
@@ -244,7 +243,7 @@ TEST(Reference, DecimalsAreBoundedWithTheirOwnRounding) {
     const Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 1);
     const DecimalReference few = decimal_reference(scene, 1, 10);
     ASSERT_TRUE(few.available);
-    // 12 digits are written: 5 10^-12 of each component, 10^-11 of the attitude
+    // 12 digits are written: 5 10^-12 in each component, 10^-11 in the attitude
     EXPECT_GE(few.bound, 1e-11);
     EXPECT_LT(few.bound, 1.001e-11);
     EXPECT_EQ(few.times, (std::vector<double>{0, 1}));
@@ -269,7 +268,7 @@ TEST(Reference, StiffMotionsAreNotFollowedOntoPlanes) {
     EXPECT_NE(truth.message.find("does not support planes"), std::string::npos) << truth.message;
 }
 
-// Of the two dampings the stronger one decides, the centre's as well as the rotation's.
+// The stronger of the two dampings, of translation and of rotation, decides.
 TEST(StrongDamping, IsThatOfTheFlightOrOfTheRotation) {
     Scene scene = free_body({1, 2, 3}, {1, 0, 2}, 1);
     scene.loads.push_back(Drag{{0, 0, 0}, 1e4, {}});
@@ -282,7 +281,7 @@ TEST(StrongDamping, IsThatOfTheFlightOrOfTheRotation) {
     EXPECT_EQ(truth_method(pose(longer)), "closed form");
 }
 
-// Of six hinges in a loop the geometry alone lets this one move: what the motion leaves open is told by no digit.
+// Six hinges in a loop with redundant constraints: components that the motion does not determine have no digits.
 TEST(Reference, DecimalsOfSeveralBodiesLeaveOutWhatIsNotDetermined) {
     const FreshCache cache;
     Scene scene = find_scene("mechanisms/bricard");

@@ -8,7 +8,7 @@ namespace {
 TEST(RoundedDecimal, RoundsToTheNearest) {
     EXPECT_EQ(rounded_decimal("1.2344e+03", 4), "1.234e3");
     EXPECT_EQ(rounded_decimal("1.2346e-03", 4), "1.235e-3");
-    // from the first digit beyond alone: what lies half-way goes up, as of what is more than half-way
+    // decided by the first omitted digit alone: half-way and more is rounded away from zero
     EXPECT_EQ(rounded_decimal("1.2345e0", 4), "1.235e0");
     EXPECT_EQ(rounded_decimal("1.234499999e0", 4), "1.234e0");
     EXPECT_EQ(rounded_decimal("-1.2346e0", 4), "-1.235e0");

@@ -12,7 +12,7 @@
 namespace polhode::truth {
 namespace {
 
-// A body of 1 kg that is nearly a point, off its pivot.
+// A body of 1 kg, nearly a point, away from its pivot.
 Scene nearly_a_point(double size) {
     Scene scene;
     scene.name = "nearly a point", scene.duration = 2;
@@ -28,7 +28,7 @@ TEST(SharedRounding, IsNoneOfOrdinaryScenes) {
         EXPECT_EQ(shared_rounding<50>(find_scene(name)), 0) << name;
 }
 
-// The tensor of 10^-n kg m^2 stands beside one of about 1: n digits are lost.
+// A tensor of 10^-n kg m^2 is added to one of about 1 kg m^2: n digits are lost.
 TEST(SharedRounding, IsWhatTheShiftToAPivotLoses) {
     for (const double n : {20, 30, 40}) {
         const Scene scene = nearly_a_point(std::pow(10.0, -n));
@@ -38,7 +38,7 @@ TEST(SharedRounding, IsWhatTheShiftToAPivotLoses) {
     EXPECT_GT(shared_rounding<50>(nearly_a_point(1e-55)), 0.01);
 }
 
-// A shell as thin as binary64 can tell: its mass and its tensor are differences.
+// The thinnest shell in binary64: its mass and tensor are differences of nearly equal numbers.
 TEST(SharedRounding, IsWhatAHoleLoses) {
     const auto ball = [](double radius, double sign) {
         return body_source(ShapedBody{SolidSphere{radius}, {sign, true}});
@@ -58,7 +58,7 @@ TEST(SharedRounding, IsWhatAHoleLoses) {
 TEST(SharedRounding, CountsWithTheGrowthThatTheStepsErrorsShow) {
     EXPECT_EQ(shared_error(0, 100, 1e-20, 50, 33), 0);
     EXPECT_DOUBLE_EQ(shared_error(1e-40, 9, 0, 50, 33), 1e-38);
-    // the steps' 1e-33 has become 1e-27
+    // the steps' errors have grown from 1e-33 to 1e-27
     EXPECT_NEAR(shared_error(1e-40, 9, 1e-27, 50, 33) / 1e-33, 1, 1e-9);
 }
 

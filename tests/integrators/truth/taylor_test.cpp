@@ -1,4 +1,4 @@
-// The truth's Taylor series of a state whose size only the running program knows.
+// The truth's Taylor series for states whose size is known only at run time.
 #include "integrators/truth/taylor.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 using P = Real<50>;
 using Form = truth::EulerForm<P>;
 
-/// Bodies that know nothing of each other, one state behind the other.
+/// Independent bodies, one state after the other.
 class SideBySide {
   public:
     explicit SideBySide(const std::vector<Scene>& scenes) {
@@ -65,8 +65,8 @@ class SideBySide {
 };
 
 // Each body alone takes longer steps than all together, at the same local error of 1e-32 of each block's scale. Over
-// some hundred steps, and magnified by motions that over three seconds lose less than three digits, the two agree to 25
-// digits: their errors are independent, so what they agree in is right in both.
+// several hundred steps of motions that lose less than three digits in 3 s, the two agree to 25 digits. Their errors
+// are independent, so digits in agreement are correct in both.
 TEST(TruthTaylor, BodiesSideBySideMoveAsEachDoesAlone) {
     std::vector<Scene> scenes;
     std::vector<Problem> problems;
@@ -111,7 +111,7 @@ TEST(TruthTaylor, EndsWhereItWouldTakeMoreStepsThanAreAllowed) {
     EXPECT_EQ(run.fault, "the step limit is reached");
 }
 
-// y' = -y, whose coefficients change their sign from one to the next
+// y' = -y, whose coefficients alternate in sign
 struct Decay {
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -125,9 +125,9 @@ TEST(TruthTaylor, NoBlockIsLongerWithinAStepThanItsBound) {
     series.expand(start);
     for (const double length : {1e-3, 0.5, 2.0}) {
         const P bound = truth::block_bound(series, 1, P(length));
-        // the block is longest where it starts: |(3, -4, 12)| = 13
+        // the block is longest at the start: |(3, -4, 12)| = 13
         EXPECT_GE(bound, P(13));
-        // the sum of all terms' sizes is that of growth
+        // the sum of the magnitudes of all terms is the series of e^t
         EXPECT_LT(abs(bound - P(13) * exp(P(length))), P(1e-25));
     }
 }

@@ -1,4 +1,4 @@
-// The truth as a method among the others.
+// The truth used as a method.
 #include <gtest/gtest.h>
 
 #include "integrators/method.h"
@@ -25,7 +25,7 @@ TEST(TruthMethod, IsTheReferenceRounded) {
         EXPECT_EQ(all.samples[k].q.y, reference_of_it.samples[k].q.y.high);
     }
     EXPECT_GT(all.steps, 0);
-    // at times of its own, and the last alone
+    // at user-defined times, and only the end
     settings.times = {0.125, 0.5};
     const Trajectory timed = solve(scene, truth, settings);
     ASSERT_EQ(timed.samples.size(), 2U);

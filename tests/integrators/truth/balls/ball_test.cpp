@@ -1,4 +1,4 @@
-// Balls: equality that never takes two numbers for one, decimals that hold what they were made of.
+// Balls: equality holds only for provably equal numbers, and decimals contain the number they were made from.
 #include "integrators/truth/balls/ball.h"
 
 #include <gtest/gtest.h>
@@ -47,10 +47,10 @@ TEST(Ball, TracedFoldsWhatIsExactlyZeroAndNothingElse) {
     const Ball third = Ball(1) / Ball(3), unknown = third - third;
     EXPECT_EQ((Ball(0) * x).node, T::constant);
     EXPECT_EQ((x - x).node, T::constant);
-    // zero for all that is known, but not proven zero: the term stays
+    // possibly zero but not provably, so the term stays
     EXPECT_EQ((unknown * x).node, x.node);
     EXPECT_EQ((third * x - third * x).node, x.node);
-    // x / 3 + y twice over: two thirds need not be the same number, so there are two nodes
+    // x / 3 + y twice: two balls for 1/3 need not be the same number, so there are two nodes
     const T a = third * x + y, b = third * x + y;
     EXPECT_NE(a.node, b.node);
     EXPECT_EQ((Ball(0.5) * x + y).node, (Ball(0.5) * x + y).node);
@@ -86,7 +86,7 @@ RC_GTEST_PROP(BallDecimal, HoldsTheBall, (std::int32_t mantissa, std::int8_t exp
         const std::string text = decimal_near(ball, -18, error);
         const R distance = abs(R(R(text) - R(number)));
         RC_ASSERT(distance + R(radius) <= R(decimal_above(error)));
-        // half a unit of the last place, and the radius
+        // half a unit in the last place, plus the radius
         RC_ASSERT(R(decimal_above(error)) <= R("0.56e-18") + R(radius) * 2);
     }
 }
@@ -104,7 +104,7 @@ TEST(Bound, WhatIsLeastIsRoundedDownward) {
     EXPECT_GT(Bound::least_of(wide).near(), 0.75 * (1 - 1e-8));
     EXPECT_GE(Bound(wide).near(), 1.25);
     EXPECT_EQ(Bound::least_of(widened(Ball(1), Bound(2.0))).near(), 0);
-    // 1 - 2^-40 in thirty bits: below it, and not 1
+    // 1 - 2^-40 with thirty bits: rounded down, but close to 1
     const double less = least_difference(Bound::least_of(Ball(1)), Bound(0x1p-40)).near();
     EXPECT_LE(less, 1 - 0x1p-40);
     EXPECT_GT(less, 1 - 1e-8);

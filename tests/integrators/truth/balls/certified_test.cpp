@@ -1,4 +1,4 @@
-// The certified truth against the second formulation in 100 digits: every number inside its ball.
+// The certified truth against the second formulation in 100 digits: every number is inside its ball.
 #include "integrators/truth/balls/certified.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 using R = Real<100>;
 using Table = std::vector<std::array<R, 13>>;
 
-// The motion by the momentum form, with a local error of 10^-65.
+// The motion by the momentum form with a local error of 10^-65.
 Table by_momentum_form(const Scene& scene, long samples) {
     const Problem problem = pose(scene);
     std::vector<double> times;
@@ -42,14 +42,14 @@ Table by_momentum_form(const Scene& scene, long samples) {
     return table;
 }
 
-// how many numbers of the table lie outside their balls
+// the number of values outside their balls
 int outside(const CertifiedReference& certified, const Table& table) {
     EXPECT_EQ(certified.columns.size(), table.size());
     int count = 0;
     for (std::size_t k = 0; k < table.size(); ++k)
         for (int c = 0; c < 13; ++c) {
             const CertifiedNumber& number = certified.columns[k][c];
-            // the momentum form's own error: 1e-65 a step, some hundred steps, times what the motion makes of it
+            // error of the momentum form: 1e-65 per step over several hundred steps, amplified by the motion
             if (abs(R(table[k][c] - R(number.value))) > R(number.radius) + R("1e-50")) ++count;
         }
     return count;
@@ -68,13 +68,13 @@ void expect_proven(const CertifiedReference& certified, int digits) {
             EXPECT_GE(number.digits, digits);
             if (R(number.radius) > 0) fewest = std::min(fewest, number.digits);
         }
-        // the quaternion's size is 1
+        // the quaternion has size 1
         for (std::size_t c = 0; c < 4; ++c) {
             const CertifiedNumber& number = certified.columns[k][c];
             EXPECT_LE(R(number.radius), pow(R(10), -number.digits) * (1 + R("1e-25")));
         }
     }
-    // where all is exact there are as many as were asked for
+    // if everything is exact, the number of digits is the requested one
     EXPECT_EQ(certified.digits, fewest == std::numeric_limits<int>::max() ? digits : fewest);
 }
 
@@ -117,7 +117,7 @@ TEST(Certified, FreeBodiesOfOtherKinds) {
     expect_contained(body("sphere", {2, 2, 2}, {0.5, 1, -0.25}, 6), "closed form");
     expect_contained(body("principal", {1, 2, 3}, {0, -2, 0}, 6), "closed form");
     expect_contained(body("at rest", {1, 2, 3}, {0, 0, 0}, 6), "closed form");
-    // through the middle axis, where cn or sn vanishes at the start
+    // starts at nodes, where cn or sn vanishes
     expect_contained(body("start on a node", {1, 2, 3}, {1, 0, 2}, 6), "closed form");
     expect_contained(body("start on another", {1, 2, 3}, {0, 1, 2}, 6), "closed form");
     expect_contained(body("near the separatrix", {1, 2, 3}, {0x1p-30, 1, 0}, 20), "closed form");
@@ -159,8 +159,8 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
-// Each plain scene of the catalogue without planes has a truth whose digits are proven, and the everyday truth lies
-// inside it. (bruls_top asks for a fraction of a bit beyond the precision at work, and once asked for ever.)
+// Every plain built-in scene without planes has a truth with proven digits, which contains the truth by two
+// formulations. bruls_top requests a fraction of a bit beyond the working precision, which once caused an endless loop.
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
     constexpr std::size_t every = optimised_build ? 1 : 13;
@@ -179,7 +179,7 @@ TEST(Certified, EverySceneOfTheCatalogue) {
         const DecimalReference truth = decimal_reference(scene, 2, 30);
         ASSERT_TRUE(certified.available && truth.available) << truth.message;
         for (std::size_t k = 0; k < truth.columns.size(); ++k) {
-            double largest = 1;  // of each block: what the truth's digits are relative to
+            double largest = 1;  // largest value of each block, to which the digits are relative
             for (const std::string& x : truth.columns[k]) largest = std::max(largest, std::abs(std::stod(x)));
             for (std::size_t c = 0; c < truth.columns[k].size(); ++c) {
                 const Real<50> apart = Real<50>(truth.columns[k][c]) - Real<50>(certified.columns[k][c].value);
@@ -198,7 +198,7 @@ TEST(Certified, StronglyDampedBody) {
     expect_contained(scene, "collocation");
 }
 
-// Motions over which the logarithmic norm would lose hundreds of bits.
+// Motions on which the logarithmic norm would lose hundreds of bits.
 TEST(Certified, LongHeavyBody) {
     Scene top = heavy_top();
     top.duration = 18;
@@ -214,7 +214,7 @@ TEST(Certified, LongSprungBody) {
     expect_contained(sprung, "parallelepipeds");
 }
 
-// What is proven is the scene's own motion, and no other: the least change of the scene puts the truth outside.
+// The proof belongs to the scene: the smallest change of the scene puts the truth outside the balls.
 TEST(Certified, ATamperedSceneIsOutside) {
     const Scene scene = heavy_top();
     const CertifiedReference certified = certified_reference(scene, 4, 30);
@@ -232,12 +232,12 @@ TEST(Certified, ATamperedSceneIsOutside) {
 }
 
 TEST(Certified, AnyTimeCostsTheSame) {
-    // t = 10^9 s, about 3 10^8 turns: the digits asked for are there all the same
+    // t = 10^9 s, about 3 10^8 rotations: still all requested digits
     const Scene scene = body("long", {1, 2, 3}, {1, 0.5, 1.5}, 1e9);
     const CertifiedReference certified = certified_reference(scene, 10, 30);
     expect_proven(certified, 30);
     EXPECT_EQ(certified.steps, 0);
-    // the same in more digits lies inside
+    // the result with more digits is inside
     const CertifiedReference finer = certified_reference(scene, 10, 60);
     expect_proven(finer, 60);
     for (std::size_t k = 0; k < 11; ++k)
@@ -251,7 +251,7 @@ TEST(Certified, SaysHowManyDigitsCanBeHad) {
     EXPECT_FALSE(refused.available);
     EXPECT_NE(refused.message.find("are available"), std::string::npos) << refused.message;
     EXPECT_TRUE(refused.columns.empty());
-    // a free body: as many as it says
+    // a free body: exactly the number of digits reported as available
     const Scene scene = body("free", {1, 2, 3}, {1, 0.5, 1.5}, 5);
     const CertifiedReference most = certified_reference(scene, 1, 100'000);
     ASSERT_FALSE(most.available);
@@ -263,7 +263,7 @@ TEST(Certified, SaysHowManyDigitsCanBeHad) {
     EXPECT_GE(all.digits, had);
 }
 
-// A spring that swings 10^8 times: told after a thousand steps, and at one precision.
+// A spring with 10^8 oscillations is refused after a thousand steps at one working precision.
 TEST(Certified, SaysThatStepsWouldBeTooMany) {
     Scene scene = body("hard spring", {1, 2, 3}, {1, 2, 3}, 100);
     scene.loads.push_back(Spring{1e14, {0.6, 0.8, 0, 0}, {}});

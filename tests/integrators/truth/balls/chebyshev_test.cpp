@@ -1,4 +1,4 @@
-// Chebyshev series against polynomials written out.
+// Chebyshev series compared with explicit polynomials.
 #include "integrators/truth/balls/chebyshev.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(ChebyshevSeries, InterpolatesMultipliesAndDiffers) {
 TEST(ChebyshevSeries, BoundsHoldAndAreNotFarOff) {
     const WorkingPrecision precision(128);
     const ChebyshevSeries a = series(f, 4);
-    // |f(-1)| = 5 and |f'(-1)| = 4 are the largest; a sum of absolute values is at most 4 times the largest here
+    // the largest values are |f(-1)| = 5 and |f'(-1)| = 4; a sum of absolute values is at most 4 times larger here
     EXPECT_GE(sum_of(a).near(), 5);
     EXPECT_LE(sum_of(a).near(), 20);
     EXPECT_GE(slope_of(a).near(), 4);

@@ -1,4 +1,4 @@
-// Strongly damped motion, enclosed, against its closed form.
+// An enclosure of strongly damped motion, compared with its closed form.
 #include <gtest/gtest.h>
 
 #include "integrators/truth/balls/flow.h"
@@ -6,8 +6,8 @@
 namespace polhode::truth {
 namespace {
 
-// w about z tends to torque / drag = 1/2 at the rate 10^6 / 2: w = (1 + e) / 2, e = exp(-t 10^6 / 2), angle t / 2 +
-// 10^-6 (1 - e)
+// w about z tends to torque / drag = 1/2 at the rate 10^6 / 2: w = (1 + e) / 2 with e = exp(-t 10^6 / 2), and the
+// angle is t / 2 + 10^-6 (1 - e)
 TEST(EncloseByCollocation, HoldsAStiffSpin) {
     const WorkingPrecision precision(136);
     Scene scene;

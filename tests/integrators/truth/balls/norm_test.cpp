@@ -1,4 +1,4 @@
-// Logarithmic norms against eigenvalues known in closed form and against Jacobians sampled in double.
+// Logarithmic norms against eigenvalues in closed form and against Jacobians sampled in binary64.
 #include "integrators/truth/balls/norm.h"
 
 #include <gtest/gtest.h>
@@ -45,11 +45,11 @@ TEST(WeightedNorm, LengthsAndComponents) {
     const std::vector<Bound> components = norm.components(Bound(10.0));
     EXPECT_NEAR(components[0].near(), 5, 1e-6);
     EXPECT_NEAR(components[1].near(), 20, 1e-6);
-    // a matrix without inverse bounds nothing
+    // a singular matrix gives no bound
     EXPECT_FALSE(WeightedNorm(plan_of({1, 1, 1, 1}, 2)).components(Bound(1.0))[0].is_finite());
 }
 
-// For any state of the box the largest eigenvalue in double is below the bound, and the bound is not far above.
+// For any state in the box the largest eigenvalue in binary64 is below the bound, and the bound is close.
 RC_GTEST_PROP(WeightedNorm, HoldsOverTheWholeBox, ()) {
     const auto seed = *rc::gen::inRange(0u, 1000u);
     const Scene scene = loaded_scene(seed, seed % 2 == 0);
@@ -85,8 +85,8 @@ RC_GTEST_PROP(WeightedNorm, HoldsOverTheWholeBox, ()) {
 }
 
 TEST(PlanPieces, WeightsMakeAnOverdampedPendulumLoseLittle) {
-    // |dtau/dq| = 2 m g l = 10 and |d(dq/dt)/dw| = 1/2: with weights apart by s the logarithmic norm is at most about
-    // (s/2 + 10/s)^2 / (4 c) = 0.005/s at s = sqrt(20). Row sums of |J| would let errors grow by e^(1/2) a second.
+    // |dtau/dq| = 2 m g l = 10 and |d(dq/dt)/dw| = 1/2. For weights in the ratio s the logarithmic norm is at most
+    // about (s/2 + 10/s)^2 / (4 c) = 0.005/s at s = sqrt(20). Row sums of |J| would allow e^(1/2) per second.
     Scene scene;
     scene.name = "overdamped";
     scene.duration = 10;

@@ -1,4 +1,4 @@
-// How far loops are open in a motion that is told in decimals, for certain.
+// A rigorous bound of how far the loops are open in a motion given as decimals.
 #pragma once
 
 #include <string>
@@ -45,9 +45,8 @@ inline Vector3<Ball> unit(const Vector3<double>& axis) {
 
 }  // namespace openness
 
-/// A bound, over all samples and loops, of the distance of a loop's points, of the error of a distance kept (m), and of
-/// the sine of the angle between the axes of a revolute one. The decimals are taken exactly, with each q at unit
-/// length.
+/// An upper bound over all samples and loops: the distance of a loop's points or the error of a distance (m), and the
+/// sine of the angle between the axes of a revolute loop. The decimals are taken as exact, with each q normalised.
 inline Bound openness_of_loops(const Scene& scene, const DecimalReference& truth) {
     using namespace openness;
     const WorkingPrecision precision(bits);

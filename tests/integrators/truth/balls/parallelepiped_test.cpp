@@ -1,4 +1,4 @@
-// Sets that turn and shear: points followed one by one stay inside, and a turn does not widen them.
+// Sets that rotate and shear: points followed individually stay inside, and a rotation does not widen the set.
 #include "integrators/truth/balls/parallelepiped.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ std::vector<Ball> balls(const std::vector<double>& values) {
 
 double small(int number) { return number % 1000 / 500.0; }
 
-// Steps e <- W e + a with |a_i| <= added_i, followed in 2000 bits.
+// Steps e <- W e + a with |a_i| <= added_i, followed with 2000 bits.
 RC_GTEST_PROP(Parallelepiped, HoldsWhatIsFollowedPointByPoint, ()) {
     constexpr int n = 3, steps = 6;
     const auto numbers =
@@ -58,15 +58,14 @@ RC_GTEST_PROP(Parallelepiped, HoldsWhatIsFollowedPointByPoint, ()) {
         e = moved;
         const std::vector<Bound> component = set.components();
         for (int i = 0; i < n; ++i) {
-            // bounds of |e_i| are rounded upward themselves, in their 30th bit
+            // the bounds of |e_i| are themselves rounded up in their 30th bit
             RC_ASSERT(Bound(e[i]).near() <= component[i].near() * (1 + 1e-8));
             RC_ASSERT(Bound(e[i]).near() <= (image[i] + Bound(added[i])).near() * (1 + 1e-8));
         }
     }
 }
 
-// A box turned by a third of a right angle widens by sqrt(2) each time if it is put into a box again; a parallelepiped
-// stays as it is.
+// A box rotated by 0.5 rad and enclosed in a box again would widen at each step. A parallelepiped keeps its size.
 TEST(Parallelepiped, TurnsWithoutWrapping) {
     const WorkingPrecision precision(128);
     Parallelepiped set({1, 1}, bounds({1e-30, 1e-30}));
@@ -75,7 +74,7 @@ TEST(Parallelepiped, TurnsWithoutWrapping) {
     for (const Bound& component : set.components()) EXPECT_LT(component.near(), 1.5e-30);
 }
 
-// e1 <- e1 + e2 / 8, e2 <- e2: a shear grows with time and no faster, and what each step adds with its square.
+// e1 <- e1 + e2 / 8, e2 <- e2: the shear grows linearly in time, and the contribution of each step quadratically.
 TEST(Parallelepiped, ShearsWithoutExponentialGrowth) {
     const WorkingPrecision precision(128);
     constexpr int steps = 4096;
@@ -83,7 +82,7 @@ TEST(Parallelepiped, ShearsWithoutExponentialGrowth) {
     for (int step = 0; step < steps; ++step) set.advance(balls({1, 0.125, 0, 1}), bounds({1e-34, 1e-34}));
     const std::vector<Bound> component = set.components();
     const double second = 1e-30 + steps * 1e-34, first = second + steps * 0.125 * second;
-    EXPECT_GE(component[0].near(), first * 0.75);  // the sum over steps adds a half of steps^2 only
+    EXPECT_GE(component[0].near(), first * 0.75);  // the sum over steps contributes only half of steps^2
     EXPECT_LT(component[0].near(), 20 * first);
     EXPECT_LT(component[1].near(), 20 * second);
 }

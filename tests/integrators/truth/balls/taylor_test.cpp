@@ -1,5 +1,5 @@
-// The proven defect of a Taylor polynomial, on motions known in closed form; and that the proof is needed: without the
-// remainder the truth lies outside the balls.
+// The proven defect of a Taylor polynomial on motions with closed forms. The proof is necessary: without the
+// remainder the exact motion is outside the balls.
 #include "integrators/truth/balls/taylor.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace polhode::truth {
 namespace {
 
-// x' = x^2, z' = x z from (1, 1): both 1 / (1 - t)
+// x' = x^2, z' = x z from (1, 1): both are 1 / (1 - t)
 struct Riccati {
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -42,7 +42,7 @@ TEST(Defect, OfTheGeometricSeriesIsItsTail) {
     series.evaluate(Ball(h), end);
     EXPECT_FALSE((true_end - end[0]).contains_zero())
         << "the polynomial alone holds the motion: the test proves nothing";
-    // |J| <= 2 x <= 2 / (1 - h) on the way
+    // |J| <= 2 x <= 2 / (1 - h) during the step
     const Bound error = exponential(Ball(2 * h) / Ball(1 - h)) * (Bound(h) * d[0]);
     EXPECT_TRUE((true_end - widened(end[0], error)).contains_zero());
 }
@@ -98,7 +98,7 @@ TEST(SweptBoxes, HoldThePolynomialToItsLastTerm) {
 
 class EncloseByTaylor : public ::testing::TestWithParam<Carry> {};
 
-// a body turning about a principal axis under drag: w = w0 e^(-c t / I), angle = w0 I / c (1 - e^(-c t / I))
+// a body rotating about a principal axis with drag: w = w0 e^(-c t / I), angle = w0 I / c (1 - e^(-c t / I))
 TEST_P(EncloseByTaylor, HoldsADraggedSpin) {
     const WorkingPrecision precision(192);
     Scene scene;
@@ -148,8 +148,8 @@ TEST_P(EncloseByTaylor, GivesUpWhereErrorsOutgrowThePrecision) {
 INSTANTIATE_TEST_SUITE_P(Carried, EncloseByTaylor, ::testing::Values(Carry::norm, Carry::parallelepiped),
                          [](const auto& way) { return way.param == Carry::norm ? "norm" : "parallelepiped"; });
 
-// What each way of carrying errors loses of 160 bits on a fast top over 30 s, where kappa comes to about 2^10. The
-// logarithmic norm has lost a hundred by then.
+// Loss of each error propagation, out of 160 bits, on a fast top over 30 s, where kappa reaches about 2^10. The
+// logarithmic norm has lost a hundred bits by then.
 TEST(EncloseByTaylorFar, ParallelepipedsLoseWhatTheMotionLoses) {
     const WorkingPrecision precision(160);
     const Scene scene = polhode::testing::heavy_top(30);
@@ -163,13 +163,13 @@ TEST(EncloseByTaylorFar, ParallelepipedsLoseWhatTheMotionLoses) {
     ASSERT_EQ(sheared.fault, "");
     double widest = 0;
     for (const Ball& component : sheared.samples[1]) widest = std::max(widest, Bound::radius_of(component).near());
-    // 2^-160 with what the defects' bounds are wider by (2^28), times kappa, times the turning of the sets
+    // 2^-160 times the widening of the defect bounds (2^28), kappa and the rotation of the sets
     EXPECT_LT(widest, 0x1p-100);
     EXPECT_GT(widest, 0x1p-160);
     const Enclosure by_norm = enclose_by_taylor(piece, plan, y, Carry::norm);
     ASSERT_EQ(by_norm.fault, "");
     EXPECT_GT(Bound::radius_of(by_norm.samples[1][0]).near(), 0x1p-60);
-    // finer balls of the other way lie inside
+    // balls by the other propagation with more bits are inside
     const WorkingPrecision finer(400);
     EulerForm<Ball> fine_form(scene);
     fine_form.initial(y.data());

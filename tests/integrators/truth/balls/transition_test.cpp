@@ -1,4 +1,4 @@
-// The transition matrix against differences of motions in 400 bits.
+// The transition matrix, compared with differences of motions in 400 bits.
 #include "integrators/truth/balls/transition.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace polhode::truth {
 namespace {
 
-// after `h` by series of a high order, without a proof
+// the state after `h` by a high-order series, without a proof
 std::vector<Ball> flowed(Series<Ball>& series, const std::vector<Ball>& y, const Ball& h) {
     std::vector<Ball> end(y.size());
     series.expand(y.data());
@@ -22,7 +22,7 @@ std::vector<Ball> flowed(Series<Ball>& series, const std::vector<Ball>& y, const
 
 const Bound anywhere(0x1p40);
 
-// a scene at its start, exactly a point
+// a scene and its initial state as a point
 struct Start {
     Scene scene;
     EulerForm<Ball> form;
@@ -35,13 +35,13 @@ struct Start {
         form.enter(0, point.data());
         for (Ball& y : point) y = y.midpoint();
     }
-    // beginnings that differ by so much in each variable
+    // the norm of initial differences of this size in each variable
     Bound length(const WeightedNorm& norm, double each) const {
         return norm.length(std::vector<Bound>(point.size(), Bound(each)));
     }
 };
 
-// y + 2^-60 e_j goes where W(h) 2^-60 e_j takes it, to the second order in 2^-60; so for every column and load.
+// y + 2^-60 e_j moves as W(h) 2^-60 e_j predicts, to second order in 2^-60, for every column and load.
 TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
     for (const bool pivoted : {true, false}) {
         const WorkingPrecision precision(400);
@@ -66,7 +66,7 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
             for (int i = 0; i < n; ++i) {
                 const Ball slope = (there[i] - end[i]) / small;
                 const Ball& entry = W[i * n + j];
-                // the mean of W over the line between the two beginnings lies in it
+                // the mean of W along the line between the two starts is inside the entry
                 EXPECT_TRUE((slope - entry).contains_zero()) << pivoted << ' ' << i << ' ' << j;
                 EXPECT_LT(Bound::radius_of(entry).near(), 1e-9) << i << ' ' << j;
                 turned = turned || (i != j && std::abs(entry.near()) > 1e-3);
@@ -76,7 +76,7 @@ TEST(Transition, HoldsWhatNeighbouringMotionsDo) {
     }
 }
 
-// A growth that is known only nearer than the motions come says nothing.
+// If the growth is known only for a smaller distance than that of the motions, the entries are not finite.
 TEST(Transition, KnowsNothingBeyondWhatIsAllowed) {
     const WorkingPrecision precision(200);
     const Start start(loaded_scene(1, true));
@@ -89,7 +89,7 @@ TEST(Transition, KnowsNothingBeyondWhatIsAllowed) {
     for (const Ball& entry : transition.at(Ball(0x1p-6))) EXPECT_FALSE(entry.is_finite());
 }
 
-// Beginnings a thousandth apart: the matrix is as wide as their motions differ, and holds each.
+// Starts 2^-10 apart: the matrix contains the motion of each and is as wide as their motions differ.
 TEST(Transition, WidensWithTheBeginnings) {
     const WorkingPrecision precision(200);
     const Start start(loaded_scene(1, true));

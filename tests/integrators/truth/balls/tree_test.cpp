@@ -1,5 +1,5 @@
-// Proofs along right-hand sides with quotients, roots and sines, and of trees of joints: bounds against what they
-// bound, and motions against those that two formulations agree on.
+// Proofs for right-hand sides with quotients, roots and sines, and for trees of joints: bounds against the bounded
+// quantity, and motions against the truth that two formulations agree on.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@
 namespace polhode::truth {
 namespace {
 
-// one of each operation, and a sine of a sum
+// one of each operation, and the sine of a sum
 struct Mixed {
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -34,7 +34,7 @@ struct Mixed {
     }
 };
 
-// the polynomial with the midpoints of the coefficients, and its slope
+// the polynomial with the midpoints of the coefficients, and its derivative
 void polynomial(const Series<Ball>& series, const Ball& t, Ball* p, Ball* slope) {
     for (int i = 0; i < series.dimension(); ++i) {
         p[i] = Ball(0), slope[i] = Ball(0);
@@ -65,13 +65,13 @@ TEST(DefectOfEveryOperation, HoldsWhatIsMissed) {
                     largest = std::max(largest, missed / bounds.rate[i].near());
                 }
             }
-            // and not by orders of magnitude more, or the bounds would hold anything
+            // the bounds are not larger by orders of magnitude, or they would be useless
             EXPECT_GT(largest, 1e-3) << order << ' ' << at;
         }
     }
 }
 
-// a divisor that vanishes at y_0 = 0.1
+// a divisor that is zero at y_0 = 0.1
 struct Pole {
     template <class S>
     void derivative(const S* y, S* dy) const {
@@ -135,7 +135,7 @@ TEST(JacobianOfEveryOperation, IsTheLimitOfDifferences) {
     }
 }
 
-// y + 2^-60 e_j goes where W(h) 2^-60 e_j takes it, to the second order in 2^-60.
+// y + 2^-60 e_j moves as W(h) 2^-60 e_j predicts, to second order in 2^-60.
 TEST(TransitionOfTree, HoldsWhatNeighbouringMotionsDo) {
     const WorkingPrecision precision(300);
     const Scene scene = random_tree(7, 3, false);
@@ -181,7 +181,7 @@ TEST(TransitionOfTree, HoldsWhatNeighbouringMotionsDo) {
 
 using R = Real<50>;
 
-// how many of the proven numbers lie further from 40 digits that two formulations agree on than their radius
+// the number of proven values farther than their radius from the 40-digit truth of the two formulations
 int outside(const Scene& scene, const CertifiedReference& certified) {
     const DecimalReference truth = decimal_reference(scene, static_cast<long>(certified.times.size()) - 1, 40);
     EXPECT_TRUE(truth.available) << truth.message;
@@ -200,7 +200,7 @@ int outside(const Scene& scene, const CertifiedReference& certified) {
     return count;
 }
 
-// Every kind of joint, with loads that begin and end, a force at a point of the world and an impulse.
+// Every type of joint, with loads that start and end, a force at a world point and an impulse.
 TEST(CertifiedTree, HoldsWhatTwoFormulationsAgreeOn) {
     const FreshCache cache;
     const int count = optimised_build ? 5 : 1;
@@ -232,7 +232,7 @@ TEST(CertifiedTree, HoldsScenesOfTheCatalogue) {
     }
 }
 
-// A body on a spherical joint is a body with a pivot, proven by other equations.
+// A body on a spherical joint equals a body with a pivot, whose proof uses other equations.
 TEST(CertifiedTree, OfOneBodyIsThatBodys) {
     Scene joint = find_scene("mechanisms/top_on_spherical_joint"), pivot = find_scene("lagrange_top");
     joint.duration = pivot.duration = 1;
@@ -243,7 +243,7 @@ TEST(CertifiedTree, OfOneBodyIsThatBodys) {
     for (std::size_t i = 0; i < a.columns.size(); ++i)
         for (int c = 0; c < 13; ++c) {
             const CertifiedNumber &x = a.columns[i][c], &y = b.columns[i][c];
-            // the centre of mass is told from the joint, whose place in both is the origin
+            // the joint and the pivot are both at the origin
             EXPECT_LE(abs(R(R(x.value) - R(y.value))), R(x.radius) + R(y.radius)) << i << ' ' << c;
         }
 }
@@ -261,7 +261,7 @@ TEST(CertifiedTree, SaysWhatItHasNoProofOf) {
     EXPECT_NE(many.message.find("memory"), std::string::npos) << many.message;
 }
 
-// Every kind of loop: closed to the digits that are told, and open by as much as one number is changed.
+// Every type of loop is closed to the printed digits, and opens by the amount that a number is changed.
 TEST(OpennessOfLoops, IsWhatAChangedNumberOpens) {
     const FreshCache cache;
     for (const char* name : {"mechanisms/four_bar", "mechanisms/spatial_slider_crank", "mechanisms/flyball_governor"}) {
@@ -272,7 +272,7 @@ TEST(OpennessOfLoops, IsWhatAChangedNumberOpens) {
         const double closed = openness_of_loops(scene, truth).near();
         EXPECT_LT(closed, 1e-24) << name;
         EXPECT_GT(closed, 0) << name;
-        // the centre of mass of the loop's second body, which stands at the place 7 and further
+        // the centre of mass of the loop's second body, in columns 7 to 9
         const int body = body_index(scene, scene.loops[0].second);
         ASSERT_GE(body, 0);
         for (int axis = 7; axis < 10; ++axis) {

@@ -108,7 +108,8 @@ TEST(EngineMethods, WhateverGoesWrongIsTold) {
               "scripted: the answer cannot be read: ");
     EXPECT_EQ(message(answering(R"({"status": "ok", "seconds": 1, "steps": 1, "samples": []})"), Status::failed),
               "scripted: the answer cannot be read: 0 samples instead of 3");
-    EXPECT_EQ(message(std::string(hello) + "read -r request; kill -9 $$", Status::failed), "sh was terminated by signal 9");
+    EXPECT_EQ(message(std::string(hello) + "read -r request; kill -9 $$", Status::failed),
+              "sh was terminated by signal 9");
     EXPECT_EQ(message(std::string(hello) + "read -r request; sleep 600", Status::failed),
               "sh was stopped: it did not answer within 0.5 s");
     EXPECT_EQ(message("echo nonsense >&3", Status::failed), "sh did not send a JSON object as its first line");

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstddef>
 
 #include "app/commands.h"
 #include "app/describe.h"
@@ -16,8 +15,7 @@ namespace polhode::python {
 namespace {
 
 constexpr py::ssize_t number = sizeof(double), sample_size = sizeof(Sample);
-static_assert(sizeof(Sample) == 14 * sizeof(double) && offsetof(Sample, q) == sizeof(double),
-              "arrays lie over samples");
+static_assert(sizeof(Sample) == 14 * sizeof(double), "arrays are views of the samples");
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 

@@ -145,7 +145,7 @@ Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows
 }  // namespace
 
 Plan joint_sweeps(const Plan& plan) {
-    static const Kind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
+    static const ExperimentKind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
     Plan sweeps{plan.experiment, {}, {}, plan.quick};
     sweeps.experiment.kind = &kind, sweeps.experiment.samples = 6;
     // the least of several: other work on the machine only ever adds

@@ -7,12 +7,12 @@
 
 namespace polhode {
 
-std::span<const Kind> kinds() {
+std::span<const ExperimentKind> kinds() {
     static const std::vector<std::string_view> all_keys = {"scenes",         "methods", "settings",        "vary",
                                                            "samples",        "repeats", "seconds_per_run", "max_steps",
                                                            "max_evaluations"};
     // the only list; a new kind is a line here and its function
-    static const Kind list[] = {
+    static const ExperimentKind list[] = {
         // error against run time, and the fastest at each accuracy
         {.name = "sweep", .reads = all_keys, .conclude = conclude_sweep},
         // observed orders; error against step and against tolerance
@@ -72,9 +72,10 @@ std::span<const Kind> kinds() {
     return list;
 }
 
-const Kind* find_kind(std::string_view name) {
-    const std::span<const Kind> all = kinds();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Kind& kind) { return kind.name == name; });
+const ExperimentKind* find_kind(std::string_view name) {
+    const std::span<const ExperimentKind> all = kinds();
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const ExperimentKind& kind) { return kind.name == name; });
     return found == all.end() ? nullptr : &*found;
 }
 

@@ -160,7 +160,7 @@ Findings conclude_long(const Plan& plan, const std::vector<Result>& rows) {
 }  // namespace
 
 Plan long_runs(const Plan& plan) {
-    static const Kind kind{.name = "speed", .reads = {}, .conclude = conclude_long, .keeps_series = true};
+    static const ExperimentKind kind{.name = "speed", .reads = {}, .conclude = conclude_long, .keeps_series = true};
     Plan longer{plan.experiment, {}, {}, plan.quick};
     longer.experiment.kind = &kind, longer.experiment.samples = 1000;
     longer.experiment.seconds_per_run = std::numeric_limits<double>::infinity();

@@ -21,7 +21,7 @@ struct Variation {
 
 struct Experiment {
     std::string name, about;
-    const Kind* kind = &kinds().front();
+    const ExperimentKind* kind = &kinds().front();
     std::vector<std::string> scenes, methods;  ///< names, paths of scenes, or /regular expressions/
     std::vector<double> steps;                 ///< s, from coarse to fine
     std::vector<double> tolerances;            ///< relative, from coarse to fine

@@ -14,7 +14,7 @@ struct RunOptions;
 
 /// A kind of experiment: what it reads, which curves it runs and what it makes of the rows. It has either `conclude` or
 /// `make`. Failures of methods are rows in either case.
-struct Kind {
+struct ExperimentKind {
     std::string_view name;                ///< the word of the experiment file
     std::vector<std::string_view> reads;  ///< keys of the experiment file that it uses beside name, about and kind
     /// Called with the finished rows of the cases, scenes by methods at settings, which the engine has run, timed and
@@ -37,9 +37,9 @@ struct Kind {
 };
 
 /// All kinds; the first is the one of a file that names none.
-std::span<const Kind> kinds();
+std::span<const ExperimentKind> kinds();
 
 /// By name; nullptr if there is none.
-const Kind* find_kind(std::string_view name);
+const ExperimentKind* find_kind(std::string_view name);
 
 }  // namespace polhode

@@ -80,10 +80,10 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
     return values;
 }
 
-const Kind* read_kind(const JsonNode& node) {
-    if (const Kind* kind = find_kind(node.string())) return kind;
+const ExperimentKind* read_kind(const JsonNode& node) {
+    if (const ExperimentKind* kind = find_kind(node.string())) return kind;
     std::vector<std::string> names;
-    for (const Kind& kind : kinds()) names.emplace_back(kind.name);
+    for (const ExperimentKind& kind : kinds()) names.emplace_back(kind.name);
     node.fail(node.described(), "one of " + listed(names));
 }
 

@@ -145,7 +145,7 @@ Table cost_table(const Plan& plan, const std::string& measured) {
         lines.push_back({std::move(named), load_duration(measured, words)});
         if (lines.back().seconds) known.add(lines.back().named_by, *lines.back().seconds);
     };
-    const Kind& kind = *plan.experiment.kind;
+    const ExperimentKind& kind = *plan.experiment.kind;
     if (kind.make && !kind.resumable)
         add({plan.experiment.name, "", "", "", "", ""}, plan.experiment.name);
     else

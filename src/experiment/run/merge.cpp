@@ -293,7 +293,7 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
     }
     for (const Plan& plan : plans) {
         MergedExperiment one{plan.experiment.name, 0, ""};
-        const Kind& kind = *plan.experiment.kind;
+        const ExperimentKind& kind = *plan.experiment.kind;
         if (kind.make && !kind.resumable) {
             if (!take_whole(plan, sources, output)) one.missing = 1, one.first_missing = plan.experiment.name;
         } else {

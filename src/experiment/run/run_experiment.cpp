@@ -95,7 +95,7 @@ void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions
 // How many rows are missing: none, or all, but for what a resumable kind keeps. Nothing where it was interrupted.
 std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     const std::string& name = plan.experiment.name;
-    const Kind& kind = *plan.experiment.kind;
+    const ExperimentKind& kind = *plan.experiment.kind;
     const std::string key = whole_key(plan, options.quick);
     const auto is_made = [&] {
         return is_done(options.directory, key) && has_table_formats(options.directory, name, options.formats);

@@ -11,7 +11,7 @@ namespace polhode::truth {
 namespace {
 
 using Number = Traced<double>;
-using Kind = Node<double>::Kind;
+using Kind = TapeNode<double>::Kind;
 
 /// A tape of two state variables.
 struct TwoVariables {
@@ -60,7 +60,7 @@ TEST(Traced, SinesComeWithTheirCosinesAndSignsStayOutside) {
     Number twice = -2.0 * v.x;
     sine_cosine(twice, twice, c);
     EXPECT_EQ(twice.factor, -1);
-    const Node<double>& argument = v.tape.nodes[v.tape.nodes[twice.node].a];
+    const TapeNode<double>& argument = v.tape.nodes[v.tape.nodes[twice.node].a];
     EXPECT_EQ(argument.kind, Kind::combination);
     EXPECT_EQ(argument.factor_a, 2);
     EXPECT_EQ(argument.a, v.x.node);
@@ -94,11 +94,11 @@ struct Wasteful {
 
 TEST(Record, KeepsWhatRatesDependOnAndPairsWhole) {
     const Recording<double> recording = record<double>(Wasteful{}, 2);
-    const std::vector<Node<double>>& nodes = recording.tape.nodes;
+    const std::vector<TapeNode<double>>& nodes = recording.tape.nodes;
     // 2 state variables, 2 y1, its sine and cosine, those of y0, y0 + 2, the root, the quotient
     ASSERT_EQ(nodes.size(), 10u);
     for (int i = 0; i < 10; ++i) {
-        const Node<double>& node = nodes[i];
+        const TapeNode<double>& node = nodes[i];
         if (node.kind == Kind::state) continue;
         EXPECT_LT(node.a, i);
         if (node.kind == Kind::sine) {
@@ -110,7 +110,7 @@ TEST(Record, KeepsWhatRatesDependOnAndPairsWhole) {
             EXPECT_LT(node.b, i);
         }
     }
-    const Node<double>& quotient = nodes[recording.rates[0].node];
+    const TapeNode<double>& quotient = nodes[recording.rates[0].node];
     EXPECT_EQ(quotient.kind, Kind::quotient);
     EXPECT_EQ(nodes[quotient.a].kind, Kind::sine);
     EXPECT_EQ(nodes[quotient.b].kind, Kind::root);

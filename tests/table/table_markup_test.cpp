@@ -188,7 +188,7 @@ TEST(Latex, EscapesEverySpecialCharacter) {
     EXPECT_EQ(latex_cell("<|>\"`"), "\\textless{}\\textbar{}\\textgreater{}''\\textasciigrave{}");
     EXPECT_EQ(latex_cell("--step -1"), "-{}-step -1");
     EXPECT_EQ(latex_cell("ω² ≤ 3·10⁻³ größer"), "$\\omega$${}^2$ $\\le$ 3$\\cdot$10${}^-$${}^3$ größer");
-    // without braces LaTeX would read these two as arguments of the preceding \\
+    // without braces LaTeX would read these two as arguments of a preceding line break
     EXPECT_EQ(latex_cell("[1] *"), "{[}1] {*}");
     EXPECT_EQ(latex_cell("two\nlines\x01"), "two lines");
     EXPECT_EQ(latex_cell("cut \xcf"), "cut \xcf");

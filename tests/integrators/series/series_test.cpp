@@ -19,8 +19,8 @@ using R = Real<50>;
 
 TEST(Traced, FoldsConstantsAndSharesNodes) {
     Tape<double> tape;
-    tape.nodes.push_back({Node<double>::Kind::state, 0, 0, 0, 0});
-    tape.nodes.push_back({Node<double>::Kind::state, 1, 0, 0, 0});
+    tape.nodes.push_back({TapeNode<double>::Kind::state, 0, 0, 0, 0});
+    tape.nodes.push_back({TapeNode<double>::Kind::state, 1, 0, 0, 0});
     using T = Traced<double>;
     const T x(1, 0, &tape), y(1, 1, &tape);
     EXPECT_EQ((0.0 * x).node, T::constant);

@@ -38,7 +38,7 @@ TEST(Ball, WorkingPrecisionIsGivenBack) {
 
 TEST(Ball, TracedFoldsWhatIsExactlyZeroAndNothingElse) {
     const WorkingPrecision precision(80);
-    using Kind = Node<Ball>::Kind;
+    using Kind = TapeNode<Ball>::Kind;
     Tape<Ball> tape;
     tape.nodes.push_back({Kind::state, 0, 0, Ball(0), Ball(0)});
     tape.nodes.push_back({Kind::state, 1, 0, Ball(0), Ball(0)});

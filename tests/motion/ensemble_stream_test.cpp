@@ -156,9 +156,9 @@ TEST(EnsembleStream, NpyIsAsStrictAsCsv) {
     expect(one_record("id", "|S4", inner), "control characters");
     expect(one_record("id", "|S4", latin), "is not UTF-8");
     expect(one_record("id", "<f8", 1.0), "header: declares id with type <f8; give a type from S1 to S200");
-    expect(one_record("wx", "<f8", 1.0), "column wy is missing; give all of wx,wy,wz, or none");
-    expect(one_record("wx", "|S4", a), "has wx of type |S4; give <f8");
-    expect(one_record("Mass", "<f8", 1.0), "has a field Mass; did you mean mass?");
+    expect(one_record("wx", "<f8", 1.0), "column wy is missing; give all of wx,wy,wz or none");
+    expect(one_record("wx", "|S4", a), "declares wx with type |S4; give the type <f8");
+    expect(one_record("Mass", "<f8", 1.0), "has the unknown field Mass; did you mean mass?");
     expect(write_npy_header({{"mass", "<f8"}}, 1) + std::string("\0\0\0\0\0\0\xf8\x7f", 8),
            "t.npy: row 1, column mass: nan is not finite");
     expect(write_npy_header({{"id", "|S4"}}, 1) + "abcd", "has no column but id");

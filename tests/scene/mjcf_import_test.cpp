@@ -182,7 +182,7 @@ TEST(MjcfImport, IncludedFilesTakeThePlaceOfTheElement) {
     EXPECT_EQ(
         folder.fault("main.xml"),
         "parts/inside.xml: line 1, <include>: includes \"parts/common.xml\" a second time; MuJoCo includes a file "
-        "once: copy it, or attach it as a model");
+        "only once: copy it, or attach it as a model");
     folder.write("parts/inside.xml", "<x><include file='main.xml'/></x>");
     EXPECT_NE(folder.fault("main.xml").find("includes \"main.xml\" a second time"), std::string::npos);
     folder.write("parts/inside.xml", "<x><include file='none.xml'/></x>");

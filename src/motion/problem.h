@@ -124,6 +124,7 @@ struct Problem {
     bool reactions = false;                          ///< whether samples of several bodies include joint reactions
 
     PosedBody body;  ///< data of the system of one body, rounded once from 128 bits
+    /// The kind of system, with its model if it is not one body's.
     std::variant<OneBody, UserSystem, MechanismSystem> system;
 
     /// The model of a user-defined system or of several bodies; null for one body.

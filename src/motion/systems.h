@@ -210,7 +210,7 @@ extern template class QuaternionSystem<LoadedEquations<double, FullInertia<doubl
 template <class SystemType>
 inline constexpr bool is_rotation = SystemType::dimension == FreeRotation::dimension;
 
-/// Calls visit.template operator()<SystemType>() with the system of one body as which the problem was posed, and
+/// Calls the template operator() of `visit` with the type of the system of one body as which the problem was posed, and
 /// returns its result. Not for user-defined systems.
 template <class Visitor>
 auto with_one_body(const Problem& problem, Visitor&& visit) {

@@ -271,7 +271,8 @@ than the limit; then the limits of stability and of accuracy are bisected. *Wron
 run betrays: such a run is `failed` here if it is more than 1 rad off.
 )";
     for (const auto& [name, title, text] : sections) {
-        const auto named = std::find_if(tables.begin(), tables.end(), [&](const auto& t) { return t.name == name; });
+        const auto named = std::find_if(tables.begin(), tables.end(),
+                                        [wanted = std::string_view(name)](const auto& t) { return t.name == wanted; });
         if (named == tables.end() || named->table.rows.empty()) continue;
         NamedTable shown = *named;
         // linear theory is the same for binary32

@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/program_fixture.h"
+#include "scene/scene_file.h"
 #include "text/message.h"
 #include "text/npy.h"
 

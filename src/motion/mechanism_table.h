@@ -33,7 +33,7 @@ std::vector<MechanismColumn> mechanism_columns(const Scene& scene);
 /// The scene with a number in place of each column's own.
 Scene scene_with(const Scene& scene, const std::vector<MechanismColumn>& columns, std::span<const double> numbers);
 
-/// Rows of such a table.
+/// Rows of a table of mechanisms.
 struct MechanismTable {
     std::vector<MechanismColumn> columns;  ///< the table's columns in order, without id
     std::vector<double> numbers;           ///< row by row

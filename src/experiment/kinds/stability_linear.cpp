@@ -23,7 +23,7 @@ struct LinearCase {
     const Method* method;
     std::complex<double> lambda;
     double theory;                     ///< largest h |lambda| without growth, by linear_stability.h
-    std::optional<double> measured{};  ///< likewise; empty where it was not found
+    std::optional<double> measured{};  ///< measured limit; empty if it was not found
     bool grows_early = false;          ///< where theory gives no finite limit: whether the motion grows at probe_of()
 
     bool has_limit() const { return std::isfinite(theory) && theory > 0; }

@@ -29,9 +29,9 @@ struct Experiment {
     std::vector<double> evaluations_per_revolution;
     std::vector<Variation> vary;  ///< all combinations are run
     long samples = 100;
-    int repeats = 5;                 ///< rounds of timing, at the most
+    int repeats = 5;                 ///< largest number of rounds of timing
     double seconds_per_run = 10;     ///< a run beyond it is `failed`, and its curve is cut there
-    long max_steps = 1'000'000'000;  ///< likewise
+    long max_steps = 1'000'000'000;  ///< steps after which a run fails
     /// Likewise, of right-hand sides: unlike the clock it says the same on every machine and for any number of jobs.
     long max_evaluations = std::numeric_limits<long>::max();
     std::string text{};  ///< of its file, as it was read; empty where it was made otherwise

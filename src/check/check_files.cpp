@@ -28,23 +28,21 @@ namespace {
 // What a file of this scene could have and has not.
 std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     std::vector<std::string> all;
-    if (!file.has_angular_velocity) all.emplace_back("the angular velocity, and with it energy and momentum");
+    if (!file.has_angular_velocity) all.emplace_back("angular velocity (therefore also energy and angular momentum)");
     if (is_mechanism(scene)) {
         if (const std::vector<std::string> missing = missing_bodies(scene, file); !missing.empty())
-            all.push_back(fmt::format("bod{} {}, and with {} energy, momentum and joints",
-                                      missing.size() > 1 ? "ies" : "y", one_line(listed(missing), 200),
-                                      missing.size() > 1 ? "them" : "it"));
-        if (!file.has_position && !file.has_origin) all.emplace_back("the position, and with it the gaps of joints");
-        if (!file.has_velocity) all.emplace_back("the velocity");
+            all.push_back(fmt::format("bod{} {} (therefore also energy, momentum and joints)",
+                                      missing.size() > 1 ? "ies" : "y", one_line(listed(missing), 200)));
+        if (!file.has_position && !file.has_origin) all.emplace_back("position (therefore also joint gaps)");
+        if (!file.has_velocity) all.emplace_back("velocity");
         if (file.has_angular_velocity && (!file.has_velocity || !(file.has_position || file.has_origin)))
-            all.emplace_back("energy and momentum, which need both");
+            all.emplace_back("energy and momentum (they need position and velocity)");
         return fmt::format("{}", fmt::join(all, "; "));
     }
-    if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("the position");
-    if (!scene.pivot && !file.has_velocity) all.emplace_back("the velocity");
+    if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("position");
+    if (!scene.pivot && !file.has_velocity) all.emplace_back("velocity");
     if (!scene.pivot && file.has_angular_velocity && !(file.has_velocity && (file.has_position || file.has_origin)))
-        all.emplace_back(rotates_alone(scene) ? "with that the energy of translation: the one compared is of rotation"
-                                              : "with that the energy");
+        all.emplace_back(rotates_alone(scene) ? "translational energy (the rotational energy is compared)" : "energy");
     return fmt::format("{}", fmt::join(all, "; "));
 }
 
@@ -68,7 +66,7 @@ void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth
     for (std::size_t i = 1; i < pieces; ++i) judges[0].append(judges[i]);
     checked.judgement = judges[0].result();
     checked.truth_bound = truth.bound, checked.truth = truth.message;
-    checked.remarks.emplace_back("judged in binary64: errors below 1e-15 are not told apart");
+    checked.remarks.emplace_back("evaluated in binary64: errors below 1e-15 are not resolved");
 }
 
 // Judges a file; says why there is no truth to judge it by, or nothing.
@@ -120,8 +118,8 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     settings.max_steps = prompt_conditioning_steps;
     const Conditioning kappa = conditioning(scene, times, settings);
     if (!kappa.available)
-        checked.remarks.push_back(kappa.times.empty() ? "the floors are not known: " + kappa.message
-                                                      : fmt::format("the floors are known until t = {:.4g} s only: {}",
+        checked.remarks.push_back(kappa.times.empty() ? "floors not available: " + kappa.message
+                                                      : fmt::format("floors available only until t = {:.4g} s: {}",
                                                                     kappa.times.back(), kappa.message));
     if (kappa.times.empty()) return;
     RoundingFloor so_far;
@@ -146,15 +144,16 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     };
     // a floor far below what is written is none of the file's making
     if (kappa.available && error <= a_few * so_far.float64 && others_within(so_far.float64))
-        checked.remarks.emplace_back("at the float64 floor: the attitude is as good as binary64 can be on this scene");
+        checked.remarks.emplace_back(
+            "at the float64 floor: the attitude is as accurate as binary64 allows on this scene");
     else if (kappa.available && error <= a_few * so_far.float32 && error >= so_far.float32 / 10 &&
              others_within(so_far.float32))
         checked.remarks.emplace_back(
-            "at the float32 floor: the attitude is as good as a float engine can be on this scene");
+            "at the float32 floor: the attitude is as accurate as binary32 allows on this scene");
     if (checked.float_judged_until)
         checked.remarks.push_back(fmt::format(
-            "beyond t = {:.4g} s no float engine can be judged: the rounding of the initial data to binary32 "
-            "alone leads to more than {} rad",
+            "beyond t = {:.4g} s a binary32 engine cannot be evaluated: rounding the initial data to binary32 alone "
+            "causes an attitude error above {} rad",
             *checked.float_judged_until, shortest_decimal(allowed)));
 }
 
@@ -164,23 +163,21 @@ std::string no_diagnosis(const TrajectoryFile& file) {
     for (std::size_t k = 1; k < file.rows.size(); ++k)
         turn = std::max(turn, rotation_angle_between(file.rows[k - 1].q, file.rows[k].q));
     return fmt::format(
-        "no diagnosis is possible from these rows, between which the body turns by up to {:.2g} rad: no "
-        "known fault and no known update, in 1 to 16 or 20 steps a row, predicts a row from the one "
-        "before; {}",
-        turn,
+        "no diagnosis: no known fault and no known update, in 1 to 16 or 20 steps per row, predicts a row from the "
+        "previous one; {} (the body rotates by up to {:.2g} rad between rows)",
         file.has_angular_velocity && file.has_velocity && (file.has_position || file.has_origin)
-            ? "if a row is not written after every step of the engine, record such a file"
-            : "record a row after every step of the engine, with w, p and v");
+            ? "if rows were not written after every step of the engine, record a file in which they are"
+            : "record a row after every step of the engine, with w, p and v",
+        turn);
 }
 
 // Why no fault is named in a file of several bodies, and what to record.
 std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& file) {
-    if (!missing_bodies(scene, file).empty())
-        return "faults of loads, joints and bodies are not looked for, since bodies are missing; record all of them";
+    if (!missing_bodies(scene, file).empty()) return "no diagnosis: bodies are missing in the file; record all bodies";
     if (!file.has_angular_velocity || !file.has_velocity || !(file.has_position || file.has_origin))
-        return "no diagnosis: no known fault predicts a row from the one before; record w, p and v of all bodies after "
-               "every step of the engine";
-    return "no diagnosis: no known fault of loads, joints or bodies predicts a row from the one before";
+        return "no diagnosis: no known fault predicts a row from the previous one; record w, p and v of all bodies "
+               "after every step of the engine";
+    return "no diagnosis: no known fault of loads, joints or bodies predicts a row from the previous one";
 }
 
 // Judges what was read, file by file.
@@ -228,26 +225,26 @@ TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, c
     TrajectoryFile file =
         parse_foreign_trajectory(text, checked.path, table.columns, convention.quaternion, bodies, gaps);
     checked.remarks = std::move(table.remarks);
-    if (!file.read_past.empty()) checked.remarks.push_back("read past: " + file.read_past);
+    if (!file.read_past.empty()) checked.remarks.push_back("ignored: " + file.read_past);
     if (scene == nullptr) {
         convert(file, convention);
         return file;
     }
     if (!is_mechanism(*scene) && !file.bodies.empty())
-        throw InputError(checked.path, "column body", "is there, and the scene is of one body",
-                         "give a scene of several bodies, or a file without it");
+        throw InputError(checked.path, "column body", "is not allowed for a scene of one body",
+                         "remove it, or give a scene of several bodies");
     convert(file, convention);
     if (const std::optional<double> dt = restore_clock(file, scene->duration))
-        checked.remarks.push_back(fmt::format(
-            "the times are those of a binary32 clock: taken for the multiples of {} s that they are rounded from",
-            shortest_decimal(*dt)));
+        checked.remarks.push_back(
+            fmt::format("times are rounded to binary32: replaced by the multiples of {} s that they were rounded from",
+                        shortest_decimal(*dt)));
     const double last = file.rows.back().t;
     // a clock that adds up steps ends beside the duration by rounding
     if (last > scene->duration * (1 + 1e-9))
         throw InputError(checked.path, "column t",
-                         fmt::format("goes on to {} s, and the scene lasts {} s", shortest_decimal(last),
+                         fmt::format("ends at {} s, but the scene lasts {} s", shortest_decimal(last),
                                      shortest_decimal(scene->duration)),
-                         "give times in s within the scene's duration, or a scene that lasts longer");
+                         "give times in s within the scene's duration, or a longer scene");
     checked.samples = file.rows.size() / file.bodies_at_once(), checked.from = file.rows.front().t,
     checked.until = last;
     return file;

@@ -108,7 +108,7 @@ Convention parse_convention(std::string_view text) {
             unit.make(*length_unit(word), word);
         else
             throw std::invalid_argument(fmt::format(
-                "there is no convention {}; {}known: {}", word.empty() ? "without a name" : one_line(word, 60),
+                "unknown convention {}; {}known: {}", word.empty() ? "\"\"" : one_line(word, 60),
                 word.empty() || did_you_mean(word, words()).empty() ? "" : did_you_mean(word, words()) + " ",
                 listed(words())));
         if (comma == text.npos) break;

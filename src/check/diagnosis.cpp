@@ -19,15 +19,15 @@ namespace {
 constexpr double plainly_wrong = 1e-4;
 
 const char* name_of(Question question) {
-    constexpr const char* names[question_count] = {"the start's attitude",
-                                                   "the start's angular velocity",
-                                                   "the start's position",
-                                                   "the start's velocity",
+    constexpr const char* names[question_count] = {"the initial attitude",
+                                                   "the initial angular velocity",
+                                                   "the initial position",
+                                                   "the initial velocity",
                                                    "the first step",
-                                                   "each step of the attitude",
-                                                   "each step of w",
-                                                   "each step of the position",
-                                                   "each step of the velocity",
+                                                   "the attitude per step",
+                                                   "w per step",
+                                                   "the position per step",
+                                                   "the velocity per step",
                                                    ""};
     return names[static_cast<std::size_t>(question)];
 }
@@ -99,12 +99,11 @@ void tell(const Scene& scene, const Explanation& e, const FaultSearch& search, c
         const Hypothesis& h = *s.hypothesis;
         const auto same = [&](const Diagnosis& d) { return d.fault == h.fault; };
         if (std::any_of(told.begin(), told.end(), same)) continue;
-        told.push_back(
-            {h.fault,
-             fmt::format("{}: {} is predicted to {:.2g} of what moves with {}, and to {:.2g} without; {}{}", said(s),
-                         said_of(static_cast<Question>(question), scene), after,
-                         e.faults.size() > 1 ? "this and the other fault told" : "this fault", before, h.remedy, also),
-             h.convention, before, after});
+        told.push_back({h.fault,
+                        fmt::format("{}; {}{} (relative prediction error of {}: {:.2g} with {}, {:.2g} without)",
+                                    said(s), h.remedy, also, said_of(static_cast<Question>(question), scene), after,
+                                    e.faults.size() > 1 ? "both faults" : "this fault", before),
+                        h.convention, before, after});
     }
 }
 
@@ -116,8 +115,8 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
     if (const std::optional<double> still = evidence.still_from())
         result.faults.push_back(
             {"motion_stopped",
-             fmt::format("nothing moves any more from t = {:.6g} s on, where the scene's body does: "
-                         "the body fell asleep, or was never awake; turn sleeping off",
+             fmt::format("nothing moves from t = {:.6g} s on, although the scene's body does: the engine put it to "
+                         "sleep or never woke it; disable sleeping",
                          *still),
              "", 1, 0});
     const auto add = [&](const std::vector<Diagnosis>& more) {
@@ -139,9 +138,9 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
     if (!best.faults.empty()) {
         std::string also;
         for (const Explanation& e : search.alike) also += (also.empty() ? "" : "; or ") + named(e);
-        tell(scene, best, search, also.empty() ? "" : "; the file cannot tell it from this: " + also, result.faults);
+        tell(scene, best, search, also.empty() ? "" : "; in this file indistinguishable from: " + also, result.faults);
         for (const Explanation& e : search.alike)
-            tell(scene, e, search, "; the file cannot tell it from the one before", result.faults);
+            tell(scene, e, search, "; in this file indistinguishable from the previous diagnosis", result.faults);
     }
     const std::optional<FirstOrderUpdate> first_order =
         file.has_angular_velocity ? first_order_update(file) : std::nullopt;
@@ -149,9 +148,9 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
         result.faults.push_back(
             {"first_order_quaternion_update",
              fmt::format(
-                 "first-order quaternion update: the attitude goes on by q + (h/2) w q with h = {:.4g} s, a turn "
-                 "of 2 atan(|w| h/2) and not |w| h: {:.2g} rad a row is left of {:.2g} that the file's own w "
-                 "leaves; turn by the exponential of w h, or take smaller steps",
+                 "first-order quaternion update: the attitude advances by q + (h/2) w q with h = {:.4g} s, a rotation "
+                 "by 2 atan(|w| h/2) instead of |w| h; rotate by the exponential of w h, or take smaller steps (rms "
+                 "prediction error per row from the file's w: {:.2g} rad with this update, {:.2g} rad without)",
                  first_order->step, first_order->explained, first_order->error),
              "", first_order->error, first_order->explained});
     if (best.faults.empty() && !evidence.still_from() && evidence.plain_error() >= plainly_wrong)

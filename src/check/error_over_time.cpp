@@ -62,8 +62,8 @@ ErrorOverTime error_over_time(const Scene& scene, const TrajectoryFile& file, st
                               const std::string& name) {
     const std::size_t index = measure_index(measure);
     if (const std::string missing = lacking(scene, file, measures()[index]); !missing.empty())
-        throw InputError(name, "", fmt::format("has no {}, which the error of the {} is made of", missing, measure),
-                         "give them, or ask for what the file has");
+        throw InputError(name, "", fmt::format("has no {}, needed for the error of {}", missing, measure),
+                         "add them, or choose another error");
     const std::size_t at_once = file.bodies_at_once(), moments = file.rows.size() / at_once;
     if (!is_mechanism(scene) && moments > many && file.rows.back().t > 0)
         if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available)

@@ -107,7 +107,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         const double per_size =
             measure.is_relative() && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
         if (const double allowed = verdict.limit.value * of_size / per_size; std::isfinite(allowed) && allowed > 0)
-            panel.guides.push_back({"allowed", {}, {allowed}});
+            panel.guides.push_back({"limit", {}, {allowed}});
         if (verdict.block->name == "attitude" && checked.until > 0 && !several) {
             ConditioningSettings settings;
             settings.max_steps = prompt_conditioning_steps;

@@ -113,8 +113,8 @@ ColumnNames parse_columns(std::string_view text) {
     const auto refuse = [](const std::string& fault) {
         throw std::invalid_argument(
             fault +
-            "; give time=T,rotation=X:Y:Z:W (or the nine of a matrix row by row, matrix_by_columns=.., "
-            "euler_zyx=A:B:C) and, where they are, angular_velocity=X:Y:Z, position=.., origin=.., velocity=..");
+            "; give time=T,rotation=X:Y:Z:W (or the nine matrix entries row by row, matrix_by_columns=.., "
+            "euler_zyx=A:B:C) and, if available, angular_velocity=X:Y:Z, position=.., origin=.., velocity=..");
     };
     for (const std::string& part : split(text, ',')) {
         const std::size_t equals = part.find('=');
@@ -136,12 +136,12 @@ ColumnNames parse_columns(std::string_view text) {
              {std::pair{"angular_velocity", "w"}, {"position", "p"}, {"origin", "o"}, {"velocity", "v"}})
             if (block == word)
                 for (const char* axis : {"x", "y", "z"}) ours.push_back(std::string(letter) + axis);
-        if (ours.empty()) refuse(fmt::format("{} is no block of a trajectory", one_line(part, 60)));
+        if (ours.empty()) refuse(fmt::format("{} is not a block of a trajectory", one_line(part, 60)));
         if (given.size() != ours.size())
-            refuse(fmt::format("{} has {} columns where {} belong", block, given.size(), ours.size()));
+            refuse(fmt::format("{} has {} columns instead of {}", block, given.size(), ours.size()));
         for (std::size_t i = 0; i < ours.size(); ++i)
             if (given[i].empty() || !names.theirs.emplace(ours[i], given[i]).second)
-                refuse(fmt::format("{} is named twice, or not at all", block));
+                refuse(fmt::format("{} is given twice or has an empty column name", block));
     }
     return names;
 }
@@ -157,12 +157,12 @@ ForeignTable find_foreign_columns(std::string_view text, const std::string& file
     if (columns.places.empty()) return {};
     std::vector<std::string> taken, ignored;
     for (const auto& [own, place] : columns.places)
-        if (own != header[place]) taken.push_back(fmt::format("{} for {}", header[place], own));
+        if (own != header[place]) taken.push_back(fmt::format("{} as {}", header[place], own));
     for (std::size_t i = 0; i < header.size(); ++i)
         if (std::ranges::none_of(columns.places, [&](const auto& p) { return p.second == i; }))
             ignored.push_back(header[i]);
     ForeignTable table{std::move(columns), {}};
-    if (!taken.empty()) table.remarks.push_back("columns taken: " + one_line(listed(taken), 400));
+    if (!taken.empty()) table.remarks.push_back("columns used: " + one_line(listed(taken), 400));
     if (!ignored.empty()) table.remarks.push_back("columns ignored: " + one_line(listed(ignored), 400));
     return table;
 }

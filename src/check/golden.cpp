@@ -208,7 +208,7 @@ Scene scene_to(const Convention& convention, const Scene& scene) {
 }
 
 Golden golden(const Scene& scene, const Reference& truth, const Convention& convention) {
-    if (!truth.available || truth.samples.empty()) throw std::invalid_argument("there is no truth to export");
+    if (!truth.available || truth.samples.empty()) throw std::invalid_argument("no truth available to export");
     const Way way(convention);
     Golden g;
     g.scene_hash = content_hash(write_scene(scene)), g.truth = truth.message, g.convention = convention;

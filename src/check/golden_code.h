@@ -27,9 +27,9 @@ struct Numbers {
         if (std::abs(x) < 1e-300) return 0;
         const double written = floats ? std::strtod(fmt::format("{}", static_cast<float>(x)).c_str(), nullptr) : x;
         if (!std::isfinite(written))
-            throw std::invalid_argument(fmt::format("{} is beyond {}; choose {}", shortest_decimal(x),
-                                                    floats ? "binary32" : "binary64",
-                                                    floats ? "no --floats or other units" : "other units"));
+            throw std::invalid_argument(
+                fmt::format("{} is outside the range of {}; {}", shortest_decimal(x), floats ? "binary32" : "binary64",
+                            floats ? "omit --floats or choose other units" : "choose other units"));
         return written;
     }
     ordered_json operator()(const Vector3<double>& v) const { return {(*this)(v[0]), (*this)(v[1]), (*this)(v[2])}; }

@@ -78,7 +78,7 @@ std::vector<Field> system_fields(const Golden& g, const ordered_json& around, co
             for (const ordered_json& x : row) tensor.push_back(x);
         inertia.push_back(tensor);
     }
-    add("mass", mass, "kg, of each body");
+    add("mass", mass, "kg, one per body");
     add("center_of_mass", center, m + ", from the body's origin, body axes");
     add("inertia", inertia, "kg " + m + "^2, about the centre of mass, body axes: three rows of a matrix");
     add("joints", around["joints"].size(), "");
@@ -118,11 +118,11 @@ std::vector<Field> system_fields(const Golden& g, const ordered_json& around, co
                     add(prefix + "type", type,
                         word + ": 0 revolute, 1 prismatic, 2 spherical, 3 universal, 4 fixed, 5 distance");
             } else if (key == "frame" || key == "point_frame" || key == "angular_velocity_frame") {
-                add(prefix + key + "_is_body", word == "body" ? 1 : 0, "else the world's");
+                add(prefix + key + "_is_body", word == "body" ? 1 : 0, "1: body axes, 0: world axes");
             } else if (key == "joint") {
                 add(prefix + key, place_in(joints, word), word);
             } else {
-                add(prefix + key, place_in(bodies, word), word + ": number of the body, -1 of the world");
+                add(prefix + key, place_in(bodies, word), word + ": index of the body, -1 for the world");
             }
         } else if (!(value.is_array() && value.empty())) {
             add(prefix + key, value, units.contains(key) ? units.at(key) : "");

@@ -123,7 +123,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
         {"point", m},
         {"offset", m},
         {"center", m},
-        {"semi_axes", m + ", a row each: the piece is center + the ellipsoid, "
+        {"semi_axes", m + ", one per row: the piece is center + the ellipsoid, "
                           "swept by a ball of the radius"},
         {"radius", m},
         {"from", "s"},
@@ -139,7 +139,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
             if (key == "type" || key == "name") continue;
             // a frame: whether it is the body's
             if (value.is_string())
-                add(prefix + key + "_is_body", value == "body" ? 1 : 0, "else the world's");
+                add(prefix + key + "_is_body", value == "body" ? 1 : 0, "1: body axes, 0: world axes");
             else
                 add(prefix + key, value, key == "vector" ? vectors.at(type) : units.contains(key) ? units.at(key) : "");
         }
@@ -149,7 +149,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
         add("has_pivot", g.scene.pivot ? 1 : 0, "");
         add_members("", around["body"], "");
         add("pivot", g.scene.pivot ? around["pivot"] : ordered_json{0.0, 0.0, 0.0},
-            m + ", held at the world's origin where has_pivot");
+            m + ", held at the world's origin if has_pivot");
         for (const char* list : {"shape", "planes", "loads"})
             for (std::size_t i = 0; i < around[list].size(); ++i) {
                 const ordered_json& one = around[list][i];
@@ -163,7 +163,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
         for (Field& field : system_fields(g, around, m)) all.push_back(std::move(field));
     else
         add_one_body();
-    add("bound", g.bound, "rad for q, relative to the largest length for the others");
+    add("bound", g.bound, "rad for q, relative to the largest norm for the others");
     for (const GoldenTolerance& t : g.tolerances) {
         const std::string& block = t.block;
         const std::string of = block == "attitude"           ? "rad"
@@ -173,7 +173,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
                                                              : "relative";
         add(block == "attitude" ? "tolerance" : "tolerance_" + block, number(t.value), of + ": " + t.from);
     }
-    add("float32_floor", number(g.float32_floor), "rad: what rounding the start to binary32 alone leads to");
+    add("float32_floor", number(g.float32_floor), "rad: attitude error caused by rounding the start to binary32");
     ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t, momentum = t;
     for (const TrajectoryRow& row : g.motion.rows) {
         if (t.empty() || t.back() != number(row.t)) t.push_back(number(row.t));
@@ -187,19 +187,20 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     add("q", q, (scalar_last(g) ? "x, y, z, w" : "w, x, y, z") + rows);
     add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
     add("p", p, m), add("v", v, m + "/s");
-    const std::string per = "what errors are relative to";
+    const std::string per = "errors are relative to this value";
     add("energy", number.all_of(g.energy), "kg " + m + "^2/s^2, kinetic and potential");
     add("energy_scale", number(g.energy_scale), per);
     add("momentum", momentum,
         "kg " + m +
-            (several ? "^2/s, angular, of all, about the world's origin or, where no joint ties them to the world, "
-                       "their centre of mass, world axes"
+            (several ? "^2/s, angular, whole system, about the world's origin, or about the centre of mass if no joint "
+                       "ties the system to the world; world axes"
                      : "^2/s, angular, about the pivot or the centre of mass, world axes"));
     if (!g.forces.empty()) {
         ordered_json forces = ordered_json::array(), torques = forces;
         for (const Vector3<double>& force : g.forces) forces.push_back(number(force));
         for (const Vector3<double>& torque : g.torques) torques.push_back(number(torque));
-        const std::string row = ", by the parent on the child, world axes, row sample * (joints + loops) + joint";
+        const std::string row =
+            ", exerted by the parent on the child, world axes, row sample * (joints + loops) + joint";
         add("reaction_force", forces, "kg " + m + "/s^2" + row);
         add("reaction_torque", torques, "kg " + m + "^2/s^2, about the child's point" + row);
     }
@@ -217,19 +218,18 @@ std::vector<std::string> preface(const Golden& g) {
                     unit == 1 ? "SI" : fmt::format("Lengths in {} m, all else in SI", shortest_decimal(unit)),
                     g.convention.degrees ? ", w in degrees/s" : "", axes_of(g),
                     scalar_last(g) ? "x, y, z, w" : "w, x, y, z", g.convention.body_rates ? "body" : "world"),
-        "p and v are of the centre of mass. Each number is right within the bound and its rounding.",
-        "A test sets a body up from mass, center_of_mass, inertia and the start q[0], w[0], p[0], v[0], lets the",
-        "loads act, steps to each t and asks compare whether the engine's state is within the tolerances: blocks that",
-        "the engine has not are null. Energy and momentum are held to a part of their largest over the run. Loads,",
-        "planes and the pieces whose convex hull is the body's shape are numbered, and in these axes too."};
+        "p and v are those of the centre of mass. Each number is correct to within the bound and its rounding.",
+        "A test creates a body from mass, center_of_mass and inertia, starts it at q[0], w[0], p[0], v[0], applies the",
+        "loads, steps to each t and passes the engine's state to compare, with null for blocks that the engine does",
+        "not have. Tolerances of energy and momentum are relative to their largest value over the run. Loads, planes",
+        "and the pieces whose convex hull is the body's shape are numbered and use the same axes."};
     if (!is_mechanism(g.scene)) return lines;
     lines.resize(lines.size() - 4);
     for (const char* line :
-         {"A test sets the bodies up from mass, center_of_mass and inertia, joins them by the joints and loops, starts",
-          "each at q[body], w[body], p[body], v[body], lets the loads act, steps to each t and asks compare of each "
-          "body",
-          "whether the engine's state is within the tolerances: blocks that the engine has not are null. Energy and",
-          "momentum are the whole system's, held to a part of their largest over the run."})
+         {"A test creates the bodies from mass, center_of_mass and inertia, connects them by the joints and loops,",
+          "starts each at q[body], w[body], p[body], v[body], applies the loads, steps to each t and passes the",
+          "state of each body to compare, with null for blocks that the engine does not have. Energy and momentum are",
+          "those of the whole system; their tolerances are relative to their largest value over the run."})
         lines.emplace_back(line);
     return lines;
 }
@@ -237,8 +237,8 @@ std::vector<std::string> preface(const Golden& g) {
 // The comparison: NAME_ is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
 // are, DATA what makes an array of a row. The names of parameters hide none of the constants'.
 constexpr const char* compare_c = R"(
-/* How many blocks of WHOSE state at sample k are beyond their tolerances; a null pointer stands for a block that it
- * has not. The message, where there is room for one, says which, and by how much. */
+/* Returns the number of blocks of WHOSE state at sample k that exceed their tolerances. Blocks whose pointer is null
+ * are not compared. If size > 0, the message lists the blocks that exceed them, with their errors. */
 static inline int NAME_compare(size_t k, C_PARAMETERconst REAL *own_q, const REAL *own_w, const REAL *own_p, const REAL *own_v,
                                const REAL *own_energy, const REAL *own_momentum, char *message, size_t size) {
     const struct {
@@ -273,12 +273,12 @@ static inline int NAME_compare(size_t k, C_PARAMETERconst REAL *own_q, const REA
             }
             off = sqrt(off) / blocks[block].scale;
         }
-        /* what is no number is beyond any limit */
+        /* NaN exceeds any tolerance */
         if (off <= blocks[block].allowed) continue;
         ++failed;
         if (size > 0) {
             const size_t used = strlen(message);
-            snprintf(message + used, size - used, "%s%s off by %.6g at t = %.6g s, %.6g allowed", used > 0 ? "; " : "",
+            snprintf(message + used, size - used, "%s%s error %.6g at t = %.6g s exceeds %.6g", used > 0 ? "; " : "",
                      blocks[block].name, off, NAME_t[k], blocks[block].allowed);
         }
     }
@@ -308,7 +308,7 @@ constexpr const char* names_of_cpp = R"(
 using std::atan2, std::fabs, std::size_t, std::snprintf, std::sqrt, std::strlen;
 )";
 constexpr const char* compare_cpp = R"(
-/// The message of the above: empty where nothing is beyond its tolerance.
+/// Returns the message of the function above: empty if no block exceeds its tolerance.
 inline std::string compare(size_t k, C_PARAMETERconst REAL* own_q, const REAL* own_w = nullptr, const REAL* own_p = nullptr,
                            const REAL* own_v = nullptr, const REAL* own_energy = nullptr,
                            const REAL* own_momentum = nullptr) {
@@ -319,16 +319,16 @@ inline std::string compare(size_t k, C_PARAMETERconst REAL* own_q, const REAL* o
 )";
 
 constexpr const char* compare_csharp = R"(
-    /// Which blocks of WHOSE state at sample k are beyond their tolerances, and by how much; empty where none is.
-    /// null stands for a block that it has not.
+    /// Returns the blocks of WHOSE state at sample k that exceed their tolerances, with their errors; empty if there is
+    /// none. Blocks that are null are not compared.
     public static string compare(int k, CS_PARAMETERREAL[] own_q, REAL[] own_w = null, REAL[] own_p = null, REAL[] own_v = null,
                                  REAL? own_energy = null, REAL[] own_momentum = null) {
         var failed = new System.Collections.Generic.List<string>();
         System.Action<string, double, double> judge = (name, off, allowed) => {
-            // what is no number is beyond any limit
+            // NaN exceeds any tolerance
             if (off <= allowed) return;
             failed.Add(string.Format(System.Globalization.CultureInfo.InvariantCulture,
-                                     "{0} off by {1:G6} at t = {2:G6} s, {3:G6} allowed", name, off, t[k], allowed));
+                                     "{0} error {1:G6} at t = {2:G6} s exceeds {3:G6}", name, off, t[k], allowed));
         };
         ROW_LINESystem.Func<REAL[], REAL[,]AT_TYPE, double> distance = (own, expectedAT_PARAMETER) => {
             double off = 0;

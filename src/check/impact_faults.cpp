@@ -142,24 +142,24 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
         if (fast.size() >= 2 && share(fast, by_whole_step) >= most)
             return Diagnosis{
                 "bounce_gains_energy",
-                fmt::format("{} bounces on plane {} mirror the velocity after a whole step of gravity: each "
+                fmt::format("{} bounces on plane {} reverse the velocity after a full step of gravity: each "
                             "gains g h = {:.3g} m/s; apply gravity up to the time of contact and from there "
-                            "on, or correct the speed by the depth",
+                            "on, or correct the speed for the penetration depth",
                             fast.size(), plane, gravity * fast.front().h),
                 "", gravity * fast.front().h / fast.front().before, 0};
     }
     if (fast.size() >= 2 && share(fast, [](const Bounce& b) { return b.is_late; }) >= 0.9)
         return Diagnosis{
             "bounce_late",
-            fmt::format("all {} bounces on plane {} come a step late: the body is behind the plane before, "
-                        "by up to the way of a step; find the time of contact within the step",
-                        fast.size(), plane),
+            fmt::format("bounces on plane {} come one step late ({} bounces): each starts behind the plane, by up to "
+                        "the travel of one step; find the time of contact within the step",
+                        plane, fast.size()),
             "", 1, 0};
     const double usual = returned.empty() ? 0 : median(returned);
     if (restitution > 0.05 && restitution < 0.95 && !returned.empty() &&
         std::abs(usual - restitution * restitution) < 0.05 * restitution && std::abs(usual - restitution) > 0.05)
         return Diagnosis{"restitution_applied_twice",
-                         fmt::format("bounces on plane {} give back {:.3g} of the speed, the square of the restitution "
+                         fmt::format("bounces on plane {} return {:.3g} of the speed, the square of the restitution "
                                      "{:.3g}; apply it once, or give one of the two bodies a restitution of 1",
                                      plane, usual, restitution),
                          "", std::abs(usual - restitution), 0};
@@ -169,8 +169,8 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
             restitution * b.before > 2 * gravity * b.h && b.before < slowest_back)
             return Diagnosis{
                 "bounce_dies_below_threshold",
-                fmt::format("a bounce on plane {} at {:.3g} m/s gives back nothing, where faster ones do: a "
-                            "threshold of speed; lower the engine's threshold for restitution",
+                fmt::format("a bounce on plane {} at {:.3g} m/s returns no speed, but faster ones do: the engine has a "
+                            "speed threshold; lower its threshold for restitution",
                             plane, b.before),
                 "", 1, 0};
     return {};
@@ -272,12 +272,12 @@ class Penetration {
     std::optional<Diagnosis> diagnosis(std::size_t plane, double end, double reach) const {
         if (kept_.rows == 0) return {};
         const bool to_end = kept_.until >= end;
-        return Diagnosis{
-            "penetration_kept",
-            fmt::format("the body stays up to {:.3g} m inside plane {} from t = {:.6g} s {}; push it out, "
-                        "or correct the depth",
-                        kept_.depth, plane, kept_.from, to_end ? "on" : fmt::format("to {:.6g} s", kept_.until)),
-            "", kept_.depth / reach, 0};
+        return Diagnosis{"penetration_kept",
+                         fmt::format("the body stays up to {:.3g} m inside plane {} from t = {:.6g} s {}; correct the "
+                                     "penetration depth",
+                                     kept_.depth, plane, kept_.from,
+                                     to_end ? "to the end" : fmt::format("to {:.6g} s", kept_.until)),
+                         "", kept_.depth / reach, 0};
     }
 
   private:
@@ -356,9 +356,9 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         // a body that rests may sink a little; one that went through is gone
         if (longest_inside >= 3 && deepest > geometry.reach) {
             told.push_back({"impact_missed",
-                            fmt::format("the body passes through plane {} at t = {:.6g} s, and is {:.3g} m behind it "
-                                        "at t = {:.6g} s; let the engine collide the body with the plane, in shorter "
-                                        "steps or with continuous detection where it is fast",
+                            fmt::format("the body passes through plane {} at t = {:.6g} s and is {:.3g} m behind it at "
+                                        "t = {:.6g} s; make the body collide with the plane, and if it is fast, use "
+                                        "shorter steps or continuous detection",
                                         plane, entered_at, deepest, deepest_at),
                             "", 1, 0});
             continue;
@@ -374,12 +374,13 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         if (returned.empty()) continue;
         const double found = median(returned), wanted = geometry.planes[plane].restitution;
         if (std::abs(found - wanted) > 0.08)
-            told.push_back({"restitution_wrong",
-                            fmt::format("impacts on plane {} give back {:.3g} of the normal speed (the median of {}) "
-                                        "where its restitution is {:.3g}; give the engine the scene's restitution, and "
-                                        "see how it combines those of two bodies",
-                                        plane, found, returned.size(), wanted),
-                            "", std::abs(found - wanted), 0});
+            told.push_back(
+                {"restitution_wrong",
+                 fmt::format("impacts on plane {} return {:.3g} of the normal speed (median of {} impacts), but "
+                             "its restitution is {:.3g}; give the engine the scene's restitution, and check "
+                             "how it combines those of two bodies",
+                             plane, found, returned.size(), wanted),
+                 "", std::abs(found - wanted), 0});
     }
     return told;
 }

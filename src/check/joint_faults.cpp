@@ -132,8 +132,8 @@ std::optional<Diagnosis> anchor_fault(const JointLink& link, const JointRows& ro
     const bool both = is_constant(of_parent) && is_constant(of_child);
     return Diagnosis{
         "joint_anchor_off",
-        fmt::format("the point of joint \"{}\" is off {}{}: the two points are {:.3g} m apart all the "
-                    "time; give the engine the joint's points from the bodies' origins",
+        fmt::format("the anchor of joint \"{}\" is displaced {}{}: the joint's two points are always {:.3g} m "
+                    "apart; give the engine the joint's points, measured from the bodies' origins",
                     name, by_child ? on_child : on_parent, both ? ", or " + (by_child ? on_parent : on_child) : "",
                     by_child ? length(of_child.mean) : length(of_parent.mean)),
         "", by_child ? length(of_child.mean) : length(of_parent.mean), 0};
@@ -183,14 +183,15 @@ std::optional<Diagnosis> axis_fault(const JointLink& link, const JointRows& rows
     const Vector found = on_child ? of_child->axis : of_parent->axis;
     return Diagnosis{
         "joint_axis_off",
-        fmt::format("the axis of joint \"{}\" is off by {:.3g} rad{}: the bodies turn about {} and not about {} ({}); "
-                    "give the engine the joint's axis and the orientation of its frame",
-                    name, on_child ? off_child : off_parent,
-                    on_child && on_parent ? ""
-                    : on_child            ? " on the child"
-                                          : " on the parent",
-                    text_of((dot(found, axis) < 0 ? -1.0 : 1.0) * found), text_of(axis),
-                    on_child ? "child's axes" : "joint frame of the parent"),
+        fmt::format(
+            "the axis of joint \"{}\" is off by {:.3g} rad{}: the bodies rotate about {} instead of {} (in the {}); "
+            "give the engine the joint's axis and the orientation of its frame",
+            name, on_child ? off_child : off_parent,
+            on_child && on_parent ? ""
+            : on_child            ? " on the child"
+                                  : " on the parent",
+            text_of((dot(found, axis) < 0 ? -1.0 : 1.0) * found), text_of(axis),
+            on_child ? "child's axes" : "parent's joint frame"),
         "", on_child ? off_child : off_parent, 0};
 }
 
@@ -218,16 +219,16 @@ std::optional<Diagnosis> drift_fault(const JointLink& link, const JointRows& row
         // the share that -b g explains of a sum of squares
         const auto share = [&](double along, double all) { return all > 0 ? along * along / (gap_gap * all) : 0; };
         if (slip_gap < 0 && share(slip_gap, slip_slip) > 0.8)
-            pull = fmt::format("; it is pulled back at {:.3g} of the gap per second, {:.2g} per row (Baumgarte)",
+            pull = fmt::format("; the gap is pulled back at {:.3g} 1/s, {:.2g} of it per row (Baumgarte)",
                                -slip_gap / gap_gap, -slip_gap / gap_gap * h);
         else if (change_gap < 0 && share(change_gap, change_change) > 0.8)
-            pull = fmt::format("; {:.2g} of the gap is taken back in each row (projection of positions)",
-                               -change_gap / gap_gap);
+            pull =
+                fmt::format("; {:.2g} of the gap is removed in each row (position projection)", -change_gap / gap_gap);
         else
-            pull = "; nothing pulls it back at a rate that the rows show";
+            pull = "; the rows show no rate at which the gap is pulled back";
     }
     return Diagnosis{"joint_drifts",
-                     fmt::format("joint \"{}\" comes apart by up to {:.3g} m, at t = {:.6g} s{}; take smaller steps or "
+                     fmt::format("joint \"{}\" separates by up to {:.3g} m, at t = {:.6g} s{}; take smaller steps or "
                                  "more iterations, or correct positions more strongly",
                                  name, largest, at, pull),
                      "", largest, 0};
@@ -287,8 +288,8 @@ std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& row
         const double limit = side > 0 ? most : least;
         return Diagnosis{
             "joint_limit_where_none",
-            fmt::format("joint \"{}\" is stopped at {:.4g} {}, {} time{}: a limit that the scene does not have; "
-                        "turn the engine's joint limit off",
+            fmt::format("joint \"{}\" is stopped at {:.4g} {}, {} time{}: the scene has no such limit; disable the "
+                        "engine's joint limit",
                         name, limit, link.kind == Kind::prismatic ? "m" : "rad", places.size(),
                         places.size() > 1 ? "s" : ""),
             "", 1, 0};
@@ -323,21 +324,21 @@ std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& fi
         if (worst_gap(mechanism, poses, 1, !file.has_origin) < closed * as_named)
             return {file.has_origin
                         ? Diagnosis{"center_of_mass_for_origin",
-                                    "ox,oy,oz are the centre of mass, not the body's origin: so read all joints close; "
-                                    "name the columns px,py,pz",
+                                    "ox,oy,oz are the centre of mass, not the body's origin: with this reading all "
+                                    "joints close; name the columns px,py,pz",
                                     "", as_named, 0}
                         : Diagnosis{"origin_for_center_of_mass",
-                                    "the position is the body's origin, not its centre of mass: so read all joints "
-                                    "close; name the columns ox,oy,oz, or write the centre of mass",
+                                    "the position is the body's origin, not its centre of mass: with this reading all "
+                                    "joints close; name the columns ox,oy,oz, or write the centre of mass",
                                     "", as_named, 0}};
         for (const char* unit : {"centimetres", "millimetres", "inches", "feet"})
             if (worst_gap(mechanism, poses, *length_unit(unit), file.has_origin) <
                 closed * *length_unit(unit) * as_named)
-                return {
-                    {std::string("lengths_in_") + unit,
-                     fmt::format("positions are in {}: so read all joints close; write metres, or give --convention {}",
-                                 unit, unit),
-                     unit, as_named, 0}};
+                return {{std::string("lengths_in_") + unit,
+                         fmt::format("positions are in {}: with this reading all joints close; write metres, or give "
+                                     "--convention {}",
+                                     unit, unit),
+                         unit, as_named, 0}};
     }
     const auto body_name = [&](int b) {
         return b == mechanism.world() ? std::string("world")

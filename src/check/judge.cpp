@@ -132,7 +132,7 @@ struct Judge::State {
     template <class S>
     void add(Arithmetic<S>& a, std::span<const TrajectoryRow> rows, std::span<const ReferenceSample> truth) {
         const double t = rows[0].t;
-        if (t != truth[0].t) throw std::invalid_argument("there is no truth at the file's times");
+        if (t != truth[0].t) throw std::invalid_argument("no truth available at the file's times");
         const std::size_t k = span_of(t);
         until[k] = t;
         a.truth.clear();
@@ -257,7 +257,7 @@ Judgement Judge::result() const {
 
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth, JudgedIn arithmetic) {
     if (!truth.available || file.rows.empty() || truth.moments() * file.bodies_at_once() != file.rows.size())
-        throw std::invalid_argument("there is no truth at the file's times");
+        throw std::invalid_argument("no truth available at the file's times");
     Judge whole(scene, file, arithmetic);
     whole.add(0, truth.samples);
     return whole.result();

@@ -139,10 +139,9 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
         best.distance = nearest.distance, best.error = error;
         if (!(10 * best.distance <= best.error)) return {};
         best.message = fmt::format(
-            "this resembles the update {} at {}, to {:.2g} rad over its first {} rows, of the {:.2g} rad that it is "
-            "off "
-            "there",
-            best.method, hertz(best.step), best.distance, rows, best.error);
+            "the file resembles the {} update at {}: over its first {} rows it differs from this update by at most "
+            "{:.2g} rad, and from the reference by {:.2g} rad",
+            best.method, hertz(best.step), rows, best.distance, best.error);
         return best;
     }
     // until where
@@ -157,21 +156,24 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
     if (leaves) best.left_at = file.rows[matching].t;
     const auto error_of = [&](const Method& method, double h) {
         const double value = largest_of(angles(run(method, h, matching), matching, of_truth), matching);
-        return std::isfinite(value) ? fmt::format("{:.2g} rad", value) : std::string("no motion");
+        return std::isfinite(value) ? fmt::format("{:.2g} rad", value) : std::string("no result");
     };
     std::string others;
     for (const char* name : {"gyroscopic_explicit", "gyroscopic_implicit", "gyroscopic_rescaled_momentum", "buss"})
         if (const Method* other = find_method(name); other && other != nearest.method)
             others += fmt::format(", {} {}", name, error_of(*other, best.step));
     best.message =
-        fmt::format("this matches the update {} at {}, to {:.2g} rad", best.method, hertz(best.step), best.distance);
+        fmt::format("the file matches the {} update at {} to {:.2g} rad", best.method, hertz(best.step), best.distance);
     best.message +=
-        leaves ? fmt::format(", and leaves it at t = {:.6g} s{}; until then its error, {:.2g} rad, is the step's",
-                             *best.left_at, jump_at(file, matching), best.error)
-               : fmt::format(" over {} rows, and its error, {:.2g} rad, is the step's", matching, best.error);
-    best.message += fmt::format(". Half the step gives {}, an eighth {}{}", error_of(*nearest.method, best.step / 2),
-                                error_of(*nearest.method, best.step / 8),
-                                others.empty() ? "" : "; at the same step" + others.substr(1));
+        leaves ? fmt::format(
+                     " and departs from it at t = {:.6g} s{}; until then its error of {:.2g} rad is the truncation "
+                     "error at this step",
+                     *best.left_at, jump_at(file, matching), best.error)
+               : fmt::format(" over {} rows; its error of {:.2g} rad is the truncation error at this step", matching,
+                             best.error);
+    best.message += fmt::format(". Error with half the step: {}, with an eighth: {}{}",
+                                error_of(*nearest.method, best.step / 2), error_of(*nearest.method, best.step / 8),
+                                others.empty() ? "" : "; other updates at this step:" + others.substr(1));
     return best;
 }
 

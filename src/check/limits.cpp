@@ -19,13 +19,13 @@ constexpr JudgedBlock blocks[] = {
     {"velocity", "velocity", "velocity", "m/s", 0.05, 0.01},
     {"energy", "energy", "energy", "", 0.05, 0},
     {"momentum", "angular momentum", "momentum", "", 0.05, 0},
-    {"joint_gap", "gap of joints", "joint_gap", "m", 0, 0.01},
-    {"joint_turn", "turn of joints", "joint_turn", "rad", 0, 0.05},
+    {"joint_gap", "joint gap", "joint_gap", "m", 0, 0.01},
+    {"joint_turn", "joint misalignment", "joint_turn", "rad", 0, 0.05},
 };
 
 std::size_t index_of(std::string_view name) {
     const auto found = std::ranges::find(blocks, name, &JudgedBlock::name);
-    if (found == std::end(blocks)) throw std::invalid_argument(fmt::format("there is no block {}", name));
+    if (found == std::end(blocks)) throw std::invalid_argument(fmt::format("unknown block {}", name));
     return static_cast<std::size_t>(found - std::begin(blocks));
 }
 
@@ -49,12 +49,12 @@ void ErrorLimits::set(std::string_view name, std::string_view text) {
     std::ranges::replace(option, '_', '-');
     const bool percent = text.ends_with('%');
     const std::optional<double> value = parse_decimal(percent ? text.substr(0, text.size() - 1) : text);
-    const std::string remedy = block.relative > 0
-                                   ? fmt::format("give a number above 0{}, or a part of the motion's size such as 5%",
-                                                 block.unit.empty() ? "" : fmt::format(" in {}", block.unit))
-                                   : fmt::format("give a number above 0 in {}", block.unit);
+    const std::string remedy =
+        block.relative > 0 ? fmt::format("must be a number > 0{} or a percentage > 0 of the motion's size such as 5%",
+                                         block.unit.empty() ? "" : fmt::format(" in {}", block.unit))
+                           : fmt::format("must be a number > 0 in {}", block.unit);
     if (!value || !std::isfinite(*value) || !(*value > 0) || (percent && !(block.relative > 0)))
-        throw std::invalid_argument(fmt::format("{}: is {}; {}", option, one_line(text, 40), remedy));
+        throw std::invalid_argument(fmt::format("{}: \"{}\" is not valid; {}", option, one_line(text, 40), remedy));
     limits_[i] = {percent ? *value / 100 : *value, percent || block.unit.empty(), option};
 }
 

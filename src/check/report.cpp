@@ -44,19 +44,19 @@ std::string sentence(const ErrorLimits& limits, const CheckedFile& c) {
     for (const BlockVerdict& v : limits.verdicts(c.judgement)) {
         if (!v.failed || limits.report_only) continue;
         const ErrorSummary& error = *c.judgement[v.block->measure];
-        text +=
-            fmt::format("{}{} off by {:.3g}{}{} at t = {} s, {} allowed ({})", text.empty() ? "" : "; ", v.block->title,
-                        v.limit.relative && v.relative ? 100 * *v.relative : *v.error, v.limit.relative ? " %" : " ",
-                        v.limit.relative ? "" : v.block->unit, shortest_decimal(error.max_time), said(v), v.limit.from);
+        text += fmt::format("{}{} error {:.3g}{}{} at t = {} s exceeds the limit of {} ({})", text.empty() ? "" : "; ",
+                            v.block->title, v.limit.relative && v.relative ? 100 * *v.relative : *v.error,
+                            v.limit.relative ? " %" : " ", v.limit.relative ? "" : v.block->unit,
+                            shortest_decimal(error.max_time), said(v), v.limit.from);
     }
     if (!text.empty()) return text;
-    return fmt::format("attitude error at most {:.3g} rad, at t = {} s", c.judgement["attitude"]->max,
+    return fmt::format("largest attitude error {:.3g} rad at t = {} s", c.judgement["attitude"]->max,
                        shortest_decimal(c.judgement["attitude"]->max_time));
 }
 
 std::string verdicts(const ErrorLimits& limits, const CheckedFile& c) {
-    std::string text = fmt::format("  {:<18}{:>10}{:>7}{:>11}{:>10}{:>12}{:>12}   {}\n", "block", "worst", "",
-                                   "relative", "at t, s", "final", "allowed", "verdict");
+    std::string text = fmt::format("  {:<18}{:>10}{:>7}{:>11}{:>10}{:>12}{:>12}   {}\n", "block", "largest", "",
+                                   "relative", "at t (s)", "final", "limit", "verdict");
     for (const BlockVerdict& v : limits.verdicts(c.judgement)) {
         const std::optional<ErrorSummary>& error = c.judgement[v.block->measure];
         // the summary is in the measure's unit, the verdict in the block's
@@ -69,17 +69,18 @@ std::string verdicts(const ErrorLimits& limits, const CheckedFile& c) {
                             v.relative ? fmt::format("{:.2e}", *v.relative) : "-",
                             error ? fmt::format("{:.5g}", error->max_time) : "",
                             error ? fmt::format("{:.2e}", unit * error->final) : "", said(v), verdict(limits, v),
-                            worst.empty() ? "" : ", worst of " + one_line(worst, 100));
+                            worst.empty() ? "" : ", at joint " + one_line(worst, 100));
     }
     const auto line = [&](const char* title, double value, const char* unit) {
         text += fmt::format("  {:<18}{:>10.2e}{:>7}\n", title, value, unit);
     };
-    if (const auto& norm = c.judgement["norm"]) line("norm of q", norm->max, "");
+    if (const auto& norm = c.judgement["norm"]) line("norm error of q", norm->max, "");
     if (const auto& p = c.judgement["linear_momentum"]) line("linear momentum", p->max, "");
     if (!c.judgement.worst_body.empty())
-        text += fmt::format("  {:<18}{} (by its attitude)\n", "worst body", one_line(c.judgement.worst_body, 100));
+        text +=
+            fmt::format("  {:<18}{} (largest attitude error)\n", "worst body", one_line(c.judgement.worst_body, 100));
     if (c.floor) line("float64 floor", c.floor->float64, "rad"), line("float32 floor", c.floor->float32, "rad");
-    line("bound of the truth", c.truth_bound, "");
+    line("truth bound", c.truth_bound, "");
     return text;
 }
 
@@ -106,7 +107,7 @@ std::string text_of(const ErrorLimits& limits, const CheckedFile& c) {
     report += verdicts(limits, c);
     if (c.judgement.over_time.size() > 1) report += over_time(c);
     for (const std::string& remark : c.remarks) report += fmt::format("  remark: {}\n", remark);
-    if (!c.lacks.empty()) report += fmt::format("  not in the file, and not judged: {}\n", c.lacks);
+    if (!c.lacks.empty()) report += fmt::format("  not in the file and not evaluated: {}\n", c.lacks);
     for (const Diagnosis& d : c.diagnosed.faults) report += fmt::format("  diagnosis: {}\n", d.message);
     if (c.diagnosed.update) report += fmt::format("  update: {}\n", c.diagnosed.update->message);
     return report;
@@ -199,14 +200,15 @@ std::string check_text(const ErrorLimits& limits, const std::vector<CheckedFile>
 std::string explanation_text(const std::vector<CheckedFile>& all) {
     std::string text;
     for (const CheckedFile& c : all) {
-        text += fmt::format("{}: what was tried, in decades of what moves, summed over the questions\n",
-                            one_line(c.path, 300));
+        text += fmt::format(
+            "{}: hypotheses tested, each with the sum over all questions of log10(relative prediction error)\n",
+            one_line(c.path, 300));
         if (c.diagnosed.tried.empty())
             text +=
-                "  nothing: the file is within 1e-4 of the motion, or as near as can be to what a known update "
-                "predicts\n";
+                "  none: the file is within 1e-4 of the reference, or a known update predicts it to the precision of "
+                "its numbers\n";
         else
-            text += fmt::format("  {:8.2f}  no fault; best by {}\n", c.diagnosed.sound, c.diagnosed.rule);
+            text += fmt::format("  {:8.2f}  no fault; best update: {}\n", c.diagnosed.sound, c.diagnosed.rule);
         for (const Tried& t : c.diagnosed.tried) text += fmt::format("  {:8.2f}  {}: {}\n", t.decades, t.fault, t.what);
     }
     return text;

@@ -42,11 +42,12 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
     Share repeated;
     for (std::size_t k = 1; k < count; ++k) repeated.add(same_state(rows[k], rows[k - 1]));
     if (repeated.is_pattern(0.1))
-        return {{"rows_repeated",
-                 fmt::format("{} of {} rows show the state of the row before: the engine steps at some {:.4g} Hz, and "
-                             "rows are written more often; write a row after each step",
-                             repeated.of_a_kind, repeated.all, (repeated.all - repeated.of_a_kind) / duration),
-                 "", 1, 0}};
+        return {
+            {"rows_repeated",
+             fmt::format("{} of {} rows repeat the state of the previous row: the engine steps at about {:.4g} Hz, but "
+                         "rows are written more often; write one row after each step",
+                         repeated.of_a_kind, repeated.all, (repeated.all - repeated.of_a_kind) / duration),
+             "", 1, 0}};
     // the mean rate of each interval, and how much it changes from one to the next
     std::vector<Vector3<double>> rates;
     for (std::size_t k = 1; k < count; ++k)
@@ -73,9 +74,9 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
     // a frame rate is a few times the steps'; a method that interpolates far has steps of its own choice
     if (constant.is_pattern(0.25) && constant.longest <= 4 && 4 * constant.all > static_cast<int>(changes.size()))
         return {{"rows_interpolated",
-                 fmt::format("rows are interpolated between the engine's states: over {} of {} rows the body turns at "
-                             "the rate of the row before, and it changes in jumps in between, some {:.4g} a second; "
-                             "write the states themselves, a row after each step",
+                 fmt::format("rows are interpolated between the engine's states: in {} of {} rows the body rotates at "
+                             "the rate of the previous row, and the rate jumps about {:.4g} times per second; write "
+                             "the engine's states themselves, one row after each step",
                              constant.of_a_kind, constant.all,
                              static_cast<double>(constant.all - constant.of_a_kind) / constant.all *
                                  static_cast<double>(count - 1) / duration),
@@ -135,7 +136,7 @@ std::optional<Diagnosis> seldom_normalised(const std::vector<TrajectoryRow>& row
         sorted.back() > (1 + tolerance) * usual)
         return {};
     return Diagnosis{"quaternion_seldom_normalised",
-                     fmt::format("the quaternion is normalised only every {} rows: in between its length grows as by "
+                     fmt::format("the quaternion is normalised only every {} rows: in between its length grows as in "
                                  "first-order updates, up to 1 + {:.2g}; normalise it after each step",
                                  period, largest),
                      "", largest, 0};
@@ -161,12 +162,11 @@ std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file) {
         return shares[static_cast<std::size_t>(p * static_cast<double>(shares.size() - 1))];
     };
     if (!is_of_whole_steps(part(0.5), 16) || !(part(0.9) - part(0.1) < 0.1 * part(0.5))) return {};
-    return {
-        {"quaternion_not_normalised",
-         fmt::format("the quaternion's length leaves 1 by {:.2g} at t = {:.6g} s, as by first-order updates that are "
-                     "not normalised; normalise it after each step",
-                     worst, at),
-         "", worst, 0}};
+    return {{"quaternion_not_normalised",
+             fmt::format("the quaternion's length differs from 1 by {:.2g} at t = {:.6g} s, as in first-order updates "
+                         "without normalisation; normalise it after each step",
+                         worst, at),
+             "", worst, 0}};
 }
 
 }  // namespace polhode

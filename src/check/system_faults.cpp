@@ -111,7 +111,7 @@ void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size
         if (joint.type == JointType::spherical) continue;
         all.push_back({.fault = "joint_friction_left_on",
                        .subject = Subject::limit,
-                       .what = fmt::format("friction {} acts where the scene has none: {{}} {}", of,
+                       .what = fmt::format("friction {} is left on: {{}} {}", of,
                                            joint.type == JointType::prismatic ? "N" : "N m"),
                        .remedy = "set the engine's joint friction to zero",
                        .apply =
@@ -152,7 +152,7 @@ void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_
             return body.body.mass > 0;
         };
         add_factor(all, "gravity_on_body", Subject::gravity, fmt::format("gravity on body \"{}\"", name),
-                   "let gravity act on all bodies alike", scale_weight);
+                   "apply the same gravity to all bodies", scale_weight);
     }
     const auto scaled = [&](const char* word, const char* what, double mass_by, double inertia_by) {
         all.push_back({.fault = word,
@@ -171,12 +171,12 @@ void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_
     };
     scaled("body_mass_scaled", "mass", 1, 0);
     scaled("body_inertia_scaled", "inertia tensor", 0, 1);
-    scaled("body_density_scaled", "mass and with it the inertia tensor", 1, 1);
+    scaled("body_density_scaled", "density", 1, 1);
     const auto exchanged = [&](const char* axes, std::array<std::size_t, 3> order) {
         all.push_back({.fault = "body_inertia_axes_permuted",
                        .subject = Subject::inertia,
-                       .what = fmt::format("the moments of inertia of {} of body \"{}\" are exchanged", axes, name),
-                       .remedy = "give the moments in the order of the body's own axes",
+                       .what = fmt::format("the moments of inertia of body \"{}\" about {} are exchanged", name, axes),
+                       .remedy = "give the moments in the order of the body axes",
                        .apply = [b, order](SystemCause& c, double) {
                            Matrix3<double>& I = c.scene.bodies[b].body.inertia_B;
                            Matrix3<double> permuted;
@@ -197,8 +197,8 @@ std::vector<SystemHypothesis> system_faults(const Scene& scene) {
     for (const Hypothesis& h : known_faults())
         if (holds_for_several(h)) all.push_back(of_several(h));
     if (fault_effects::has<PointSpring>(scene))
-        add_factor(all, "point_spring", Subject::spring, "the springs between points", "check their stiffness",
-                   [](SystemCause& c, double x) {
+        add_factor(all, "point_spring", Subject::spring, "the springs between points",
+                   "check the stiffness of these springs", [](SystemCause& c, double x) {
                        fault_effects::each<PointSpring>(c.scene, [&](PointSpring& s) { s.stiffness *= x; });
                        return true;
                    });

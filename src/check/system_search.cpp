@@ -704,9 +704,9 @@ void tell(std::vector<Diagnosis>& told, const Explained& e, const Explained& bef
             told, [&](const Diagnosis& d) { return d.fault == e.hypothesis->fault && d.message.starts_with(said(e)); }))
         return;
     told.push_back({e.hypothesis->fault,
-                    fmt::format("{}: each step of the joints' rates is predicted to {:.2g} of their changes with this "
-                                "fault, and to {:.2g} without; {}{}",
-                                said(e), is, was, e.hypothesis->remedy, also),
+                    fmt::format("{}; {}{} (prediction error of the joint rates per step, relative to their changes: "
+                                "{:.2g} with this fault, {:.2g} without)",
+                                said(e), e.hypothesis->remedy, also, is, was),
                     e.hypothesis->convention, was, is});
 }
 
@@ -786,8 +786,9 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
         if (&e != &best && e.answers.total <= limit &&
             e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
             others.push_back(&e), also += (also.empty() ? "" : "; or ") + said(e);
-    tell(result.faults, best, sound, also.empty() ? "" : "; the file cannot tell it from this: " + also);
-    for (const Explained* e : others) tell(result.faults, *e, sound, "; the file cannot tell it from the one before");
+    tell(result.faults, best, sound, also.empty() ? "" : "; in this file indistinguishable from: " + also);
+    for (const Explained* e : others)
+        tell(result.faults, *e, sound, "; in this file indistinguishable from the previous diagnosis");
     return result;
 }
 

@@ -181,7 +181,7 @@ TEST_F(Export, TheComparisonNamesTheBlock) {
         EXPECT_EQ(run(arguments).exit_code, 0);
     };
     // the truth passes; half a turn by 0.3 about the first axis and a velocity that is off by 3 do not
-    const std::string told = "attitude off by 0.3 at t = 4 s, 0.01 allowed; velocity off by 3 at t = 4 s";
+    const std::string told = "attitude error 0.3 at t = 4 s exceeds 0.01; velocity error 3 at t = 4 s";
     for (const bool floats : {false, true}) {
         const std::string real = floats ? "float" : "double";
         exported("c", "golden.h", floats), exported("cpp", "golden.hpp", floats);
@@ -221,7 +221,7 @@ TEST_F(Export, TheComparisonNamesTheBlock) {
           "Polhode_9_lives_of_a_top.v[7, 1], Polhode_9_lives_of_a_top.v[7, 2] };\n        System.Console.WriteLine("
           "Polhode_9_lives_of_a_top.compare(7, null, null, null, v));\n        return 0;\n    }\n}\n");
     ASSERT_EQ(shell("mcs -warnaserror -out:golden.exe Golden.cs Main.cs && mono golden.exe > cs.txt"), 0);
-    EXPECT_EQ(read(directory / "cs.txt").find("velocity off by 3 at t = 4 s"), 0u) << read(directory / "cs.txt");
+    EXPECT_EQ(read(directory / "cs.txt").find("velocity error 3 at t = 4 s"), 0u) << read(directory / "cs.txt");
 }
 
 TEST_F(Export, HoldsWhatABodyMeets) {

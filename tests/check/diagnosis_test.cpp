@@ -191,7 +191,7 @@ TEST(FollowedUpdate, MatchesWhatAMethodWrote) {
         EXPECT_EQ(followed->method, "gyroscopic_explicit");
         EXPECT_TRUE(followed->matches && !followed->left_at);
         EXPECT_NEAR(followed->step * hertz, 1, 1e-9);
-        EXPECT_NE(followed->message.find("this matches the update"), std::string::npos);
+        EXPECT_NE(followed->message.find("the file matches the gyroscopic_explicit update"), std::string::npos);
     }
     // several steps a row
     const auto coarse = followed_update(scene, of_method(scene, "gyroscopic_explicit", 1.0 / 70, 60, 7), 7, 1e-15);
@@ -215,7 +215,7 @@ TEST(FollowedUpdate, TellsTheRowAtWhichItIsLeft) {
     const auto followed = followed_update(scene, file, 1, 1e-15);
     ASSERT_TRUE(followed && followed->matches && followed->left_at);
     EXPECT_NEAR(*followed->left_at, 4.01, 1e-9);
-    EXPECT_NE(followed->message.find("leaves it at t = 4.01 s, where |w| drops"), std::string::npos)
+    EXPECT_NE(followed->message.find("departs from it at t = 4.01 s, where |w| drops"), std::string::npos)
         << followed->message;
 }
 
@@ -230,7 +230,7 @@ TEST(FollowedUpdate, ResemblesWhatItDoesNotMatch) {
     const auto followed = followed_update(scene, file, 1, 1e-15);
     ASSERT_TRUE(followed);
     EXPECT_FALSE(followed->matches);
-    EXPECT_NE(followed->message.find("this resembles the update"), std::string::npos);
+    EXPECT_NE(followed->message.find("the file resembles the "), std::string::npos);
     // an attitude that is right has none
     Scene still = scene;
     still.initial.angular_velocity = {};

@@ -87,7 +87,7 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
     EXPECT_TRUE(limits.refuses(found));
     const std::string text = check_text(limits, {checked});
     for (const char* said :
-         {"gap of joints", "worst of hinge", "worst body        left", "run.csv: failed: attitude off by"})
+         {"joint gap", "at joint hinge", "worst body        left", "run.csv: failed: attitude error "})
         EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
     const std::string json = check_json(h.scene, limits, {checked});
     for (const char* key : {"\"joint_gap_max\"", "\"worst_body\": \"left\"", "\"joint_turn_worst\": \"hinge\""})

@@ -291,7 +291,7 @@ TEST(SystemSearch, BaumgartesPullIsMeasured) {
     const std::vector<Diagnosis> found = diagnose_system(scene, file).faults;
     ASSERT_FALSE(found.empty());
     EXPECT_EQ(found.front().fault, "joint_drifts");
-    EXPECT_NE(found.front().message.find("joint \"elbow\" comes apart by up to 0.05 m"), std::string::npos);
+    EXPECT_NE(found.front().message.find("joint \"elbow\" separates by up to 0.05 m"), std::string::npos);
     EXPECT_NE(found.front().message.find("pulled back at 12"), std::string::npos) << found.front().message;
 }
 

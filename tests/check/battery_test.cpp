@@ -40,9 +40,9 @@ constexpr Written all_written[] = {
     {"240 Hz, no w", 240, false, false, true},
     {"240 Hz, no p and v", 240, false, false, false, true},
     {"1000 Hz", 1000},
-    {"near exact, 60 rows a second", 60, true},
-    {"near exact, 240 rows a second", 240, true},
-    {"near exact, 240 rows a second, binary32", 240, true, true},
+    {"near exact, 60 rows per second", 60, true},
+    {"near exact, 240 rows per second", 240, true},
+    {"near exact, 240 rows per second, binary32", 240, true, true},
 };
 
 struct Count {
@@ -262,7 +262,7 @@ TEST_P(Battery, FaultsAreNamedAndSoundFilesAreNot) {
         if (const auto sound = counts.find("sound"); sound != counts.end()) {
             EXPECT_EQ(sound->second.silent, sound->second.all()) << told;
         }
-        GTEST_SKIP() << "too few files for shares where nothing is optimised";
+        GTEST_SKIP() << "too few files for rates in an unoptimised build";
     }
     ASSERT_GT(sum_of_faults(counts).all(), 15);
     expect_goals(counts, is_coarse(GetParam()), GetParam().bare, told);
@@ -276,7 +276,7 @@ TEST(BatteryOfPairs, FaultsAreNamed) {
         const Counts counts = counted_pairs(written, optimised_build ? 11 : 199, told);
         if (optimised_build) expect_goals(counts, is_coarse(written), false, told);
     }
-    if (!optimised_build) GTEST_SKIP() << "too few files for shares where nothing is optimised";
+    if (!optimised_build) GTEST_SKIP() << "too few files for rates in an unoptimised build";
 }
 
 TEST(BatteryOfImpacts, FaultsAreNamedAndSoundBouncesAreNot) {
@@ -296,8 +296,8 @@ std::string name_of_written(const ::testing::TestParamInfo<Written>& info) {
 INSTANTIATE_TEST_SUITE_P(Files, Battery, ::testing::ValuesIn(all_written), name_of_written);
 
 std::string table_by_fault(const Counts& counts, const char* heading, bool both) {
-    std::string text = fmt::format("\n{}\n\n| fault | right |{} wrong | silent |\n| --- | ---: |{} ---: | ---: |\n",
-                                   heading, both ? " of them both named |" : "", both ? " ---: |" : "");
+    std::string text = fmt::format("\n{}\n\n| fault | correct |{} wrong | none |\n| --- | ---: |{} ---: | ---: |\n",
+                                   heading, both ? " of these both diagnosed |" : "", both ? " ---: |" : "");
     for (const auto& [name, count] : counts)
         if (name != "sound")
             text += fmt::format("| {} | {} |{} {} | {} |\n", name, count.right,
@@ -308,18 +308,18 @@ std::string table_by_fault(const Counts& counts, const char* heading, bool both)
 // Not a test but the tables: only where a file is asked for. POLHODE_BATTERY_STRIDE: runs only every n-th job.
 TEST(BatteryTable, IsWritten) {
     const char* const path = std::getenv("POLHODE_BATTERY");
-    if (!path) GTEST_SKIP() << "POLHODE_BATTERY names no file";
+    if (!path) GTEST_SKIP() << "POLHODE_BATTERY does not name a file";
     const char* const given = std::getenv("POLHODE_BATTERY_STRIDE");
     const std::size_t stride = given ? std::stoul(given) : 1;
     std::string told;
     std::string text = fmt::format(
-        "# What check names\n\n"
-        "Three small engines, written apart from the catalogue and from what `check` predicts with, with {} faults on\n"
-        "{} scenes (tests/check/battery.h): the number of files whose fault is named rightly, of files for which "
-        "another\nfault is named, and of files for which none is. A file in which the fault cannot be seen (an "
-        "asymmetric body's\nfault on a ball) is not made. Written by\n"
+        "# Diagnoses of check\n\n"
+        "Three small engines with {} faults run {} scenes (tests/check/battery.h). They share no code with the\n"
+        "catalogue or with the predictions of `check`. The tables count the files with the correct diagnosis, with a\n"
+        "wrong one and with none. Files in which a fault has no effect, such as a fault of an asymmetric body on a\n"
+        "ball, are omitted. This command writes this page:\n"
         "`POLHODE_BATTERY=results/check_battery.md build/tests/check_tests --gtest_filter=BatteryTable.*`.\n\n"
-        "| files | right | wrong | silent | of | right, % | wrong, % | sound files | of them accused |\n"
+        "| kind of file | correct | wrong | none | files | correct (%) | wrong (%) | sound files | false diagnoses |\n"
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
         battery::faults().size(), battery::scenes().size());
     Counts by_fault, by_pair, by_impact;
@@ -338,11 +338,11 @@ TEST(BatteryTable, IsWritten) {
         const Counts counts = counted(written, stride, told);
         text += row(written.name, counts), add_to(by_fault, counts);
     }
-    text += table_by_fault(by_fault, "By fault, over all of these files:", false);
+    text += table_by_fault(by_fault, "By fault, over all kinds of file:", false);
     text += fmt::format(
         "\n## Two faults at once\n\n"
-        "The same engines with {} pairs of faults. Right: both faults are named, or one of them and no other.\n\n"
-        "| files | right | of them both named | wrong | silent | of | right, % | wrong, % |\n"
+        "The same engines with {} pairs of faults. Correct: both faults are diagnosed, or one of them and no other.\n\n"
+        "| kind of file | correct | of these both diagnosed | wrong | none | files | correct (%) | wrong (%) |\n"
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
         battery::pairs_of_faults().size());
     for (const Written& written : all_written) {
@@ -353,19 +353,19 @@ TEST(BatteryTable, IsWritten) {
                         sum.wrong, sum.silent, sum.all(), percent(sum.right, sum.all()), percent(sum.wrong, sum.all()));
         add_to(by_pair, counts);
     }
-    text += table_by_fault(by_pair, "By pair, over all of these files:", true);
+    text += table_by_fault(by_pair, "By pair, over all kinds of file:", true);
     text += fmt::format(
         "\n## Impacts\n\n"
-        "Balls and tumbling boxes on a plane, by a small engine with {} faults of impacts\n"
+        "A small engine with {} faults of impacts simulates balls and tumbling boxes on a plane\n"
         "(tests/check/plane_battery.h).\n\n"
-        "| files | right | wrong | silent | of | right, % | wrong, % | sound files | of them accused |\n"
+        "| kind of file | correct | wrong | none | files | correct (%) | wrong (%) | sound files | false diagnoses |\n"
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
         plane_battery::faults().size());
     for (const double hertz : {60.0, 240.0, 1000.0}) {
         const Counts counts = counted_impacts(hertz, told);
         text += row(fmt::format("{} Hz", hertz), counts), add_to(by_impact, counts);
     }
-    text += table_by_fault(by_impact, "By fault of impacts, over all of these files:", false);
+    text += table_by_fault(by_impact, "By fault of impacts, over all kinds of file:", false);
     std::ofstream(path) << text;
     if (const char* const names = std::getenv("POLHODE_BATTERY_FAILURES")) std::ofstream(names) << told;
 }

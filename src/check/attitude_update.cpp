@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// exp(h w / 2), or the unit quaternion along 1 + h w / 2
+// Returns exp(h w / 2), or 1 + h w / 2 normalised.
 Quaternion<double> turn(const Vector3<double>& w, double h, bool first_order) {
     const Vector3<double> half = (0.5 * h) * w;
     const double angle = length(half);
@@ -20,7 +20,7 @@ Quaternion<double> turn(const Vector3<double>& w, double h, bool first_order) {
     return {std::cos(angle), scale * half[0], scale * half[1], scale * half[2]};
 }
 
-// w between rows k and k + 1, by the polynomial through six of them
+// Interpolates w between rows k and k + 1 by the polynomial through six rows.
 class Rate {
   public:
     Rate(const std::vector<TrajectoryRow>& rows, std::size_t k) {
@@ -42,14 +42,14 @@ class Rate {
 };
 
 constexpr std::array steps_a_row{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20};
-constexpr std::array places_of_rate{0.0, 0.5, 1.0};  // old w, middle, new
+constexpr std::array places_of_rate{0.0, 0.5, 1.0};  // w at the start, middle and end of the step
 
 }  // namespace
 
 std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file) {
     const std::size_t count = std::min<std::size_t>(file.rows.size(), 120);
     if (count < 8) return {};
-    // the square of what each update leaves, summed over the rows
+    // sum over the rows of the squared prediction error, for each update
     double left[2][steps_a_row.size()][places_of_rate.size()] = {};
     for (std::size_t k = 2; k + 3 < count; ++k) {
         const TrajectoryRow &a = file.rows[k], &b = file.rows[k + 1];

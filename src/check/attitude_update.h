@@ -1,4 +1,4 @@
-// How an attitude goes on with an angular velocity: exactly, or by an engine's first-order update.
+// Detects first-order quaternion updates in the rows of a file.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,17 @@
 
 namespace polhode {
 
-/// q + (h/2) w q, normalised, where exp(h w / 2) q is right.
+/// The first-order update q + (h/2) w q, normalised. The exact update is exp(h w / 2) q.
 struct FirstOrderUpdate {
     double step = 0;       ///< h, s
-    double error = 0;      ///< rad, root mean square over the rows: what exact updates leave of the turn between two
-    double explained = 0;  ///< what the first-order update leaves
+    double error = 0;      ///< rms error of the rotation from row to row, predicted by exact updates, rad
+    double explained = 0;  ///< the same error, predicted by first-order updates, rad
 };
 
-/// Whether the attitudes of the file's first rows follow its w by first-order updates (old, middle or new w, a row a
-/// step or up to 20 steps a row) at least ten times better than by any exponential ones. Nothing where they do not,
-/// where less than 1e-6 rad a row is to be explained, or where rows are too far apart (more than a radian) to tell.
+/// Tests whether first-order updates predict the attitudes of the file's first rows from its w at least ten times
+/// better than exponential updates. Both use the w at the start, middle or end of a step and 1 to 20 steps per row.
+/// Returns nothing if they do not, if the error of exponential updates is below 1e-6 rad per row, or if the body
+/// rotates by more than 1 rad per row.
 std::optional<FirstOrderUpdate> first_order_update(const TrajectoryFile& file);
 
 }  // namespace polhode

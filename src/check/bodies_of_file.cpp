@@ -1,4 +1,4 @@
-// Files of several bodies, and the truth that stands in for what they do not tell.
+// Files of several bodies. Blocks and bodies that a file lacks are filled in from the truth.
 #include "check/judge.h"
 
 namespace polhode {
@@ -6,7 +6,7 @@ namespace polhode {
 std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file) {
     std::vector<std::size_t> places;
     for (const std::string& name : file.bodies) places.push_back(static_cast<std::size_t>(body_index(scene, name)));
-    // a file without a column `body` is of the only one
+    // without a column `body`, the file describes the only body
     if (places.empty()) places.push_back(0);
     return places;
 }

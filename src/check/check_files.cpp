@@ -25,7 +25,7 @@
 namespace polhode {
 namespace {
 
-// What a file of this scene could have and has not.
+// Lists the columns and blocks that a file of this scene could have but lacks.
 std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     std::vector<std::string> all;
     if (!file.has_angular_velocity) all.emplace_back("angular velocity (therefore also energy and angular momentum)");
@@ -46,7 +46,7 @@ std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     return fmt::format("{}", fmt::join(all, "; "));
 }
 
-// Judges a file of many samples by polynomials, in binary64: a million take a second.
+// Compares a file of many samples with a polynomial reference, in binary64. A million samples take about a second.
 void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth, CheckedFile& checked) {
     constexpr std::size_t pieces = 16, at_once = 1024;
     const std::size_t rows = file.rows.size();
@@ -69,7 +69,7 @@ void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth
     checked.remarks.emplace_back("evaluated in binary64: errors below 1e-15 are not resolved");
 }
 
-// Judges a file; says why there is no truth to judge it by, or nothing.
+// Compares a file with the truth. Returns why there is no truth, or an empty string.
 std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& checked) {
     constexpr std::size_t many = 2000;
     if (!is_mechanism(scene) && file.rows.size() > many && file.rows.back().t > 0)
@@ -81,7 +81,7 @@ std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& ch
     for (std::size_t k = 0; k < file.rows.size(); k += file.bodies_at_once()) times.push_back(file.rows[k].t);
     Reference truth = reference(scene, times);
     if (!truth.available && !scene.planes.empty() && truth.message.find("impact") != std::string::npos) {
-        // impacts that come closer and closer end the motion that is known: what comes before is compared
+        // the truth ends where impacts accumulate: find the last row before that by bisection
         const std::string why = truth.message;
         std::size_t known = 1, unknown = times.size();
         while (unknown - known > 1) {
@@ -104,7 +104,7 @@ std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& ch
     return "";
 }
 
-// The floors at the ends of the file's spans and in between, and what they say of the file.
+// Computes the floors at the ends of the file's spans and in between, and adds remarks on the file's error.
 void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedFile& checked) {
     if (!(checked.until > 0)) return;
     constexpr int between = 20;
@@ -133,16 +133,17 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     }
     checked.floor = so_far;
     const double error = checked.judgement["attitude"]->max;
-    // rounding at each step comes on top of that of the start: a few times the floor is the floor
+    // the floor contains the rounding of the start only; rounding in each step raises the error to a few times the
+    // floor
     constexpr double a_few = 4;
-    // said of the attitude alone, and only where the rest of the file is no further off
+    // the remark is about the attitude, but is made only if the other blocks are equally accurate
     const auto others_within = [&](double floor) {
         const std::vector<BlockVerdict> all = limits.verdicts(checked.judgement);
         return std::all_of(all.begin(), all.end(), [&](const BlockVerdict& v) {
             return v.block->name == "attitude" || !v.relative || *v.relative <= 1e3 * std::max(floor, 1e-14);
         });
     };
-    // a floor far below what is written is none of the file's making
+    // an error far below the binary32 floor is not caused by binary32
     if (kappa.available && error <= a_few * so_far.float64 && others_within(so_far.float64))
         checked.remarks.emplace_back(
             "at the float64 floor: the attitude is as accurate as binary64 allows on this scene");
@@ -157,7 +158,7 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
             *checked.float_judged_until, shortest_decimal(allowed)));
 }
 
-// What to record where no cause was found.
+// Returns what to record if no cause was found.
 std::string no_diagnosis(const TrajectoryFile& file) {
     double turn = 0;
     for (std::size_t k = 1; k < file.rows.size(); ++k)
@@ -171,7 +172,7 @@ std::string no_diagnosis(const TrajectoryFile& file) {
         turn);
 }
 
-// Why no fault is named in a file of several bodies, and what to record.
+// Returns why a file of several bodies has no diagnosis, and what to record.
 std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& file) {
     if (!missing_bodies(scene, file).empty()) return "no diagnosis: bodies are missing in the file; record all bodies";
     if (!file.has_angular_velocity || !file.has_velocity || !(file.has_position || file.has_origin))
@@ -180,7 +181,7 @@ std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& fil
     return "no diagnosis: no known fault of loads, joints or bodies predicts a row from the previous one";
 }
 
-// Judges what was read, file by file.
+// Compares the files that were read with the truth, one by one, and diagnoses them.
 void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
                std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -194,14 +195,14 @@ void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool
         };
         if (is_mechanism(scene)) {
             checked.diagnosed = diagnose_system(scene, files[i], explain);
-            // joints of a sound engine that steps bodies apart drift, within the limit
+            // in a sound engine that steps bodies separately, joints drift within the limit
             if (!fails([](std::string_view name) { return is_of_joints(name); }))
                 std::erase_if(checked.diagnosed.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
             if (fails([](std::string_view) { return true; }) && checked.diagnosed.faults.empty())
                 checked.remarks.push_back(no_diagnosis_of_system(scene, files[i]));
         } else {
             checked.diagnosed = diagnose(scene, files[i], explain);
-            // an update explains errors of the rotation
+            // a matched update explains errors of the rotation only
             if (fails([](std::string_view) { return true; }) &&
                 !fails([](std::string_view name) { return name == "attitude" || name == "angular_velocity"; }))
                 checked.diagnosed.update.reset();
@@ -239,7 +240,7 @@ TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, c
             fmt::format("times are rounded to binary32: replaced by the multiples of {} s that they were rounded from",
                         shortest_decimal(*dt)));
     const double last = file.rows.back().t;
-    // a clock that adds up steps ends beside the duration by rounding
+    // a clock that accumulates steps ends near the duration, up to rounding
     if (last > scene->duration * (1 + 1e-9))
         throw InputError(checked.path, "column t",
                          fmt::format("ends at {} s, but the scene lasts {} s", shortest_decimal(last),

@@ -1,4 +1,4 @@
-// What `polhode check` does with trajectory files: reads, judges, diagnoses and compares them with the floors.
+// The steps of `polhode check`: read trajectory files, compare them with the truth and the floors, diagnose them.
 #pragma once
 
 #include <cstddef>
@@ -15,35 +15,35 @@
 
 namespace polhode {
 
-/// There is no truth to judge a file by; says which file, and why.
+/// No truth is available for a file. The message has the file and the reason.
 struct NoTruth : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A table that stands in memory, as a file would have it.
+/// A CSV table in memory.
 struct NamedText {
-    std::string name;  ///< what messages call it
+    std::string name;  ///< name used in messages
     std::string text;  ///< CSV
 };
 
-/// A file of more bytes is not read.
+/// Size limit of a file, bytes.
 inline constexpr std::size_t largest_file = std::size_t{1} << 30;
 
-/// The file of this text in our conventions; what had to be done to it is added to `checked`, whose path messages name.
-/// Without a scene (nullptr) it may be of any length and of any bodies. `gaps`: as in parse_foreign_trajectory().
-/// Throws InputError.
+/// Parses `text` and converts it to polhode's conventions. Adds remarks on the conversion to `checked`; error
+/// messages use the path of `checked`. Without a scene (nullptr), any duration and any bodies are accepted. `gaps`:
+/// see parse_foreign_trajectory(). Throws InputError.
 TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
                              std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps = nullptr);
 
-/// Judges the files at these paths against the scene's truth. All are read before any is judged: a slip in the last
-/// must not cost the time of the first. `columns`: which of theirs hold ours, if they are not told by their names.
-/// Files of more than some thousand samples are judged in binary64, by several threads. `explain`: known faults are
-/// tried on sound files too. `picture`: their errors over time are drawn into CheckedFile::picture. Throws InputError
-/// where a file cannot be read, or goes on for longer than the scene, and NoTruth, also where it is interrupted.
+/// Compares the files at these paths with the scene's truth. All files are read first, so that an error in the last
+/// one is found at once. `columns`: which columns hold polhode's, if their names do not show it. Files of more than
+/// 2000 samples are evaluated in binary64, with several threads. `explain`: test known faults on sound files too.
+/// `picture`: draw the errors over time into CheckedFile::picture. Throws InputError if a file cannot be read or
+/// lasts longer than the scene. Throws NoTruth if there is no truth or the run is interrupted.
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::string>& paths,
                                      const Convention& convention, const ColumnNames& columns,
                                      const ErrorLimits& limits, bool explain, bool picture = false);
-/// The same of tables that stand in memory.
+/// Compares CSV tables in memory with the scene's truth, like files.
 std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<NamedText>& texts,
                                      const Convention& convention, const ColumnNames& columns,
                                      const ErrorLimits& limits, bool explain, bool picture = false);

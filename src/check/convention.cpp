@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// v here = M v there
+// Returns v in polhode's axes: v here = M v there.
 Vector3<double> turned(Axes axes, const Vector3<double>& v) {
     switch (axes) {
         case Axes::z_up_right:
@@ -26,7 +26,7 @@ Vector3<double> turned(Axes axes, const Vector3<double>& v) {
     return v;
 }
 
-// the mirrors are their own inverses
+// Returns v in the other axes. Mirrors are their own inverses.
 Vector3<double> turned_back(Axes axes, const Vector3<double>& v) {
     if (axes == Axes::y_up_right) return {v[0], v[2], -v[1]};
     return turned(axes, v);
@@ -54,7 +54,7 @@ const std::vector<std::string>& words() {
     return list;
 }
 
-// A choice made at most once.
+// A choice that can be made only once.
 template <class T>
 struct WordChoice {
     std::optional<T> made;
@@ -145,7 +145,7 @@ Vector3<double> vector_to(Axes axes, const Vector3<double>& v) { return turned_b
 Vector3<double> pseudovector_from(Axes axes, const Vector3<double>& v) { return sensed(axes, turned(axes, v)); }
 Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v) { return sensed(axes, turned_back(axes, v)); }
 
-// M R(q) M^T is the rotation by the same angle about the axis as a pseudovector
+// M R(q) M^T is the rotation by the same angle about the axis, transformed as a pseudovector.
 Quaternion<double> quaternion_from(Axes axes, const Quaternion<double>& q) {
     const Vector3<double> u = pseudovector_from(axes, vector_part(q));
     return {q.w, u[0], u[1], u[2]};

@@ -1,4 +1,4 @@
-// What axes, units and orders other programs use, and the way from there to ours.
+// Axes, units and component orders of other programs, and the conversion to polhode's.
 #pragma once
 
 #include <map>
@@ -12,16 +12,16 @@
 
 namespace polhode {
 
-/// The axes that a program writes a body and its world in. The scene's body is built in them as well: its point
-/// (x, y, z) stands at M (x, y, z) there, so that an attitude of no rotation stays one.
+/// The axes in which a program writes the body and its world. The body itself is built in these axes too: its point
+/// (x, y, z) is at M (x, y, z) there. The identity attitude is therefore the identity in all conventions.
 enum class Axes {
-    z_up_right,  ///< ours
-    y_up_right,  ///< (x, y, z) there is (x, -z, y) here: turned by a quarter about x
+    z_up_right,  ///< polhode's axes
+    y_up_right,  ///< (x, y, z) there is (x, -z, y) here: a rotation by 90 degrees about x
     z_up_left,   ///< (x, y, z) there is (x, -y, z) here: the y axis mirrored
     y_up_left,   ///< (x, y, z) there is (x, z, y) here: y and z exchanged
 };
 
-/// A program's conventions. The default is ours: z up, right-handed, radians, columns by name.
+/// The conventions of a program. The default is polhode's: z up, right-handed, radians, columns by name.
 struct Convention {
     Axes axes = Axes::z_up_right;
     QuaternionColumns quaternion = QuaternionColumns::by_name;
@@ -32,39 +32,38 @@ struct Convention {
     bool operator==(const Convention&) const = default;
 };
 
-/// Words joined by commas: y-up or z-up, left-handed or right-handed, scalar-first or scalar-last, degrees or radians;
-/// body-rates (w in body axes); centimetres, millimetres, inches or feet; or one program's name in the place of
-/// several: unity (y-up, left-handed), unreal (z-up, left-handed, centimetres), godot, three and bullet (y-up,
-/// right-handed). What is not said is ours. Throws std::invalid_argument, with a line that names the fault and the
-/// remedy, on a word that is unknown or contradicts another.
+/// Parses words joined by commas: y-up or z-up, left-handed or right-handed, scalar-first or scalar-last, degrees or
+/// radians, body-rates (w in body axes) or world-rates, and metres, centimetres, millimetres, inches or feet. The
+/// name of a program replaces several words: unity (y-up, left-handed), unreal (z-up, left-handed, centimetres),
+/// godot, three and bullet (y-up, right-handed). The default is polhode's convention. Throws std::invalid_argument
+/// with a one-line message if a word is unknown or contradicts another.
 Convention parse_convention(std::string_view text);
 
-/// The words that parse_convention() reads back; empty for ours.
+/// Returns the words that parse_convention() reads back; empty for polhode's convention.
 std::string name_of(const Convention& convention);
 
-/// The vector in polhode's axes that is v in the other program's.
+/// Converts a vector from the other program's axes to polhode's.
 Vector3<double> vector_from(Axes axes, const Vector3<double>& v);
-/// The angular velocity, or the vector part of a quaternion, that is v in the other program: a mirror turns its sense
-/// round.
+/// Converts an angular velocity, or the vector part of a quaternion, from the other program's axes to polhode's. A
+/// change of handedness also reverses its sign.
 Vector3<double> pseudovector_from(Axes axes, const Vector3<double>& v);
-/// The attitude that is q in the other program.
+/// Converts an attitude from the other program's axes to polhode's.
 Quaternion<double> quaternion_from(Axes axes, const Quaternion<double>& q);
 
-/// The vector in the other program's axes that is v here.
+/// Converts a vector from polhode's axes to the other program's.
 Vector3<double> vector_to(Axes axes, const Vector3<double>& v);
-/// The angular velocity in the other program's axes that is v here.
+/// Converts an angular velocity from polhode's axes to the other program's.
 Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v);
-/// The attitude in the other program that is q here.
+/// Converts an attitude from polhode's axes to the other program's.
 Quaternion<double> quaternion_to(Axes axes, const Quaternion<double>& q);
 
-/// The units of length by their short names, "cm", with the words of them that parse_convention() takes.
+/// Maps the short name of each unit of length ("cm") to the word that parse_convention() accepts ("centimetres").
 const std::map<std::string, std::string>& length_units();
 
-/// The word of a unit of length that --convention takes, in m: 0.01 of "centimetres"; also its short name, "cm".
-/// Nothing where there is none.
+/// Returns the unit of length with this name ("centimetres" or "cm") in m, 0.01. Returns nothing for an unknown name.
 std::optional<double> length_unit(std::string_view name);
 
-/// Turns a file into polhode's conventions. The order of the quaternion's columns is the reader's matter:
+/// Converts a file to polhode's conventions. The reader handles the order of the quaternion's columns:
 /// read_trajectory(path, convention.quaternion).
 void convert(TrajectoryFile& file, const Convention& convention);
 

@@ -1,9 +1,9 @@
-// Why a trajectory is wrong: known faults of engines and their files, each tried as a hypothesis, and which known
-// update its engine steps by.
+// Diagnosis of a wrong trajectory: known faults of engines and files are tested as hypotheses, and the update that
+// the engine uses is identified.
 //
-// A fault is named only where with it the file is predicted about ten times better than without, summed over the
-// questions of check/evidence.h, whatever the engine's update may be: what a low order or a coarse step does to a sound
-// method is no such fault, and is told as that.
+// A fault is diagnosed only if it improves the prediction of the file about ten times, summed over the questions of
+// check/evidence.h, whatever the engine's update is. The truncation error of a sound method with a low order or a
+// coarse step is not a fault; it is reported as an update.
 #pragma once
 
 #include <optional>
@@ -17,41 +17,42 @@ namespace polhode {
 
 /// One fault that explains a file.
 struct Diagnosis {
-    std::string fault;       ///< a word for programs: "gyroscopic_term_missing", ..
-    std::string message;     ///< one line for people: what, on which evidence, what to do
-    std::string convention;  ///< the --convention that would mend the file; empty where none does
-    double error = 0;        ///< how far the file is from what is predicted without it, relative to what moves
-    double explained = 0;    ///< the same with it
+    std::string fault;       ///< identifier for programs: "gyroscopic_term_missing", ..
+    std::string message;     ///< one line for users: fault, remedy, prediction errors
+    std::string convention;  ///< the --convention that corrects the file; empty if there is none
+    double error = 0;        ///< relative prediction error without the fault
+    double explained = 0;    ///< relative prediction error with the fault
 };
 
-/// A method of the catalogue that a file follows.
+/// An update of the catalogue that a file follows.
 struct FollowedUpdate {
     std::string method;             ///< its name
-    std::string message;            ///< one line for people
+    std::string message;            ///< one line for users
     double step = 0;                ///< s
-    double distance = 0;            ///< rad, the largest from the file to the method's motion
-    double error = 0;               ///< rad, the largest from the file to the scene's motion, over the same rows
-    bool matches = false;           ///< to rounding; else it resembles it
-    std::optional<double> left_at;  ///< s, the first row that no longer matches
+    double distance = 0;            ///< largest attitude difference between file and method, rad
+    double error = 0;               ///< largest attitude error of the file over the same rows, rad
+    bool matches = false;           ///< the file matches the method to rounding; else it resembles it
+    std::optional<double> left_at;  ///< time of the first row that no longer matches, s
 };
 
-/// What was tried, and how far the file is from what it predicts.
+/// A hypothesis that was tested, and its prediction error.
 struct Tried {
     std::string fault, what;
-    double decades = 0;  ///< summed over the questions; lower is nearer
+    double decades = 0;  ///< log10 of the prediction error, summed over the questions
 };
 
-/// What is known of a file's errors.
+/// The result of a diagnosis.
 struct Diagnosed {
-    std::vector<Diagnosis> faults;         ///< what explains it; several that cannot be told apart say so
-    std::optional<FollowedUpdate> update;  ///< where no fault was found and one is followed
-    std::vector<Tried> tried;              ///< all hypotheses that mean anything in the scene, the best first
-    double sound = 0;                      ///< decades without any fault
-    std::string rule;                      ///< the kind of update that fits best, for people; empty: nothing was tried
+    std::vector<Diagnosis> faults;         ///< the diagnoses; indistinguishable ones are marked
+    std::optional<FollowedUpdate> update;  ///< the update that the file follows, if there is no fault
+    std::vector<Tried> tried;              ///< all hypotheses that apply to the scene, the best first
+    double sound = 0;                      ///< decades without a fault, as in Tried
+    std::string rule;                      ///< the update that fits best, for users; empty if nothing was tested
 };
 
-/// The faults that explain a file; none where it is within 1e-4 of the scene's motion, or nothing known explains it.
-/// Looks at a few dozen steps of the file. `all` tries them on a sound file too. Throws InputError on an invalid scene.
+/// Diagnoses a file by a few dozen of its steps. The result has no faults if the file is within 1e-4 of the scene's
+/// motion or no known fault explains it. `all`: test all faults on a sound file too. Throws InputError for an invalid
+/// scene.
 Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all = false);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// A small engine that has the faults of a hypothesis and steps as game engines do: what known faults predict.
+// A small engine with the faults of a hypothesis. It steps as game engines do and predicts the rows of a file.
 #pragma once
 
 #include <span>
@@ -12,26 +12,26 @@
 
 namespace polhode {
 
-/// What an update makes of the gyroscopic term and of the loads.
+/// How an update integrates the gyroscopic term and the loads.
 enum class RateUpdate {
-    accurate,           ///< as good as can be: many small steps of order 4
+    accurate,           ///< many small Runge-Kutta steps of order 4
     after_loads,        ///< the loads, then an explicit Euler step of the gyroscopic term
-    implicit_newton,    ///< the loads, then one Newton step of the implicit one
-    rescaled_momentum,  ///< the loads, then L + h L x w brought back to its length
-    together,           ///< an explicit Euler step of both together
+    implicit_newton,    ///< the loads, then one Newton step of the implicit gyroscopic term
+    rescaled_momentum,  ///< the loads, then L + h L x w rescaled to the length of L
+    together,           ///< one explicit Euler step of loads and gyroscopic term
     midpoint,           ///< the explicit midpoint rule
-    momentum,           ///< L in world axes by the loads, w by L and the old attitude
+    momentum,           ///< L in world axes from the loads, w from L and the old attitude
 };
 
-/// One step of a known kind of update.
+/// A known kind of update.
 struct UpdateRule {
-    std::string_view name;     ///< for people: "semi-implicit Euler, gyroscopic term explicit"
-    RateUpdate rate;           ///< of the angular velocity
-    bool by_new_rate = true;   ///< the attitude turns by the rate after the step (semi-implicit), else by the old one
-    bool first_order = false;  ///< q + (h/2) w q, normalised, in place of the exponential
+    std::string_view name;     ///< for users: "semi-implicit Euler with an explicit gyroscopic term"
+    RateUpdate rate;           ///< update of the angular velocity
+    bool by_new_rate = true;   ///< rotate by the new rate (semi-implicit), else by the old one
+    bool first_order = false;  ///< use q + (h/2) w q, normalised, instead of the exponential
 };
 
-/// The updates that are tried; the first is the accurate one.
+/// The updates that are tested. The first is RateUpdate::accurate.
 std::span<const UpdateRule> update_rules();
 
 /// The state of a modelled engine.
@@ -39,24 +39,24 @@ struct ModelState : BodyMotion<double> {
     Vector3<double> row_rate_W;  ///< angular velocity at the start of the row, rad/s; set by advance()
 };
 
-/// An engine that was given a cause's scene and has its faults.
+/// An engine that runs the scene of a cause with the faults of the cause.
 class EngineModel {
   public:
-    /// Throws InputError where the scene is none.
+    /// Throws InputError if the scene is invalid.
     explicit EngineModel(const Cause& cause);
 
-    /// The scene's start as the engine was given it; impulses at t = 0 have acted.
+    /// Returns the engine's initial state, after impulses at t = 0.
     ModelState start() const;
-    /// Goes on from t by dt (s) in `steps` steps of the rule; events in between end steps of their own. Positions
-    /// follow the new velocities. Returns how much further they are than by the old ones: nothing where the rule is
-    /// accurate.
+    /// Advances from t by dt (s) in `steps` steps of the rule. An event splits this interval; each part takes `steps`
+    /// steps. Positions use the new velocities. Returns the difference to positions by the old velocities, m; zero
+    /// for the accurate rule.
     Vector3<double> advance(ModelState& state, double t, double dt, const UpdateRule& rule, int steps) const;
 
-    /// w at time t brought to the engine's limit.
+    /// Applies the engine's speed limit to w at time t.
     void limit(ModelState& s, double t) const;
 
-    /// Whether a rule makes sense for it by this number of steps per row: the momentum's has no gyroscopic term that
-    /// could be missing, and with one step per row the first rate of a row is the rate of the step.
+    /// Whether the engine can use a rule with this number of steps per row. For example, RateUpdate::momentum has no
+    /// gyroscopic term that could be missing, and with one step per row the row's first rate is the rate of the step.
     bool takes(const UpdateRule& rule, int steps) const;
     /// Whether the attitude is rotated by the rate at the start of the row.
     bool uses_row_rate() const {
@@ -72,14 +72,14 @@ class EngineModel {
     EngineFault fault_;
     Problem problem_;
     BodyInertia<double> inertia_;
-    Vector3<double> center_;      // of mass, from the body's origin, body axes, m
-    std::vector<Window> pushes_;  // when torques and forces act
+    Vector3<double> center_;      // centre of mass from the body's origin, body axes, m
+    std::vector<Window> pushes_;  // windows of torques and forces
 
-    // what acts on a state: torque in body axes, acceleration of the centre of mass in world axes
+    // torque in body axes and acceleration of the centre of mass in world axes
     struct Action {
         Vector3<double> torque_B, acceleration_W;
     };
-    // what the engine takes for the tensor in body axes at an attitude
+    // the tensor that the engine uses at an attitude, converted to body axes
     BodyInertia<double> inertia(const Quaternion<double>& q) const;
     bool is_coasting(double t) const;
     Vector3<double> misdirected(const WorldLoads<double>& loads, double t, const ModelState& s,

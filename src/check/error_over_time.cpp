@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t many = 2000;
 
-// What the measure is made of and the file has not.
+// Lists the columns that the measure needs and the file lacks.
 std::string lacking(const Scene& scene, const TrajectoryFile& file, const Measure& measure) {
     const bool whole = is_mechanism(scene) && measure.whole_error;
     const bool center = (measure.needs & known_center) != 0 || (whole && (measure.needs & known_angular_velocity) != 0);

@@ -1,4 +1,4 @@
-// One error of a trajectory file at each of its times.
+// One error of a trajectory file as a function of time.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace polhode {
 
-/// The error of a measure over a file's times.
+/// The error in one measure at the times of a file.
 struct ErrorOverTime {
     std::vector<double> t;      ///< s
-    std::vector<double> error;  ///< as the measure has it; of several bodies the worst one's, where it is one body's
-    std::string fault;          ///< empty, or why there is no truth to measure against
+    std::vector<double> error;  ///< in the unit of the measure; the largest of all bodies if the measure is per body
+    std::string fault;          ///< why there is no truth, or empty
 };
 
-/// The error of `file`, which is in our conventions, in the measure of that name (measures(), one that `check` tells).
-/// Single bodies' files of more than some thousand rows are measured in binary64, which resolves 1e-15, and where no
-/// truth can be had at so many times or the bodies are several at 2000 times spread evenly; all else in 128 bits.
-/// Throws InputError, with `name` for the file, where its columns do not tell what the measure is made of.
+/// Computes the error of `file`, in polhode's conventions, in one of the measures() that `check` reports. Files of
+/// one body with more than 2000 rows use binary64, which resolves errors of 1e-15. If no polynomial reference exists,
+/// or for several bodies, 2000 evenly spread times are evaluated in 128 bits. Shorter files use 128 bits at all
+/// times. Throws InputError, with `name` as the file, if the file lacks columns that the measure needs.
 ErrorOverTime error_over_time(const Scene& scene, const TrajectoryFile& file, std::string_view measure,
                               const std::string& name);
 

@@ -17,10 +17,10 @@ namespace polhode {
 namespace {
 
 constexpr std::size_t most_points = 400;
-// blue: of the known updates beside it none has it
+// blue, which no engine update uses
 constexpr int file_color = static_cast<int>(Family::series);
 
-// The known update to set beside the file, with its errors at the file's times; empty where there is none.
+// The update drawn for comparison, with its errors at the file's times; empty if there is none.
 struct Companion {
     const Method* method = nullptr;
     std::string label;
@@ -54,7 +54,7 @@ Companion companion(const Scene& scene, const TrajectoryFile& file, const std::v
 
 Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
                      const CheckedFile& checked) {
-    // evenly over the times, the first and the last among them
+    // evenly spread times, including the first and the last
     const bool several = is_mechanism(scene);
     const std::size_t at_once = file.bodies_at_once(), moments = file.rows.size() / at_once;
     std::vector<std::size_t> rows;
@@ -102,7 +102,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         if (!beside.label.empty())
             add(beside.label, method_style(*beside.method), 1, beside.errors[verdict.block->measure]);
         const double size = checked.judgement.size[measure_index(verdict.block->measure)];
-        // the limit in the unit that the measure has
+        // converts the limit to the unit of the measure
         const double of_size = measure.is_relative() || !verdict.limit.relative ? 1 : size;
         const double per_size =
             measure.is_relative() && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;

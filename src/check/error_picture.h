@@ -1,4 +1,4 @@
-// The errors of a file over time, drawn (`check --picture`).
+// Figure of the errors of a file over time (`check --picture`).
 #pragma once
 
 #include "check/limits.h"
@@ -9,10 +9,10 @@
 
 namespace polhode {
 
-/// A panel for each block that the file has: its error at some hundred of its samples, what is allowed, in the
-/// attitude's panel the float64 and float32 floors, and the errors of an engine update of the catalogue for comparison:
-/// the one that the file follows, or else gyroscopic_explicit at the file's own rate where its rows are evenly spaced.
-/// Throws std::invalid_argument where the scene has no truth at these times.
+/// Draws one panel per block of the file: its error at up to 400 samples, its limit, and the errors of an update of
+/// the catalogue for comparison. This update is the one that the file follows, or gyroscopic_explicit at the file's
+/// own rate; it is drawn only if the rows are evenly spaced. The attitude's panel also shows the float64 and float32
+/// floors. Throws std::invalid_argument if the scene has no truth at these times.
 Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
                      const CheckedFile& checked);
 

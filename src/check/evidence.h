@@ -1,9 +1,9 @@
-// What a trajectory file says for and against a cause, without the truth: row by row, each from the one before.
+// Evidence of a trajectory file for and against a cause, without the truth.
 //
-// A row is taken as the state of the engine that the cause describes, and the next row is predicted from it. So an
-// error of long ago, chaos and a wrong start spoil nothing, and a single step shows what is wrong with it. The file's
-// start is compared with the scene's apart from that. Where a file has no angular velocity the engine is run from the
-// scene's start instead, and the attitudes are compared.
+// A row is used as the state of the engine that the cause describes, and the next row is predicted from it. Earlier
+// errors, chaos and a wrong start therefore have no influence, and a single step shows its fault. The file's start is
+// compared with the scene's start separately. If a file has no angular velocity, the engine runs from the scene's
+// start and the attitudes are compared.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@
 
 namespace polhode {
 
-/// The questions that are asked of a file. Each is answered by how far the file is from what is predicted, relative to
-/// what moves: the mean over the rows of the decimal logarithm.
+/// The parts of a file that are predicted. The answer to each question is the mean over the rows of
+/// log10(prediction error / change of the predicted quantity), in decades.
 enum class Question {
     start_attitude,
     start_rate,
@@ -30,46 +30,46 @@ enum class Question {
     rate,
     position,
     velocity,
-    events,  ///< steps in which a load begins or ends, or an impulse acts: all blocks
+    events,  ///< steps in which a load starts or ends or an impulse acts: all blocks
 };
 inline constexpr std::size_t question_count = 10;
 
 /// The answers under one cause and one rule.
 struct Residual {
-    std::array<std::optional<double>, question_count> decades;  ///< 0: nothing is as predicted; empty: was not asked
-    double total = 0;                                           ///< their sum
-    double least = 0;                                           ///< what the sum would be if all were as predicted
-    double worst = 0;  ///< by how much the question answered worst is above the least that it could be
+    std::array<std::optional<double>, question_count> decades;  ///< 0: the prediction fails; empty: not asked
+    double total = 0;                                           ///< sum of the decades
+    double least = 0;                                           ///< the sum for perfect predictions
+    double worst = 0;  ///< largest excess of a question over its value for perfect predictions
 
     std::optional<double>& operator[](Question q) { return decades[static_cast<std::size_t>(q)]; }
     const std::optional<double>& operator[](Question q) const { return decades[static_cast<std::size_t>(q)]; }
 };
 
-/// A trajectory file, seen in a few dozen steps of it.
+/// A trajectory file, represented by a few dozen of its steps.
 class FileEvidence {
   public:
-    /// Keeps references: both outlive it.
+    /// Keeps references to both arguments.
     FileEvidence(const Scene& scene, const TrajectoryFile& file);
 
-    /// Fewer than three rows that can be compared: nothing can be said.
+    /// False if fewer than three rows can be compared.
     bool enough() const { return windows_.size() >= 2; }
-    /// A sound cause: this file as it is named, this scene, no fault.
+    /// The cause without a fault: this scene, and columns as they are named.
     const Cause& sound() const { return sound_; }
     const FileFacts& facts() const { return facts_; }
     bool has_angular_velocity() const { return file_->has_angular_velocity; }
-    /// From which row on nothing moves any more, where the scene's body does: its time (s).
+    /// Time from which nothing moves in the file although the scene's body does, s.
     std::optional<double> still_from() const { return still_from_; }
-    /// The relative rounding of the file's numbers.
+    /// Relative rounding error of the file's numbers.
     double noise() const { return noise_; }
 
-    /// How far the file is from the accurate motion of the scene over its first rows: the largest of the attitude (rad)
-    /// and the other blocks' relative errors.
+    /// Error of the file's first rows against the accurate motion of the scene: the largest of the attitude error
+    /// (rad) and the relative errors of the other blocks.
     double plain_error() const { return plain_error_; }
 
-    /// `steps`: of the rule, from one row to the next.
+    /// Prediction errors under a cause. `steps`: steps of the rule per row.
     Residual residual(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const;
-    /// How far attitude and w are from what is predicted in each of the steps that are looked at, in decades; steps
-    /// with an event are left out, and a file without w has none.
+    /// Prediction error of attitude and w in each step, decades. Steps with an event are omitted. Empty for a file
+    /// without w.
     std::vector<double> by_step(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const;
 
   private:
@@ -77,8 +77,8 @@ class FileEvidence {
     const TrajectoryFile* file_;
     Cause sound_;
     FileFacts facts_;
-    std::vector<std::size_t> windows_;  ///< rows from which the next is predicted, and those with an event
-    std::size_t last_ = 0;              ///< the last row before anything that no cause describes: an impact, the end
+    std::vector<std::size_t> windows_;  ///< rows from which the next row is predicted, including those with an event
+    std::size_t last_ = 0;              ///< the last row before an impact or the end, which causes do not describe
     std::optional<double> still_from_;
     double noise_ = 1e-15;
     double plain_error_ = 0;

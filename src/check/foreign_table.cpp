@@ -19,7 +19,7 @@ constexpr std::array own_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "
 
 std::string matrix_entry(int i) { return fmt::format("r{}{}", i / 3 + 1, i % 3 + 1); }
 
-// small letters and digits alone: "Rot.W" and "rot_w" are one
+// Keeps letters, as lower case, and digits: "Rot.W" and "rot_w" become "rotw".
 std::string plain_name(std::string_view name) {
     std::string result;
     for (const char c : name)
@@ -28,9 +28,9 @@ std::string plain_name(std::string_view name) {
     return result;
 }
 
-// What other programs call our columns, in plain names without the component's letter.
+// Names that other programs use for a block, as plain names without the component's letter.
 struct KnownNames {
-    char own;  // the letter of our block
+    char own;  // polhode's letter for the block
     std::vector<std::string_view> names;
 };
 const std::vector<KnownNames>& known_names() {
@@ -43,7 +43,7 @@ const std::vector<KnownNames>& known_names() {
     return all;
 }
 
-// Our name for a column of another program's, if one is known.
+// Returns polhode's name for a column of another program, if it is known.
 std::optional<std::string> recognised(std::string_view name) {
     const std::string plain = plain_name(name);
     for (const char* time : {"t", "time", "times", "timestamp", "seconds", "sec", "simtime"})
@@ -75,7 +75,7 @@ std::vector<std::string> split(std::string_view text, char at) {
     }
 }
 
-// The place in the header of each of our columns; none where the table is read under its own names.
+// Returns the place in the header of each of polhode's columns; empty if the table's names are polhode's.
 std::map<std::string, std::size_t> recognised_places(const std::vector<std::string>& header, bool several) {
     const auto is_ours = [several](const std::string& name) {
         return std::ranges::find(own_names, name) != own_names.end() || (several && name == "body");

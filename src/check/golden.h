@@ -1,4 +1,4 @@
-// A scene's truth as golden data for an engine's own unit tests.
+// Golden data: the truth of a scene for the unit tests of an engine.
 #pragma once
 
 #include <optional>
@@ -12,57 +12,58 @@
 
 namespace polhode {
 
-/// What a block of the motion may be off.
+/// The tolerance of one block of the motion.
 struct GoldenTolerance {
     std::string block;  ///< one of tolerated_blocks
-    double value = 0;   ///< in the convention's units; of energy and momentum relative
-    std::string from;   ///< who set it
+    double value = 0;   ///< in the convention's units; relative for energy and momentum
+    std::string from;   ///< where it was set
 };
 
-/// All that an engine's test needs, in the axes and units of a convention.
+/// The data that an engine's test needs, in the axes and units of a convention.
 struct Golden {
     std::string scene_hash, truth;
     Convention convention;
-    Scene scene;                              ///< its numbers in the convention's axes and units of length
-    std::vector<SupportPiece<double>> shape;  ///< whose convex hull is the body's, from its origin; likewise
-    /// The first row is the start, of several bodies the first of each; w in rad/s, or degrees/s by the convention.
+    Scene scene;                              ///< in the convention's axes and unit of length
+    std::vector<SupportPiece<double>> shape;  ///< their convex hull is the body, from its origin
+    /// The rows at t = 0 are the start. w in rad/s, or degrees/s in a convention with degrees.
     TrajectoryFile motion;
-    std::vector<double> energy;             ///< kinetic and potential, at each row, kg m^2/s^2 by the unit of length
-    std::vector<Vector3<double>> momentum;  ///< angular, about the pivot or the centre of mass, world axes, kg m^2/s
-    /// Of several bodies, at each time those of joints, then of loops, where the truth tells them: kg m/s^2, kg
-    /// m^2/s^2.
+    std::vector<double> energy;             ///< kinetic and potential, at each time, kg m^2/s^2
+    std::vector<Vector3<double>> momentum;  ///< angular, about pivot or centre of mass, world axes, kg m^2/s
+    /// Reactions of several bodies, kg m/s^2 and kg m^2/s^2: at each time those of the joints, then of the loops.
+    /// Empty if the truth does not determine them.
     std::vector<Vector3<double>> forces, torques;
-    double energy_scale = 1, momentum_scale = 1;  ///< what their errors are relative to; 1 where they are absolute
-    double bound = 0;                             ///< of the numbers, rounding to binary64 included: rad, and relative
-    std::vector<GoldenTolerance> tolerances;      ///< of all blocks, the attitude (rad) first
-    std::optional<double> float64_floor;          ///< rad, the largest over the run
-    double float32_floor = 0;                     ///< likewise
+    double energy_scale = 1, momentum_scale = 1;  ///< scales of their errors; 1 for absolute errors
+    double bound = 0;  ///< error bound of the numbers with rounding to binary64, rad and relative
+    std::vector<GoldenTolerance> tolerances;  ///< one per block, the attitude (rad) first
+    std::optional<double> float64_floor;      ///< largest over the run, rad
+    double float32_floor = 0;                 ///< largest over the run, rad
 };
 
-/// The scene with all its numbers in the convention's axes and unit of length; kg and s stay. What the body is made of
-/// is left out: its mass, tensor and centre are there.
+/// Converts all numbers of a scene to the convention's axes and unit of length; kg and s stay. Bodies keep their
+/// mass, tensor and centre of mass, but not the shapes they are made of.
 Scene scene_to(const Convention& convention, const Scene& scene);
 
-/// Golden data of a truth that is available. Throws std::invalid_argument where it is not.
+/// Collects the golden data of a scene. Throws std::invalid_argument if its truth is not available.
 ///
-/// Tolerances are what the scene tolerates, the attitude's no less than the float32 floor; else what `check` allows by
-/// default (see ErrorLimits) or ten times that floor, whichever is more: what no float engine can hold is not asked of
-/// one. The floor is the conditioning's; where that is not known, what one rounding of the start to binary32 leads to;
-/// and pi where neither is.
+/// The tolerance of a block is the scene's `tolerated`, for the attitude at least the float32 floor. Without it, the
+/// tolerance is the default limit of `check` (see ErrorLimits) or ten times the float32 floor, whichever is larger,
+/// so that binary32 engines can meet it. The floor comes from the conditioning. If this is not available, the floor
+/// is the error caused by one rounding of the start to binary32, or else pi.
 Golden golden(const Scene& scene, const Reference& truth, const Convention& convention);
 
-/// What golden data is written as.
+/// Output formats of golden data.
 enum class GoldenFormat {
     csv,     ///< the motion as a trajectory file
-    json,    ///< all of it
-    c,       ///< a header of arrays that compiles as C99 and as C++, with a function that compares
-    cpp,     ///< a header of constexpr arrays for C++17, likewise
-    csharp,  ///< a static class, likewise
+    json,    ///< all data
+    c,       ///< a C99 and C++ header with arrays and a function that compares a state
+    cpp,     ///< a C++17 header with constexpr arrays and this function
+    csharp,  ///< a C# static class with arrays and this function
 };
 
-/// Numbers below 1e-300 in magnitude are written as 0. `floats`: arrays of float, and numbers as short as a float's. In
-/// code every identifier begins with polhode_ (in C#, Polhode_) and the scene's name, its characters but letters and
-/// digits turned to _. Throws std::invalid_argument where a number is beyond what it is to be written as.
+/// Writes golden data. Numbers below 1e-300 in magnitude are written as 0. `floats`: write arrays of float, with
+/// numbers rounded to binary32. In C, names start with polhode_ and the scene's name, in which characters other than
+/// letters and digits become _; in C++ this is the namespace and in C# the class (Polhode_). Throws
+/// std::invalid_argument if a number exceeds the range of its type.
 std::string golden_text(const Golden& golden, GoldenFormat format, bool floats);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// What golden data is written with: numbers, names, comments and the constants of three languages.
+// Building blocks of golden data as text: numbers, names, comments, and constants of C, C++ and C#.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace polhode::golden_code {
 
 using nlohmann::ordered_json;
 
-// A number as it is written: 0 in place of what would underflow elsewhere, and as short as a float's where it is one.
+// Numbers as they are written: 0 for magnitudes that could underflow, rounded to binary32 for floats.
 struct Numbers {
     bool floats = false;
 
@@ -54,13 +54,13 @@ inline std::string axes_of(const Golden& g) {
     return words.empty() ? "z up, right-handed, radians, quaternion w,x,y,z" : words;
 }
 
-// a name for code: "9 lives!" becomes 9_lives
+// Converts a name to an identifier: "9 lives!" becomes 9_lives.
 inline std::string identifier(const std::string& name) {
     std::string result;
     for (const char c : name) {
         const auto byte = static_cast<unsigned char>(c);
         const bool plain = byte < 0x80 && std::isalnum(byte) != 0;
-        // one _ for what cannot stand there, and never two: such names are C++'s own
+        // one _ for other characters, never two in a row: C++ reserves such names
         if (plain)
             result += c;
         else if (!result.empty() && result.back() != '_')
@@ -70,7 +70,7 @@ inline std::string identifier(const std::string& name) {
     return result.empty() ? "scene" : result;
 }
 
-// fit for a comment, which may neither end in it nor begin again, and keeps no trigraphs
+// Makes a text safe inside a comment: no start or end of a comment, no trigraphs.
 inline std::string comment(const std::string& text, std::size_t limit = 1000) {
     std::string safe = one_line(text, limit);
     for (std::size_t i = 0; i + 1 < safe.size(); ++i)
@@ -80,14 +80,14 @@ inline std::string comment(const std::string& text, std::size_t limit = 1000) {
     return safe;
 }
 
-// A constant of the code: a whole number, or a number, a list or a table of them.
+// A constant in the code: an integer, a number, or a list or table of numbers.
 struct Field {
     std::string name;
     ordered_json value;
-    std::string remark;  // its unit
+    std::string remark;  // comment: its unit
 };
 
-// One language's way to write a constant.
+// Writes constants in one language.
 struct Language {
     GoldenFormat format;
     bool floats;
@@ -99,11 +99,11 @@ struct Language {
         if (text.find_first_of(".e") == text.npos) text += ".0";
         return floats ? text + "f" : text;
     }
-    // rows of a table stand on lines of their own
+    // each row of a table is on its own line
     std::string list(const ordered_json& x) const {
         if (!x.is_array()) return literal(x);
         const bool lines = x.size() > 3 && x.front().is_array();
-        // an array of arrays of std::array has its own braces
+        // a std::array of std::arrays needs double braces
         std::string text = format == GoldenFormat::cpp && x.front().is_array() ? "{{" : "{";
         for (std::size_t i = 0; i < x.size(); ++i)
             text += (i == 0 ? "" : ",") + std::string(lines ? "\n    " : i == 0 ? "" : " ") + list(x[i]);
@@ -139,9 +139,9 @@ inline std::string replaced(std::string text, const std::string& what, const std
     return text;
 }
 
-/// The parts of a document of several bodies: bodies, joints, loops and loads, as scene files have them.
+/// The bodies, joints, loops and loads of a scene of several bodies, in the form of scene files.
 ordered_json system_surroundings(const Golden& golden, const Numbers& number);
-/// The constants of those parts; bodies and joints by their numbers. `m`: the unit of length.
+/// The constants of these parts. They refer to bodies and joints by index. `m`: the unit of length.
 std::vector<Field> system_fields(const Golden& golden, const ordered_json& surroundings, const std::string& m);
 
 }  // namespace polhode::golden_code

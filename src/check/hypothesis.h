@@ -1,4 +1,4 @@
-// What may be wrong with a trajectory: how the file has to be read, and what its engine does.
+// Hypotheses about a wrong trajectory: how the file's columns are read, the scene that its engine ran, engine faults.
 #pragma once
 
 #include <functional>
@@ -12,115 +12,116 @@
 
 namespace polhode {
 
-/// How a file's columns have to be read in place of what they are named.
+/// How a file's columns are read, if not as they are named.
 struct Reading {
-    Axes axes = Axes::z_up_right;     ///< that all vectors and the quaternion are written in
+    Axes axes = Axes::z_up_right;     ///< axes of all vectors and the quaternion
     bool scalar_last = false;         ///< the columns of the quaternion hold x, y, z, w
     bool inverted = false;            ///< the quaternion maps world to body
-    double rate_unit = 1;             ///< rad/s in the unit of the angular velocity; negative where its sign is turned
+    double rate_unit = 1;             ///< unit of the angular velocity, rad/s; negative if its sign is reversed
     bool rate_in_body = false;        ///< the angular velocity is in body axes
-    double length_unit = 1;           ///< m in the unit of positions and velocities
-    double position_unit = 1;         ///< the same of positions alone
-    double velocity_unit = 1;         ///< the same of velocities alone
+    double length_unit = 1;           ///< unit of positions and velocities, m or m/s
+    double position_unit = 1;         ///< additional factor of positions
+    double velocity_unit = 1;         ///< additional factor of velocities
     bool origin = false;              ///< the position is the origin's, not the centre of mass's
     bool velocity_of_origin = false;  ///< the velocity is the origin's, not the centre of mass's
-    int rows_late = 0;                ///< how many rows later than its time each state stands
+    int rows_late = 0;                ///< number of rows by which each state is late
 };
 
-/// Which rate turns the attitude.
+/// Which rate rotates the attitude.
 enum class TurnedBy {
-    own_rate,            ///< dq/dt = 1/2 q w_B, as it should be
-    body_rate_in_world,  ///< dq/dt = 1/2 w_B q: the rate in body axes, multiplied on the world's side
-    world_rate_in_body,  ///< dq/dt = 1/2 q w_W: the rate in world axes, multiplied on the body's side
-    /// The same of an engine that integrates w in body axes, and converts it to world axes to turn the attitude.
+    own_rate,            ///< dq/dt = 1/2 q w_B, correct
+    body_rate_in_world,  ///< dq/dt = 1/2 w_B q: the rate in body axes, multiplied on the left
+    world_rate_in_body,  ///< dq/dt = 1/2 q w_W: the rate in world axes, multiplied on the right
+    /// dq/dt = 1/2 q w_W in an engine that integrates w in body axes and converts it to world axes for the attitude.
     world_rate_in_body_w_in_body,
-    /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in world axes.
+    /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in world
+    /// axes.
     first_rate_of_row_w_in_world,
     /// Every substep of a row uses the rate at the start of the row. The angular velocity is integrated in body axes.
     first_rate_of_row_w_in_body,
 };
 
-/// Which terms of the acceleration of the body's origin an engine computes when it integrates the motion of the origin
-/// in place of that of the centre of mass. With r from the origin to the centre of mass,
-/// a_origin = a_center - dw/dt x r - w x (w x r).
+/// The terms of the origin's acceleration that an engine computes if it integrates the motion of the body's origin
+/// instead of the centre of mass: a_origin = a_center - dw/dt x r - w x (w x r), with r from the origin to the centre
+/// of mass.
 struct OriginTerms {
     bool is_integrated = false;  ///< false: the engine integrates the motion of the centre of mass
     bool has_centripetal = true, has_euler = true;
 };
 
-/// What an engine takes for the inertia tensor in world axes, R I R^T as it should be.
+/// The matrix that an engine uses as inertia tensor in world axes.
 enum class WorldTensor {
-    turned,            ///< R I R^T
-    fixed,             ///< I: it is not turned with the body
-    turned_back,       ///< R^T I R: it is turned the wrong way
+    turned,            ///< R I R^T, correct
+    fixed,             ///< I: not rotated with the body
+    turned_back,       ///< R^T I R: rotated the wrong way
     diagonal,          ///< the diagonal of R I R^T
-    inverse_diagonal,  ///< R I R^T, and for its inverse the diagonal of R I^-1 R^T
+    inverse_diagonal,  ///< R I R^T, but the diagonal of R I^-1 R^T as its inverse
 };
 
-/// A first-order quaternion update that overwrites components which it still needs: the new w stands in for the old one
-/// in x, and so on.
+/// A first-order quaternion update that overwrites components that it still needs: x is computed with the new w, and
+/// so on.
 enum class InPlace {
     none,
-    body_rate,   ///< of q w_B
-    world_rate,  ///< of w_W q
+    body_rate,   ///< q w_B
+    world_rate,  ///< w_W q
 };
 
-/// In which axes an engine applies a torque that it computes in axes of its own.
+/// The axes in which an engine applies a torque.
 enum class TorqueAxes {
-    own,
-    body_in_world,  ///< its components in body axes are taken for those in world axes
-    world_in_body,  ///< its components in world axes are taken for those in body axes
+    own,            ///< correct axes
+    body_in_world,  ///< its components in body axes are used as components in world axes
+    world_in_body,  ///< its components in world axes are used as components in body axes
 };
 
-/// What a limit on the angular velocity holds.
+/// The quantity that a limit on the angular velocity clamps.
 enum class LimitOf {
     length,      ///< |w|
     body_axes,   ///< each component in body axes
     world_axes,  ///< each component in world axes
 };
 
-/// What an engine does to Euler's equations and to the attitude's beside what the scene says:
+/// Faults of an engine's equations of motion:
 /// I dw/dt = tau - gyroscopic w x I w - angular_damping I w, dv/dt = .. - linear_damping v, |w| <= speed_limit.
 struct EngineFault {
     double gyroscopic = 1;                ///< 0: no term; -1: its sign is reversed; 2: twice
-    TorqueAxes spring = TorqueAxes::own;  ///< of the springs' torque
+    TorqueAxes spring = TorqueAxes::own;  ///< axes of the springs' torque
     bool drag_in_world = false;           ///< coefficients of rotational drag in body axes are used along world axes
     bool arm_not_rotated = false;         ///< arms of forces in body axes are used in world axes
     double angular_damping = 0;           ///< 1/s
-    Vector3<double> axis_damping_B;       ///< 1/s, of each component of w_B, beside the other
+    Vector3<double> axis_damping_B;       ///< 1/s, of each component of w_B, in addition
     double linear_damping = 0;            ///< 1/s
     double speed_limit = std::numeric_limits<double>::infinity();  ///< rad/s
-    LimitOf limit_of = LimitOf::length;                            ///< what the limit holds
-    bool only_coasting = false;                                    ///< both act only where no torque or force does
-    bool damped_last = false;  ///< damping and limit act at the end of a step, after the attitude has turned
+    LimitOf limit_of = LimitOf::length;                            ///< what the limit clamps
+    bool only_coasting = false;                ///< damping and limit act only without torque or force
+    bool damped_last = false;                  ///< damping and limit act after the attitude has been rotated
     WorldTensor tensor = WorldTensor::turned;  ///< the inertia tensor in world axes
-    double turn = 1;                           ///< factor of the rate that turns the attitude
-    TurnedBy turned_by = TurnedBy::own_rate;   ///< which rate that is
-    double time = 1;                           ///< so much time passes in a second of its clock
+    double turn = 1;                           ///< factor of the rate that rotates the attitude
+    TurnedBy turned_by = TurnedBy::own_rate;   ///< which rate rotates the attitude
+    double time = 1;                           ///< simulated seconds per second of the rows
     InPlace in_place = InPlace::none;          ///< how the quaternion is overwritten
     OriginTerms origin;                        ///< how the origin's acceleration is computed
-    bool no_rotation = false;                  ///< the attitude stays as it is
-    bool no_translation = false;               ///< the position stays as it is
+    bool no_rotation = false;                  ///< the attitude stays constant
+    bool no_translation = false;               ///< the position stays constant
 };
 
-/// A file explained: how to read it, the scene that its engine was given, and what the engine does.
+/// The cause of a file: how to read it, the scene that its engine ran, and the engine's faults.
 struct Cause {
     Reading reading;
     Scene scene;
     EngineFault engine;
 };
 
-/// What is known of a file before any hypothesis is tried.
+/// Properties of a file that the trial values of hypotheses depend on.
 struct FileFacts {
-    double duration = 0;      ///< s, of its rows
-    double row = 0;           ///< s, between two of them (the median)
-    double largest_rate = 0;  ///< rad/s, in the file or, without w, by its attitudes
-    double usual_rate = 0;    ///< rad/s, the median of the same
-    /// The largest |component| of w in the file or, without w, by its attitudes, rad/s.
+    double duration = 0;      ///< time from the first to the last row, s
+    double row = 0;           ///< mean time between rows, s
+    double largest_rate = 0;  ///< rad/s, from w or, without w, from the attitudes
+    double usual_rate = 0;    ///< rad/s, the median instead of the largest
+    /// The largest |component| of w in the file or, without w, from its attitudes, rad/s.
     Vector3<double> most_in_body_axes, most_in_world_axes;
 };
 
-/// What a hypothesis is about: two that are about the same thing are not tried together.
+/// The subject of a hypothesis. Two hypotheses with the same subject are not combined.
 enum class Subject {
     quaternion,
     axes,
@@ -151,21 +152,22 @@ enum class Subject {
     rest,
 };
 
-/// A fault that engines and their files are known to have. All stand in one table, check/known_faults.cpp.
+/// A known fault of engines or files. All are listed in check/known_faults.cpp.
 struct Hypothesis {
-    std::string fault;   ///< a word for programs: "gyroscopic_term_missing"; several rows may share it
-    Subject subject;     ///< what it is about
-    std::string what;    ///< for people, without a full stop; {} stands for the number fitted
+    std::string fault;   ///< identifier for programs; hypotheses may share it
+    Subject subject;     ///< what the fault is about
+    std::string what;    ///< for users, without a full stop; {} stands for the fitted number
     std::string remedy;  ///< what to do about it
-    /// Makes the fault's cause of a sound one; x is the number fitted, or 1. False where it means nothing in the scene.
+    /// Applies the fault to a sound cause. x: the fitted number, or 1. Returns false if the fault does not apply to
+    /// the scene.
     std::function<bool(Cause&, double x)> apply;
-    /// The numbers to try, in increasing order, three at least: the best is refined between its neighbours. Nothing is
-    /// fitted without.
+    /// The trial numbers, at least three, in increasing order. The best is refined between its neighbours. Empty: no
+    /// number is fitted.
     std::function<std::vector<double>(const FileFacts&)> values = {};
-    std::string convention = {};  ///< the words of --convention that mend the file, if any do
+    std::string convention = {};  ///< the --convention that corrects the file, if there is one
 };
 
-/// All that are known.
+/// All known faults of engines and files.
 const std::vector<Hypothesis>& known_faults();
 
 }  // namespace polhode

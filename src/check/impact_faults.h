@@ -1,4 +1,4 @@
-// What a file shows of impacts on the scene's planes.
+// Faults of impacts on the scene's planes.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,17 @@
 
 namespace polhode {
 
-/// Impacts that are missed, the body passing through a plane ("impact_missed"). Bodies that stay inside a plane without
-/// moving into it for at least six rows and 0.1 s, by more than 2 % of their reach and the way of a row
-/// ("penetration_kept"). Faults of the bounces of a body that does not rotate, or whose contacts lie below its centre
-/// of mass
-/// ("bounce_gains_energy", "restitution_applied_twice", "bounce_dies_below_threshold", "bounce_late"). Impacts whose
-/// normal speed comes back in another measure than the plane's restitution says ("restitution_wrong"): reported where a
-/// single point touches, fast enough that neither gravity nor the rotation matters within a row. Empty where the scene
-/// has no planes, or the file no p or v, or no w of a body other than a ball about its centre of mass.
+/// Diagnoses faults of impacts:
+/// - "impact_missed": the body passes through a plane.
+/// - "penetration_kept": the body stays inside a plane for at least six rows and 0.1 s without moving into it, by more
+///   than 2 % of its reach and more than its travel within a row.
+/// - "bounce_gains_energy", "restitution_applied_twice", "bounce_dies_below_threshold", "bounce_late": faults of
+///   bounces that do not change the rotation (no rotation, or contacts below the centre of mass).
+/// - "restitution_wrong": impacts return another part of the normal speed than the plane's restitution. Only impacts
+///   of a single point are measured, if they are fast compared with the change of speed within a row.
+///
+/// Returns nothing if the scene has no planes or the file has no p or v. w is needed except for a ball about its
+/// centre of mass.
 std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& file);
 
 }  // namespace polhode

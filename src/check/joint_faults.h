@@ -1,4 +1,4 @@
-// Joints that are not where the scene has them, or do not hold: what the poses of a file show without any dynamics.
+// Displaced, separating or limited joints, diagnosed from the poses of a file without dynamics.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace polhode {
 
-/// Of each joint whose bodies the file has: an anchor or an axis that is elsewhere, bodies that drift apart and are
-/// pulled back, a limit that stops it. Positions are needed, for Baumgarte's rate also velocities. `predicts`: whether
-/// the scene's own motion goes from a moment of the file to the second one after it; where a joint is stopped by
-/// itself, as in a dead centre, there is no limit.
+/// Diagnoses each joint whose bodies are in the file: a displaced anchor or axis, bodies that separate and are pulled
+/// back, a limit. Positions are needed, and velocities for the rate of Baumgarte stabilisation. `predicts(k)`:
+/// whether the scene's motion leads from moment k of the file to moment k + 2. If it does, a joint that stops there,
+/// for example at a dead centre, is not at a limit.
 std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& file,
                                     const std::function<bool(std::size_t)>& predicts);
 

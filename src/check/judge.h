@@ -1,4 +1,4 @@
-// A trajectory file judged against the truth.
+// Errors of a trajectory file against the truth.
 #pragma once
 
 #include <cstddef>
@@ -14,74 +14,73 @@
 
 namespace polhode {
 
-/// One error over a file's samples.
+/// One error over the samples of a file.
 struct ErrorSummary {
-    double max = 0;       ///< the largest
-    double max_time = 0;  ///< s, where that is; the first of equals
-    double final = 0;     ///< at the file's last sample
+    double max = 0;       ///< largest error
+    double max_time = 0;  ///< time of the first largest error, s
+    double final = 0;     ///< error at the last sample
 };
 
-/// The largest errors of the samples up to a time, from the one of the span before on.
+/// The largest errors over the samples of one time span.
 struct ErrorSpan {
-    double until = 0;          ///< s, the last sample's
-    PerMeasure<double> error;  ///< as the measures have them; 0 where the judgement has none
+    double until = 0;          ///< time of the last sample of the span, s
+    PerMeasure<double> error;  ///< in the units of measures(); 0 if the error is not available
 };
 
-/// The errors of a file's samples, as measures() have them; those that its columns do not tell are empty.
+/// The errors of a file in the units of measures(). Errors for which the file lacks columns are empty.
 struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
-    std::vector<ErrorSpan> over_time;  ///< at most ten, of about the same length in time
-    /// How large the motion is, by the truth: the largest value over the samples of what each measure is relative to
-    /// (SI), of the distance from the start (m) and of the speed (m/s). 0 for all other measures.
+    std::vector<ErrorSpan> over_time;  ///< at most ten spans of about equal duration
+    /// Size of the true motion: the largest value over the samples of the scale of each relative measure (SI), of the
+    /// distance from the start (m) and of the speed (m/s). 0 for other measures.
     PerMeasure<double> size;
-    /// Of several bodies: the one whose attitude error is the largest, and the joints with the largest gap and turn;
-    /// else empty.
+    /// Several bodies: the body with the largest attitude error, the joints with the largest gap and misalignment.
     std::string worst_body, worst_gap, worst_turn;
 };
 
-/// Whether the rotation of a body that flies does not hang on where it is: no plane, no point of attack in the world.
+/// Whether the rotation is independent of the position: no planes, and no loads at points fixed in the world.
 bool rotates_alone(const Scene& scene);
 
-/// As many spans of time at most are told apart.
+/// The number of time spans in a report.
 inline constexpr std::size_t most_spans = 10;
-/// The span of a sample at t of a file that goes from `begin` to `end` (s): a span ends with the sample at its end.
+/// Returns the span of a sample at t in a file from `begin` to `end` (s). A sample at the end of a span belongs to it.
 std::size_t span_of(double t, double begin, double end);
 
-/// What the errors are formed in: 128 bits show what a binary64 file is wrong by to its last digit; binary64 takes a
-/// hundredth of the time and resolves about 1e-15.
+/// Arithmetic in which errors are computed. binary128 resolves the last digit of a binary64 file. binary64 resolves
+/// about 1e-15 and is about 100 times faster.
 enum class JudgedIn { binary128, binary64 };
 
-/// Judges sample by sample; `truth` has the file's times, else std::invalid_argument. Omega and momentum need w. Energy
-/// needs w, and p and v where the scene has no pivot; without one of these the energy of rotation is compared where the
-/// rotation does not hang on them. Momenta and energy of several bodies need w, p and v of all, joints need all bodies.
+/// Computes the errors of all samples. Throws std::invalid_argument if `truth` is not at the file's times. Omega and
+/// momentum need w. Energy needs w, and without a pivot also p and v. If p or v is missing, the rotational energy is
+/// compared, provided that rotates_alone(). Momenta and energy of several bodies need w, p and v of all bodies. Joint
+/// errors need all bodies.
 Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
                 JudgedIn arithmetic = JudgedIn::binary128);
 
-/// Where each body of a file of several stands in the scene.
+/// Indices in the scene of the bodies of a file.
 std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file);
-/// The names of the scene's bodies that a file of several bodies does not have.
+/// Names of the scene's bodies that are missing in a file of several bodies.
 std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file);
 
-/// A file of several bodies as a method would have given it; its truth stands in for what it does not tell, and for
-/// bodies that it does not have.
+/// Converts a file of several bodies to a trajectory. Missing blocks and bodies are filled in from the truth.
 Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file);
 
-/// The same as judge() piece by piece, for files whose truth does not fit in memory or is made by several threads.
+/// Computes the errors piece by piece, for a truth that does not fit in memory or is computed by several threads.
 class Judge {
   public:
-    /// Keeps references: both outlive it.
+    /// Keeps references to `scene` and `file`.
     Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic);
     ~Judge();
     Judge(Judge&&) noexcept;
 
-    /// Judges the rows of the times first, first + 1, .. by these samples, which are of all bodies at each time; each
-    /// row once, in order within one Judge. Throws std::invalid_argument where a time is not the row's.
+    /// Compares the rows at times first, first + 1, .. with these samples of all bodies. Rows must be added in order.
+    /// Throws std::invalid_argument if a sample's time differs from its row's.
     void add(std::size_t first, std::span<const ReferenceSample> truth);
-    /// Keeps the error of each row in this measure as well; before any is judged.
+    /// Also keeps the error of each row in this measure. Must be called before add().
     void keep(std::size_t measure);
-    /// Takes over what another has judged, of later rows of a scene of one body.
+    /// Appends the result of later rows. For scenes of one body.
     void append(const Judge& later);
     Judgement result() const;
-    /// The errors kept, row by row, as the measure has them.
+    /// The kept errors, one per row, in the unit of the measure.
     std::vector<double> kept() const;
 
     struct State;

@@ -70,14 +70,14 @@ std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) cons
         if (const std::optional<ErrorSummary>& error = judgement[m]) {
             const bool is_relative = measures()[m].is_relative();
             const double size = judgement.size[m];
-            // energy and momentum are told as they are measured
+            // energy and momentum are reported as relative errors
             v.error = is_relative && !block.unit.empty() && size > 0 ? error->max * size : error->max;
             if (is_relative)
                 v.relative = error->max;
             else if (size > 0)
                 v.relative = error->max / size;
             double allowed = v.limit.value * (v.limit.relative && !block.unit.empty() ? size : 1.0);
-            // a body that hardly moves is held to the absolute default
+            // a body that hardly moves gets the absolute default
             if (v.limit.from == "by default") allowed = std::max(allowed, block.absolute);
             v.failed = !(*v.error <= allowed);
         }

@@ -1,4 +1,4 @@
-// What `polhode check` found, for people and for machines.
+// Results of `polhode check` as text, JSON and JUnit.
 #pragma once
 
 #include <optional>
@@ -14,34 +14,34 @@
 
 namespace polhode {
 
-/// What rounding of the initial data alone does to the attitude, at most (rad).
+/// Largest attitude error caused by rounding the initial data, rad.
 struct RoundingFloor {
     double float64 = 0, float32 = 0;
 };
 
-/// One file and what came of it.
+/// The result of one file.
 struct CheckedFile {
     std::string path;
     std::size_t samples = 0;
-    double from = 0, until = 0;  ///< s, of its samples
+    double from = 0, until = 0;  ///< times of the first and last sample, s
     Judgement judgement;
     double truth_bound = 0;
-    std::string truth;                           ///< how the truth was made
-    std::optional<RoundingFloor> floor;          ///< the largest up to the file's end; empty where it is not known
-    std::vector<RoundingFloor> floor_over_time;  ///< up to the end of each span of the judgement, or empty
-    std::optional<double> float_judged_until;    ///< s: beyond it binary32 rounding alone exceeds what is allowed
-    std::vector<std::string> remarks;            ///< whole sentences
-    std::string lacks;                           ///< the columns that the file does not have: "w", "p and v", ..
+    std::string truth;                           ///< how the truth was computed
+    std::optional<RoundingFloor> floor;          ///< largest up to the end of the file; empty if not available
+    std::vector<RoundingFloor> floor_over_time;  ///< up to the end of each span of `judgement`, or empty
+    std::optional<double> float_judged_until;    ///< last time with the float32 floor within the limit, s
+    std::vector<std::string> remarks;            ///< remarks, one line each
+    std::string lacks;                           ///< blocks that the file lacks: "position; velocity"
     Diagnosed diagnosed;
-    std::optional<Figure> picture;       ///< its errors over time, where they were asked for
-    std::optional<TrajectoryFile> file;  ///< its rows in our conventions, likewise
+    std::optional<Figure> picture;       ///< errors over time, if requested
+    std::optional<TrajectoryFile> file;  ///< rows in polhode's conventions, if requested
 };
 
 std::string check_text(const ErrorLimits& limits, const std::vector<CheckedFile>& all);
 std::string check_json(const Scene& scene, const ErrorLimits& limits, const std::vector<CheckedFile>& all);
-/// What was tried to explain each file and what it left, the nearest first (`check --explain`).
+/// The hypotheses tested for each file with their prediction errors, the best first (`check --explain`).
 std::string explanation_text(const std::vector<CheckedFile>& all);
-/// A test case for each file, as continuous integration reads them.
+/// JUnit XML with one test case per file, for continuous integration.
 std::string check_junit(const Scene& scene, const ErrorLimits& limits, const std::vector<CheckedFile>& all);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// What is wrong with a file's rows, whatever it is that moves.
+// Faults of a file's rows that do not depend on the scene.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,14 @@
 
 namespace polhode {
 
-/// Rows that are no states of an engine, one after each step: states shown twice and more ("rows_repeated"), rows in
-/// between two states, two a step and more ("rows_interpolated"). Predictions from one row to the next mean nothing
-/// there.
+/// Diagnoses rows that are not the states after each step: repeated states ("rows_repeated") and rows interpolated
+/// between states ("rows_interpolated"). Predictions from row to row are meaningless for such files.
 std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file);
 
-/// Quaternions whose length leaves 1 by more than 1e-3, and grows as that of first-order updates that are not
-/// normalised
-/// ("quaternion_not_normalised"), which scales what is turned by them. Quaternions whose length grows by the same law
-/// and returns to 1 in every n-th row ("quaternion_seldom_normalised"), by any deviation that rounding does not hide:
-/// at least three such periods, each other row within a fifth of the same growth.
+/// Diagnoses quaternions that are not normalised. "quaternion_not_normalised": the length differs from 1 by more than
+/// 1e-3 and grows as in first-order updates without normalisation. "quaternion_seldom_normalised": the length grows
+/// by this law and returns to 1 in every n-th row, for at least three periods, and the growth in all other rows
+/// agrees within 20 %. Any deviation above rounding is sufficient.
 std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// Which known faults explain a file: a search through them, one at a time and in pairs, by every kind of update.
+// Searches for the known faults that explain a file, singly and in pairs, with every kind of update.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,8 @@
 
 namespace polhode {
 
-/// What a fault has to gain, in decades over all questions; and how far apart two explanations are that are alike.
+/// Decades over all questions: required gain of a fault without and with a fitted number, and the largest difference
+/// between indistinguishable explanations.
 inline constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, alike_within = 0.15;
 
 /// A fault with the number fitted to it.
@@ -16,25 +17,25 @@ struct Supposed {
     double x = 1;
 };
 
-/// Some faults together, none or more, with the update under which they explain a file best.
+/// A set of faults, possibly empty, with the update that fits the file best.
 struct Explanation {
     std::vector<Supposed> faults;
     const UpdateRule* rule = nullptr;
-    int steps = 1;  ///< of the rule, from one row to the next
+    int steps = 1;  ///< steps of the rule per row
     Residual residual;
 };
 
-/// What a search has found.
+/// The result of a search.
 struct FaultSearch {
-    Explanation sound;               ///< no fault, the best update
-    Explanation best;                ///< its faults are needed, each of them; none where nothing explains the file
-    std::vector<Explanation> alike;  ///< others that explain it as well as the best: they cannot be told apart
-    std::vector<Explanation> tried;  ///< every single fault with what it leaves, the best first
+    Explanation sound;               ///< no fault, best update
+    Explanation best;                ///< each of its faults is needed; no faults if nothing explains the file
+    std::vector<Explanation> alike;  ///< other explanations that are indistinguishable from the best
+    std::vector<Explanation> tried;  ///< all single faults, the best first
 };
 
-/// Tries all known faults on the file. A fault is needed where without it the file is ten times (0.9 decades, one that
-/// was fitted 1.1) further from what is predicted, summed over the questions. `all`: tries them also where the file is
-/// as near as can be to what is predicted without any.
+/// Tests all known faults on the file. A fault is needed if omitting it makes the prediction about ten times worse,
+/// summed over the questions (0.9 decades, or 1.1 with a fitted number). `all`: test them even if the prediction
+/// without a fault is already as good as possible.
 FaultSearch search_faults(const FileEvidence& evidence, bool all = false);
 
 }  // namespace polhode

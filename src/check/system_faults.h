@@ -1,4 +1,4 @@
-// The faults that engines have with several bodies: those of the scene at hand, for each of its joints and bodies.
+// The faults of engines with several bodies, listed for each joint and body of a scene.
 #pragma once
 
 #include <functional>
@@ -10,31 +10,31 @@
 
 namespace polhode {
 
-/// The number of a hypothesis that is fitted.
+/// The fitted number of a hypothesis.
 struct FittedNumber {
-    double neutral = 1;  ///< with it the fault does nothing
-    double trial = 0.5;  ///< a number whose effect is small against the motion's own changes
-    double least = 0;    ///< no smaller number makes sense
-    double plain = 0;    ///< what is no further from `neutral` is no fault
-    double most = 1e4;   ///< no larger number makes sense
+    double neutral = 1;  ///< value without effect
+    double trial = 0.5;  ///< first value of the fit; its effect is small
+    double least = 0;    ///< smallest valid value
+    double plain = 0;    ///< smallest difference from `neutral` that counts as a fault
+    double most = 1e4;   ///< largest valid value
 };
 
-/// The trial numbers of damping are this rate, 1/s, times the inertia that it acts on.
+/// Decay rate, 1/s, that gives the trial value of damping when multiplied by the inertia that it acts on.
 inline constexpr double damping_trial = 0.05;
 
 /// A fault in a scene of several bodies.
 struct SystemHypothesis {
-    std::string fault;                                ///< a word for programs
-    Subject subject;                                  ///< what it is about
-    std::string what;                                 ///< for people; {} stands for the number fitted
+    std::string fault;                                ///< identifier for programs
+    Subject subject;                                  ///< what the fault is about
+    std::string what;                                 ///< for users; {} stands for the fitted number
     std::string remedy;                               ///< what to do about it
     std::function<bool(SystemCause&, double)> apply;  ///< as Hypothesis::apply
-    std::optional<FittedNumber> fit = {};             ///< nothing is fitted without
-    std::string convention = {};                      ///< the words of --convention that mend the file, if any do
+    std::optional<FittedNumber> fit = {};             ///< empty: no number is fitted
+    std::string convention = {};                      ///< the --convention that corrects the file, if there is one
 };
 
-/// The faults of the table in check/known_faults.cpp that make sense with several bodies, then those of joints and
-/// bodies. The scene's bodies must be given by numbers.
+/// Lists the faults of check/known_faults.cpp that apply to several bodies, then those of joints and bodies. The
+/// scene's bodies must have numeric mass properties.
 std::vector<SystemHypothesis> system_faults(const Scene& scene);
 
 }  // namespace polhode

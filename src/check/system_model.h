@@ -1,8 +1,8 @@
-// A scene of several bodies with the faults of a hypothesis, advanced by one row of a file.
+// An engine for several bodies with the faults of a hypothesis. It predicts the next row of a file.
 //
-// Bodies are in maximal coordinates (integrators/maximal): a file gives the pose and the velocity of each body, and its
-// bodies may be slightly off the joints. Velocities are compared in the coordinates of the joints, where an engine in
-// joint coordinates and one that holds bodies together by impulses agree up to their discretisation errors.
+// Bodies are in maximal coordinates (integrators/maximal): a file has the pose and velocity of each body, and joints
+// may have small gaps. Velocities are compared in joint coordinates. There, engines in joint coordinates and engines
+// that connect bodies by impulses agree up to their discretisation errors.
 #pragma once
 
 #include <cstddef>
@@ -16,53 +16,53 @@
 
 namespace polhode {
 
-/// A constant torque or force against the rate of a joint's coordinate, N m or N.
+/// Coulomb friction of a joint coordinate: a constant torque or force against its rate.
 struct JointFriction {
     std::size_t joint = 0;  ///< in the scene's order
-    std::size_t axis = 0;   ///< of a universal joint 0 or 1
+    std::size_t axis = 0;   ///< 0 or 1 for a universal joint, else 0
     double size = 0;        ///< N m or N
 };
 
 /// A cause in a scene of several bodies.
 struct SystemCause : Cause {
-    std::vector<JointFriction> friction;  ///< beside what the scene has
+    std::vector<JointFriction> friction;  ///< in addition to the scene's
 };
 
-/// How an engine advances several bodies.
+/// Update rules for several bodies.
 enum class SystemRule {
     accurate,        ///< Runge-Kutta steps of order 4
-    joint_impulses,  ///< semi-implicit Euler of each body, then impulses that bring the velocities onto the joints
-    joint_impulses_implicit,  ///< the same with one Newton step of the implicit gyroscopic term
+    joint_impulses,  ///< semi-implicit Euler of each body, then impulses that make the velocities satisfy the joints
+    joint_impulses_implicit,  ///< joint_impulses with one Newton step of the implicit gyroscopic term
     joint_rates,              ///< semi-implicit Euler of the joints' coordinates
 };
-/// For people: "accurate steps".
+/// Name for users: "accurate steps".
 std::string_view name_of(SystemRule rule);
 
-/// The state of all bodies at one time, as the file has it.
+/// The state of all bodies at one time of the file.
 struct SystemState {
     std::vector<BodyMotion<double>> bodies;  ///< in the scene's order
-    std::vector<double> angles;              ///< of the joints that count turns (integrators/maximal/system.h)
+    std::vector<double> angles;  ///< angles of joints whose turns are counted (integrators/maximal/system.h)
 };
 
-/// The equations of a cause.
+/// The equations of motion of a cause.
 class SystemEngine {
   public:
-    /// The cause's bodies must be given by numbers. Throws InputError where the scene has no start.
+    /// The bodies must have numeric mass properties. Throws InputError if the scene has no valid start.
     explicit SystemEngine(const SystemCause& cause);
 
     const maximal::System<double>& system() const { return *system_; }
-    /// How the scene starts, before any impulse.
+    /// The scene's initial state, before any impulse.
     std::span<const BodyMotion<double>> start() const { return start_; }
 
-    /// The relative velocities that the joints allow: the rates of coordinates (rad/s, m/s), of spherical joints the
-    /// three components of the relative angular velocity, of free bodies w_B and v_W. One vector for all of them.
+    /// The relative velocities that the joints allow, in one vector: rates of joint coordinates (rad/s, m/s), three
+    /// components of the relative angular velocity for spherical joints, w_B and v_W for free bodies.
     std::vector<double> velocities(const SystemState& state) const;
-    /// Of each of velocities() the first one of its vector, itself where it is none's component.
+    /// For each entry of velocities(), the index of the first component of its vector; its own index for a scalar.
     const std::vector<std::size_t>& vector_of_velocity() const { return first_of_; }
 
-    /// velocities() a time `h` (s) after the state at `t` (s), by so many steps of the rule. `next`: the state that the
-    /// file has there. What impulses along the joints' constraints could do is no difference from it under
-    /// SystemRule::joint_impulses: neither iterations that have not converged nor velocities that close gaps count.
+    /// Predicts velocities() at time `t` + `h` (s) from the state at `t`, with `steps` steps of the rule. `next`: the
+    /// file's state there. SystemRule::joint_impulses projects out differences along the joints' constraints, so that
+    /// unconverged iterations and velocities that close gaps do not count.
     std::vector<double> predicted(const SystemState& state, const SystemState& next, double t, double h,
                                   SystemRule rule, int steps) const;
 

@@ -15,7 +15,7 @@
 namespace polhode {
 namespace {
 
-// a file this near to the scene's motion has no fault that could be told
+// a fault cannot be recognised if the file is this close to the scene's motion
 constexpr double plainly_wrong = 1e-4;
 
 const char* name_of(Question question) {
@@ -32,7 +32,7 @@ const char* name_of(Question question) {
     return names[static_cast<std::size_t>(question)];
 }
 
-// Its events in words: "the step in which the torque ends at t = 2 s".
+// Describes the scene's events: "the step in which the torque ends at t = 2 s".
 std::string events_of(const Scene& scene) {
     std::vector<std::string> all;
     const auto note = [&](const char* what, const char* does, double t) {
@@ -60,7 +60,7 @@ std::string said_of(Question question, const Scene& scene) {
     return question == Question::events ? events_of(scene) : name_of(question);
 }
 
-// Which question the fault explains most of.
+// Returns the question whose answer the fault improves most.
 std::size_t most_gained(const Residual& without, const Residual& with) {
     std::size_t best = 0;
     double gain = -1;
@@ -74,7 +74,7 @@ std::string said(const Supposed& supposed) {
     std::string what = supposed.hypothesis->what;
     if (const std::size_t place = what.find("{}"); place != what.npos)
         what.replace(place, 2, fmt::format("{:.4g}", supposed.x));
-    // a whole part of a load is often one that acted in one substep of so many
+    // a load scaled by 1/n has often acted in one of n substeps
     const Subject about = supposed.hypothesis->subject;
     const double parts = std::round(1 / supposed.x);
     if (supposed.hypothesis->values && about >= Subject::gravity && about <= Subject::drag && parts >= 2 &&
@@ -89,7 +89,7 @@ std::string named(const Explanation& e) {
     return all;
 }
 
-// Its faults, each with what it explains.
+// Adds the faults of an explanation, each with its prediction errors.
 void tell(const Scene& scene, const Explanation& e, const FaultSearch& search, const std::string& also,
           std::vector<Diagnosis>& told) {
     const std::size_t question = most_gained(search.sound.residual, e.residual);

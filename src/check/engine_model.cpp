@@ -36,7 +36,7 @@ constexpr UpdateRule rules[] = {
     {"explicit Euler of the angular momentum with a first-order quaternion", RateUpdate::momentum, false, true},
 };
 
-// an accurate step turns by no more than this, rad: (h w)^5 / 120 = 3e-9 of a radian is lost in each
+// largest rotation in an accurate step, rad; the error of each step is (h w)^5 / 120 = 3e-9 rad
 constexpr double most_turned = 0.05;
 constexpr int most_small_steps = 200;
 
@@ -82,7 +82,7 @@ bool EngineModel::is_coasting(double t) const {
                         [&](const Window& window) { return window.from <= t && t < window.until; });
 }
 
-// w after a time h of the engine's damping alone
+// Returns w after a time h with the engine's damping only.
 Vector EngineModel::damped(const Vector& w, double t, double h) const {
     if (fault_.only_coasting && !is_coasting(t)) return w;
     Vector left;
@@ -102,13 +102,13 @@ ModelState EngineModel::start() const {
 bool EngineModel::takes(const UpdateRule& rule, int steps) const {
     if (uses_row_rate() && (steps < 2 || rule.rate == RateUpdate::accurate || !rule.by_new_rate)) return false;
     if (fault_.in_place != InPlace::none && !rule.first_order) return false;
-    // where the attitude turns by the old rate, or all at once, the order makes no difference
+    // these rules make no difference between damping before and after the rotation
     if (fault_.damped_last && (!rule.by_new_rate || rule.rate == RateUpdate::accurate ||
                                rule.rate == RateUpdate::midpoint || rule.rate == RateUpdate::momentum))
         return false;
-    // L by a tensor that is fixed in the world is w: an engine without a gyroscopic term
+    // with a tensor fixed in the world, constant L means constant w: an engine without a gyroscopic term
     if (fault_.tensor == WorldTensor::fixed && rule.rate == RateUpdate::momentum) return false;
-    // a rate that follows from L is not integrated in axes of its own
+    // a rate computed from L is not integrated in body axes
     return rule.rate != RateUpdate::momentum ||
            (fault_.gyroscopic == 1 &&
             (fault_.turned_by == TurnedBy::own_rate || fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world));
@@ -119,7 +119,7 @@ bool EngineModel::has_event(double t, double dt) const {
                        [&](const Segment& segment) { return t < segment.begin && segment.begin <= t + dt; });
 }
 
-// What torques in the wrong axes, and arms in them, add to the scene's torque (world axes).
+// Error of the torque (world axes) by torques and arms in wrong axes.
 Vector EngineModel::misdirected(const WorldLoads<double>& loads, double t, const ModelState& s,
                                 const Matrix3<double>& A) const {
     Vector more;
@@ -186,7 +186,7 @@ void EngineModel::strike(ModelState& s, const Segment& segment) const {
     place_at_pivot(s);
 }
 
-// w after a time h of the gyroscopic term alone: a factor of the term is one of the time
+// Returns w after a time h with the gyroscopic term only. A factor of the term is a factor of the time.
 Vector EngineModel::turned(const BodyInertia<double>& inertia, const Vector& w, double h,
                            const UpdateRule& rule) const {
     const double time = fault_.gyroscopic * h;
@@ -201,12 +201,12 @@ Vector EngineModel::turned(const BodyInertia<double>& inertia, const Vector& w, 
     }
 }
 
-// The attitude goes on by a rate in body axes; one that belongs to the other side is taken there as it stands.
+// Rotates the attitude by a rate in body axes, with the engine's faults.
 void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first_order) const {
     if (fault_.no_rotation) return;
     const Vector by = (fault_.turn * h) * rate_B;
     if (fault_.in_place != InPlace::none) {
-        // half the turn in the axes of its own side, component after component
+        // half the rotation in the axes of the update, applied component by component
         const bool world = fault_.in_place == InPlace::world_rate;
         const Vector half = 0.5 * (world ? rotate(s.q, by) : by);
         const double side = world ? -1 : 1;
@@ -230,7 +230,7 @@ void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first
             s.q = normalized(factor(by) * s.q);
             break;
         case TurnedBy::world_rate_in_body: {
-            // what such an engine keeps is the rate in world axes
+            // this engine integrates the rate in world axes
             const Vector w_W = rotate(s.q, s.angular_velocity_B);
             s.q = normalized(s.q * factor(rotate(s.q, by)));
             s.angular_velocity_B = rotate_back(s.q, w_W);
@@ -251,8 +251,8 @@ void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first
     }
 }
 
-// The error of the centre of mass's acceleration (world axes) of an engine that integrates the motion of the origin:
-// a term that a_origin = a_center - dw/dt x r - w x (w x r) lacks is added to a_center.
+// Error of the acceleration of the centre of mass (world axes) in an engine that integrates the motion of the origin:
+// a term missing in a_origin = a_center - dw/dt x r - w x (w x r) is added to a_center.
 Vector EngineModel::origin_error(const ModelState& s, const Vector& w_B, const Vector& dw_B) const {
     Vector error_B;
     if (!fault_.origin.has_centripetal) error_B = error_B + cross(w_B, cross(w_B, center_));
@@ -260,8 +260,8 @@ Vector EngineModel::origin_error(const ModelState& s, const Vector& w_B, const V
     return rotate(s.q, error_B);
 }
 
-// The translation in a semi-implicit step, after w and the attitude have been updated. Returns how much further the
-// position is by the new velocity than by the old one.
+// Advances the translation in a semi-implicit step, after w and the attitude. Returns the difference between the
+// positions by the new and the old velocity.
 Vector EngineModel::translate(ModelState& s, const ModelState& old, const Vector& acceleration_W, double h) const {
     const double kept = std::max(0.0, 1 - fault_.linear_damping * h);
     if (!fault_.origin.is_integrated) {
@@ -282,7 +282,7 @@ Vector EngineModel::translate(ModelState& s, const ModelState& old, const Vector
     return h * (new_v - v);
 }
 
-// half a step with the rates of its begin, then all of it with those of the middle
+// Half a step with the rates at the start, then the whole step with the rates at its middle.
 Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const {
     const ModelState old = s;
     const auto go = [&](double at, const ModelState& from, double dt) {
@@ -294,7 +294,7 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
         ModelState next = old;
         turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
              false);
-        // an engine with its tensor in world axes keeps the rate there, too
+        // an engine with its tensor in world axes also integrates the rate there
         if (fault_.tensor == WorldTensor::turned && fault_.turned_by != TurnedBy::first_rate_of_row_w_in_world)
             next.angular_velocity_B = next.angular_velocity_B + dt * dw;
         else
@@ -328,7 +328,7 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
             w = old_w + by_loads + (turned(I, old_w, h, rule) - old_w);
             break;
         case RateUpdate::momentum:
-            // an engine that keeps L finds w by its inverse tensor alone
+            // an engine that integrates L computes w by its inverse tensor only
             momentum_W = rotate(
                 s.q, (fault_.tensor == WorldTensor::inverse_diagonal ? polhode::inverse(I.inverse) : I.tensor) * old_w +
                          h * a.torque_B);
@@ -344,7 +344,7 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
         s.angular_velocity_B = damped(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
         limit(s, t);
     } else if (fault_.tensor != WorldTensor::turned && !rule.by_new_rate) {
-        // the rate is kept in world axes
+        // the rate is integrated in world axes
         s.angular_velocity_B = rotate_back(s.q, rotate(old.q, s.angular_velocity_B));
     }
     if (fault_.damped_last) {
@@ -356,7 +356,7 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
     return further;
 }
 
-// the classical Runge-Kutta method on (q, w, p, v)
+// Advances (q, w, p, v) by the classical Runge-Kutta method.
 void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const {
     struct Rate {
         Quaternion<double> q;
@@ -378,7 +378,7 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
         if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
         if (fault_.turned_by == TurnedBy::world_rate_in_body) {
             turning = rotate(unit.q, turning);
-            // w_W is what changes by torques alone
+            // only torques change w_W
             r.w = r.w - cross(turning, w);
         }
         if (fault_.turned_by == TurnedBy::world_rate_in_body_w_in_body) turning = rotate(unit.q, turning);
@@ -414,7 +414,7 @@ void EngineModel::go_on(ModelState& s, const WorldLoads<double>& loads, double t
     if (rule.rate == RateUpdate::accurate) {
         const double turned_by =
             dt * fault_.time * std::max(length(s.angular_velocity_B), problem_.scales.angular_velocity);
-        // of a state that is no longer finite as of one that turns too fast
+        // a state that is not finite takes the largest number of steps
         const double wanted = std::ceil(turned_by / most_turned);
         steps = wanted < most_small_steps ? std::max(2, static_cast<int>(wanted)) : most_small_steps;
     }

@@ -15,18 +15,18 @@ namespace {
 
 using Vector = Vector3<double>;
 
-// so many steps of a file are looked at
+// largest number of steps, of steps with events, and of rows of a run
 constexpr std::size_t most_windows = 32, most_event_windows = 6, most_rows_of_a_run = 48;
-// below it predictions are all alike: the accurate steps' own error
+// smallest relative prediction error: the error of accurate steps
 constexpr double finest = 1e-9;
 
-// |a - b| relative to the larger of what moved; 2 at the most
+// Returns |a - b| relative to the larger change, at most 2.
 double relative(double difference, double moved, double also_moved) {
     const double scale = std::max(moved, also_moved);
     return difference == 0 ? 0 : scale > 0 && std::isfinite(difference) ? std::min(difference / scale, 2.0) : 2.0;
 }
 
-// An answer in decades, beside the least that it could be.
+// An answer and its value for a perfect prediction, decades.
 struct Answer {
     double value = 0, least = 0;
 };
@@ -36,7 +36,7 @@ Answer answer(double error, double noise) {
     return {error > floor ? std::log10(error) : least, least};
 }
 
-// The mean of some answers.
+// Mean of answers.
 struct Mean {
     Answer sum;
     int count = 0;
@@ -49,26 +49,26 @@ struct Mean {
     }
 };
 
-// How far two vectors are apart, relative to themselves, or to what they moved from `base`.
+// Difference of two vectors relative to their length, or to their change from `base`.
 double apart(const Vector& a, const Vector& b) { return relative(length(a - b), length(a), length(b)); }
 double apart(const Vector& a, const Vector& b, const Vector& base) {
     return relative(length(a - b), length(a - base), length(b - base));
 }
 
-// The angle between two attitudes of unit length as the chord between them: cheap, and the same where it is small.
+// Approximates the angle between two unit quaternions by their chord: fast, and equal for small angles.
 double chord(const Quaternion<double>& a, const Quaternion<double>& b) {
     const double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z, sense = cosine < 0 ? -1 : 1;
     const double w = a.w - sense * b.w, x = a.x - sense * b.x, y = a.y - sense * b.y, z = a.z - sense * b.z;
     return 2 * std::sqrt(w * w + x * x + y * y + z * z);
 }
 
-// of the ways in which the position may follow the velocity, the one that the file goes by
+// Selects the rule by which the position follows the velocity in the file: new, mean or old velocity.
 const Mean& nearest(const std::array<Mean, 3>& places) {
     return *std::min_element(places.begin(), places.end(),
                              [](const Mean& a, const Mean& b) { return a.sum.value < b.sum.value; });
 }
 
-// whether a number is one of so many significant decimal digits
+// Whether x is a decimal number with this number of significant digits.
 bool has_digits(double x, int digits) {
     char text[32];
     std::snprintf(text, sizeof text, "%.*g", digits, x);
@@ -80,7 +80,7 @@ bool has_digits(double x, int digits) {
 FileEvidence::FileEvidence(const Scene& scene, const TrajectoryFile& file) : scene_(&scene), file_(&file) {
     sound_.scene = scene;
     const ExactBody<double> body = exact_body<double>(scene);
-    // the numbers are enough: no plane is met in the steps that are looked at
+    // numeric mass properties are sufficient: the tested steps do not meet a plane
     sound_.scene.body.mass = body.mass, sound_.scene.body.center_of_mass = body.center;
     if (scene.body.source) {
         sound_.scene.body.source = nullptr, sound_.scene.body.inertia_B = body.inertia_B;
@@ -103,7 +103,7 @@ FileEvidence::FileEvidence(const Scene& scene, const TrajectoryFile& file) : sce
     for (std::size_t k = 1; k <= last_; ++k) {
         const TrajectoryRow &row = file.rows[k], &before = file.rows[k - 1];
         const Quaternion<double> q = normalized(row.q);
-        // without w the mean from row to row
+        // without w, the mean rate from row to row
         const Vector w_B =
             file.has_angular_velocity
                 ? rotate_back(q, row.angular_velocity_W)
@@ -118,14 +118,14 @@ FileEvidence::FileEvidence(const Scene& scene, const TrajectoryFile& file) : sce
     choose_windows();
 }
 
-// The coarsest of binary64, binary32 and numbers of four to twelve digits that all columns are written in.
+// Finds the precision of the file: binary64, binary32, or decimals of four to twelve digits.
 void FileEvidence::find_noise() {
     bool float32 = true;
     int digits = 4;
     const std::size_t stride = std::max<std::size_t>(1, file_->rows.size() / 100);
     for (std::size_t k = 0; k < file_->rows.size(); k += stride) {
         const TrajectoryRow& row = file_->rows[k];
-        // what stands still may be a round number: all columns are asked
+        // a constant column may hold a round number, so all columns are tested
         std::vector<double> all{row.q.w, row.q.x, row.q.y, row.q.z};
         for (const Vector* block : {&row.angular_velocity_W, &row.position_W, &row.velocity_W})
             all.insert(all.end(), block->component.begin(), block->component.end());
@@ -135,12 +135,12 @@ void FileEvidence::find_noise() {
         }
     }
     noise_ = digits < 13 ? std::pow(10.0, -digits) : 1e-15;
-    // seven to nine digits are how binary32 is printed
+    // binary32 is printed with seven to nine digits
     if (float32 || (digits >= 7 && digits <= 9)) noise_ = std::max(noise_, 1.2e-7);
 }
 
-// The scene's own motion at some rows, as far as it is soon had: how far the file is from it, where it meets a plane,
-// and whether a body that stands still in the file should.
+// Computes the scene's motion at some rows, as far as this is fast. Finds the error of the file, the first contact
+// with a plane, and whether a body that rests in the file should move.
 void FileEvidence::compare_plainly() {
     const EngineModel model(sound_);
     const UpdateRule& accurate = update_rules().front();
@@ -150,7 +150,7 @@ void FileEvidence::compare_plainly() {
     std::size_t rows = last_ + 1;
     while (rows > 3 && file_->rows[rows - 1].t > std::max(affordable, file_->rows[2].t)) --rows;
     const std::size_t stride = geometry->any() ? 1 : std::max<std::size_t>(1, rows / 200);
-    // from here on the file shows no change
+    // the file does not change from row `still` on
     std::size_t still = last_;
     while (still > 0 && same(still - 1, last_)) --still;
     ModelState s = model.start();
@@ -190,7 +190,7 @@ bool FileEvidence::same(std::size_t a, std::size_t b) const {
     return x.q == y.q && x.angular_velocity_W == y.angular_velocity_W && x.position_W == y.position_W;
 }
 
-// More of them early: where an engine runs away, the first steps tell more.
+// Chooses the steps to test, more of them early: if an engine diverges, its first steps are more informative.
 void FileEvidence::choose_windows() {
     if (last_ < 2) return;
     const EngineModel model(sound_);
@@ -225,15 +225,13 @@ ModelState FileEvidence::state(const Cause& cause, std::size_t k) const {
     return s;
 }
 
-// How exactly a position (m) is known: what a file has of the origin is the difference of numbers as large as its
-// distance from the centre of mass.
+// Rounding error of a position, m. If the file has the origin, the centre of mass is a sum in which digits may cancel.
 double FileEvidence::position_noise(const Cause& cause, const ModelState& s) const {
     const double from_origin = cause.reading.origin ? length(sound_.scene.body.center_of_mass) : 0;
     return noise_ * (length(s.position_W) + from_origin);
 }
 
-// Converts the velocity of the body's origin to that of its centre of mass, where the cause says that the file has the
-// former.
+// Converts the velocity of the body's origin to that of its centre of mass, if the cause reads the former.
 void FileEvidence::use_center(const Cause& cause, const Vector& w_B, ModelState& s) const {
     if (cause.reading.velocity_of_origin && file_->has_velocity)
         s.velocity_W = s.velocity_W + rotate(s.q, cross(w_B, sound_.scene.body.center_of_mass));
@@ -244,7 +242,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
     const int late = cause.reading.rows_late;
     const std::size_t row = static_cast<std::size_t>(std::max(late, 0));
     ModelState start = model.start();
-    // the scene's state at the first row's time, or a row later
+    // the scene's state at the time of the first row, or one row later
     double t = 0, until = file_->rows.front().t;
     if (late < 0) until += file_->rows[1].t - file_->rows[0].t;
     if (until > t) {
@@ -263,7 +261,7 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
         if (!(length(a) == 0 && length(b) == 0)) tell(question, apart(a, b));
     };
     if (file_->has_angular_velocity) {
-        // a limit may be felt from the first step on, or at once
+        // a limit may act at the start or from the first step on
         ModelState limited = start;
         model.limit(limited, 0);
         const Vector &w = f.angular_velocity_B, &given = start.angular_velocity_B, &cut = limited.angular_velocity_B;
@@ -283,13 +281,13 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
     std::array<Mean, 3> places;
     for (const std::size_t k : windows_) {
         if (k < late) continue;
-        // a row later or earlier in the engine's own time
+        // time of a row in the engine, which may be a row late or early
         const auto time = [&](std::size_t row) {
             const double shift = static_cast<double>(cause.reading.rows_late) * facts_.row;
             return std::max(0.0, file_->rows[row].t - shift);
         };
         const bool event = model.has_event(file_->rows[k].t, file_->rows[k + 1].t - file_->rows[k].t);
-        // an engine may meet an event a step early or late
+        // an engine may process an event one step early or late
         const std::size_t from = event ? std::max(k, late + 1) - 1 : k, to = event ? std::min(k + 2, last_) : k + 1;
         ModelState base = state(cause, from);
         if (!file_->has_velocity && position && !model.body().pivoted) {
@@ -327,7 +325,7 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
                        position_noise(cause, f) / std::max(moved, 1e-300)));
     }
     attitude.give(r, Question::attitude), rate.give(r, Question::rate), velocity.give(r, Question::velocity);
-    // no credit for one step that happens to be nearer than all others
+    // a first step that happens to be better than the others gives no advantage
     if (first.count > 0 && attitude.count > 0) {
         const double others = (attitude.sum.value + rate.sum.value) / (2 * attitude.count);
         first.sum.value = std::max(first.sum.value, others * first.count);
@@ -336,7 +334,7 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
     nearest(places).give(r, Question::position);
 }
 
-// Without an angular velocity: the engine from its start, row by row.
+// For files without w: runs the engine from its start, row by row.
 void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
                            Residual& r) const {
     const bool position = file_->has_position || file_->has_origin;
@@ -347,7 +345,7 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
     Mean attitude, velocity, events;
     std::array<Mean, 3> places;
     Vector further;
-    // as far as a dozen rows beyond the last event, if that is not too far
+    // up to a dozen rows after the last event, if this is not too far
     std::size_t end = std::min(last_, late + most_rows_of_a_run);
     std::size_t first_event = last_;
     for (const std::size_t k : windows_)

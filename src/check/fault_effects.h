@@ -1,4 +1,5 @@
-// What the faults of check/known_faults.cpp do to a sound cause. Each says whether it means anything there.
+// Effects of the faults of check/known_faults.cpp. Each function applies a fault to a sound cause, and returns false
+// if the fault has no effect in the scene.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ inline auto engine_does(void (*change)(EngineFault&, double)) {
     };
 }
 
-// Whether a change of the tensor changes nothing, as of axes of a round body.
+// Whether two tensors are equal, for example after exchanging axes of a symmetric body.
 inline bool same_tensor(const Matrix3<double>& a, const Matrix3<double>& b) {
     double change = 0, scale = 0;
     for (int i = 0; i < 3; ++i)
@@ -37,12 +38,12 @@ inline bool same_tensor(const Matrix3<double>& a, const Matrix3<double>& b) {
 
 inline bool give_tensor(Cause& c, const Matrix3<double>& tensor) {
     if (same_tensor(c.scene.body.inertia_B, tensor)) return false;
-    // no body could have it: the engine is not asked, since products of inertia alone can make it impossible
+    // the tensor is not validated: changed products of inertia can make it invalid for any body
     c.scene.body.inertia_B = tensor;
     return true;
 }
 
-// rows and columns taken in another order
+// Permutes the rows and columns of the tensor.
 template <int a, int b, int c>
 bool permute_axes(Cause& cause, double) {
     constexpr std::array order{a, b, c};
@@ -62,14 +63,14 @@ inline bool scale_products(Cause& c, double factor) {
     return give_tensor(c, I);
 }
 
-// R^T D R where R D R^T is right: R maps principal axes to body axes
+// Uses R^T D R instead of R D R^T, where R maps principal axes to body axes.
 inline bool transpose_principal_frame(Cause& c, double) {
     const PrincipalFrame frame = fast_principal_frame(c.scene.body.inertia_B);
     const Matrix3<double> R = rotation_matrix(frame.q_BP);
     return give_tensor(c, transposed(R) * diagonal(frame.moments) * R);
 }
 
-// the moments of the principal axes used as if those were the body's
+// Uses the principal moments about the body axes.
 inline bool forget_principal_frame(Cause& c, double) {
     return give_tensor(c, diagonal(fast_principal_frame(c.scene.body.inertia_B).moments));
 }
@@ -91,10 +92,10 @@ void each(Scene& scene, auto&& change) {
         if (T* one = std::get_if<T>(&load)) change(*one);
 }
 
-// Whether torques or forces act at some times: then there are others at which a body coasts.
+// Whether the scene has torques or forces. A body coasts when none of them acts.
 inline bool has_pushes(const Scene& scene) { return has<Torque>(scene) || has<Force>(scene); }
 
-// Only where a torque stands against the moments does their size matter.
+// Whether the size of the moments of inertia matters: only if there are torques.
 inline bool torque_matters(const Scene& scene) {
     return has<Torque>(scene) || has<Force>(scene) || has<Impulse>(scene) || has<Spring>(scene) ||
            has_load(scene,
@@ -119,7 +120,7 @@ inline bool scale_mass(Cause& c, double factor) {
     c.scene.body.mass *= factor;
     return true;
 }
-// density or unit of mass: both at once
+// A wrong density or unit of mass scales mass and inertia.
 inline bool scale_density(Cause& c, double factor) {
     const bool mass = scale_mass(c, factor);
     return scale_inertia(c, factor) || mass;
@@ -138,7 +139,7 @@ inline bool inertia_about_origin(Cause& c, double) {
     body.center_of_mass = {};
     return true;
 }
-// the parallel-axis term to the pivot added so many times too often: -1, it is missing
+// Adds the parallel-axis term to the pivot `times` more times; -1: the term is missing.
 inline bool add_parallel_axis(Cause& c, double times) {
     Body& body = c.scene.body;
     const Vector3<double> arm = body.center_of_mass - c.scene.pivot.value_or(body.center_of_mass);
@@ -147,7 +148,7 @@ inline bool add_parallel_axis(Cause& c, double times) {
     return true;
 }
 
-// The scene has a free body whose origin moves on another path than the centre of mass.
+// Whether the body is free and its origin is not its centre of mass.
 inline bool origin_differs(const Scene& scene) { return !scene.pivot && length(scene.body.center_of_mass) > 0; }
 inline bool origin_without_centripetal_term(Cause& c, double) {
     c.engine.origin.is_integrated = true, c.engine.origin.has_centripetal = false;
@@ -210,7 +211,7 @@ inline bool gravity_along_y(Cause& c, double) {
     return along_z;
 }
 
-// of torques, forces and impulses alike
+// Scales torques, forces or impulses.
 template <class T>
 bool scale_vectors(Cause& c, double factor) {
     each<T>(c.scene, [&](T& load) { load.vector = factor * load.vector; });
@@ -233,7 +234,7 @@ bool at_center(Cause& c, double) {
     });
     return any && !c.scene.pivot;
 }
-// points of body axes counted from the centre of mass in place of the origin
+// Measures points in body axes from the centre of mass instead of the origin.
 template <class T>
 bool from_center(Cause& c, double) {
     bool any = false;
@@ -243,7 +244,7 @@ bool from_center(Cause& c, double) {
     });
     return any;
 }
-// points of body axes on the other side of the centre of mass (or the pivot): the torque has the opposite sign
+// Mirrors points in body axes at the centre of mass or the pivot: the torque has the opposite sign.
 template <class T>
 bool arm_negated(Cause& c, double) {
     bool any = false;
@@ -254,7 +255,7 @@ bool arm_negated(Cause& c, double) {
     });
     return any;
 }
-// a point of body axes taken for one of the world, and the reverse
+// Uses a point in body axes as a point fixed in the world, or the reverse.
 template <class T, Frame written>
 bool point_in_other_frame(Cause& c, double) {
     bool any = false;
@@ -284,7 +285,7 @@ bool spring_in_other_axes(Cause& c, double) {
     c.engine.spring = axes;
     return has<Spring>(c.scene);
 }
-// a field of the world that turns with the body: a force at the centre of mass, in body axes
+// Gravity rotates with the body: a force at the centre of mass, constant in body axes.
 inline bool gravity_in_body_axes(Cause& c, double) {
     bool any = false;
     for (Load& load : c.scene.loads)
@@ -304,7 +305,7 @@ inline bool scale_drag(Cause& c, double factor) {
     each<Drag>(c.scene, [&](Drag& d) { d.rotational = factor * d.rotational, d.translational *= factor; });
     return has<Drag>(c.scene);
 }
-// c of the torque -c w taken for a rate: dw/dt = -c w
+// Uses c of the torque -c w as a decay rate: dw/dt = -c w.
 inline bool drag_on_rate(Cause& c, double) {
     bool any = false;
     each<Drag>(c.scene, [&](Drag& d) {

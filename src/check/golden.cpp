@@ -19,12 +19,12 @@ namespace {
 
 Vector3<double> rounded(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 
-// Numbers on the way to a convention's axes and unit of length.
+// Converts numbers to a convention's axes and unit of length.
 class Way {
   public:
     explicit Way(const Convention& convention) : axes_(convention.axes), unit_(convention.length_unit) {}
 
-    // a number in m^power
+    // x in m^power
     double scaled(double x, int power) const {
         for (int i = 0; i < power; ++i) x /= unit_;
         return x;
@@ -36,7 +36,7 @@ class Way {
     Vector3<double> pseudovector(const Vector3<double>& v, int power) const {
         return scaled(pseudovector_to(axes_, v), power);
     }
-    // M T M^T: each column of M T is a vector, and so is each row of the result
+    // M T M^T: transforms the columns of T, then the rows
     Matrix3<double> tensor(const Matrix3<double>& T, int power) const {
         Matrix3<double> half;
         for (int i = 0; i < 3; ++i) half[i] = vector_to(axes_, T[i]);
@@ -46,7 +46,7 @@ class Way {
     }
     Quaternion<double> attitude(const Quaternion<double>& q) const { return quaternion_to(axes_, q); }
 
-    // in kg, m and s: a force is a vector in m, a torque a pseudovector in m^2
+    // a force is a vector with unit kg m/s^2, a torque a pseudovector with unit kg m^2/s^2
     void operator()(Gravity& g) const { g.acceleration_W = vector(g.acceleration_W, 1); }
     void operator()(Torque& t) const { t.vector = pseudovector(t.vector, 2); }
     void operator()(Force& f) const { f.vector = vector(f.vector, 1), f.point = vector(f.point, 1); }
@@ -65,7 +65,7 @@ class Way {
         s.rest_length = scaled(s.rest_length, 1);
     }
 
-    // forces along a joint's coordinate: of a slide in kg m/s^2, else in kg m^2/s^2
+    // force along a joint's coordinate: kg m/s^2 for prismatic joints, else kg m^2/s^2
     double generalized(const Joint& joint, double force) const {
         return scaled(force, joint.type == JointType::prismatic ? 1 : 2);
     }
@@ -110,11 +110,11 @@ SupportPiece<double> piece_to(const Way& way, SupportPiece<double> piece) {
     return piece;
 }
 
-// What one rounding of the start to binary32 leads to, rad; pi where that is not known either.
+// Attitude error caused by rounding the start to binary32, rad; pi if it is not available.
 double measured_float32_floor(const Scene& scene, const Reference& truth) {
     Scene rounded_scene = scene;
     const auto narrow = [](double& x) { x = static_cast<double>(static_cast<float>(x)); };
-    // what is rounded closes no loops
+    // a rounded start does not close loops
     if (!scene.loops.empty()) return std::numbers::pi;
     const auto narrow_attitude = [&](Quaternion<double>& q) {
         for (double* x : {&q.w, &q.x, &q.y, &q.z}) narrow(*x);
@@ -150,11 +150,11 @@ void find_floors(const Scene& scene, const Reference& truth, Golden& g) {
     if (kappa.available) g.float64_floor = kappa.floor_peak(float64_roundoff).value;
     const double floor =
         kappa.available ? kappa.floor_peak(float32_roundoff).value : measured_float32_floor(scene, truth);
-    // beyond any number: the attitude is lost
+    // at pi the attitude is lost
     g.float32_floor = floor < std::numbers::pi ? floor : std::numbers::pi;
 }
 
-// How large the motion is, as check has it: a matter of the truth alone.
+// Size of the motion as in `check`. It depends on the truth only.
 PerMeasure<double> sizes_of(const Scene& scene, const Reference& truth) {
     TrajectoryFile file;
     file.has_angular_velocity = file.has_position = file.has_velocity = true;
@@ -166,7 +166,7 @@ PerMeasure<double> sizes_of(const Scene& scene, const Reference& truth) {
 void set_tolerances(const Scene& scene, const PerMeasure<double>& sizes, const Convention& convention, Golden& g) {
     const ErrorLimits limits(scene);
     for (const JudgedBlock& block : judged_blocks()) {
-        // the bodies' own states are what an engine's test compares
+        // an engine's test compares the states of bodies
         if (is_of_joints(block.name)) continue;
         const ErrorLimit& limit = limits[block.name];
         GoldenTolerance t{std::string(block.name), limit.value, limit.from};
@@ -200,7 +200,7 @@ Scene scene_to(const Convention& convention, const Scene& scene) {
             motor->force = way.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
     }
     for (Plane& plane : there.planes) {
-        // the offset belongs to the unit normal
+        // the offset refers to the unit normal
         const double size = length(plane.normal_W);
         plane.offset = way.scaled(plane.offset, 1) / size, plane.normal_W = way.vector((1 / size) * plane.normal_W, 0);
     }
@@ -216,11 +216,11 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
     if (scene.body.source)
         for (const SupportPiece<double>& piece : hull<double>(*scene.body.source))
             g.shape.push_back(piece_to(way, piece));
-    // rounding to binary64 turns a quaternion by at most 4 2^-53 rad, and moves a vector by less
+    // rounding to binary64 rotates a quaternion by at most 4 2^-53 rad; the relative change of a vector is less
     g.bound = truth.bound + 0x1p-51;
     g.motion.has_angular_velocity = g.motion.has_position = g.motion.has_velocity = true;
     for (const ReferenceSample& s : truth.samples) {
-        // w in world axes is rounded once: from the parts of both
+        // w in world axes is computed from both parts of each number and rounded once
         const Quaternion<Wide> exact{Wide(s.q.w.high) + s.q.w.low, Wide(s.q.x.high) + s.q.x.low,
                                      Wide(s.q.y.high) + s.q.y.low, Wide(s.q.z.high) + s.q.z.low};
         Vector3<Wide> w;
@@ -242,7 +242,7 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
     const auto is_known = [](const Reaction<Pair>& r) {
         return !std::isnan(length(rounded(r.force_W)) + length(rounded(r.torque_W)));
     };
-    // where constraints are redundant they are not determined
+    // reactions of redundant constraints are not determined
     if (std::ranges::all_of(truth.reactions, is_known))
         for (const Reaction<Pair>& reaction : truth.reactions) {
             g.forces.push_back(way.vector(rounded(reaction.force_W), 1));

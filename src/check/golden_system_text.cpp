@@ -1,4 +1,4 @@
-// Golden data of several bodies as text: what differs from that of one.
+// Writes the parts of golden data that are specific to several bodies.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -10,7 +10,7 @@
 namespace polhode::golden_code {
 namespace {
 
-// Where a joint's or a body's quaternions stand in the scene's JSON.
+// Moves the scalar of each quaternion in the JSON of joints and bodies to the end.
 void put_scalars_last(ordered_json& document) {
     for (auto& [key, value] : document.items()) {
         const bool quaternion =
@@ -22,7 +22,7 @@ void put_scalars_last(ordered_json& document) {
     }
 }
 
-// Names made fit for code, no two alike.
+// Converts names to unique identifiers.
 class Identifiers {
   public:
     std::string operator()(const std::string& name) {
@@ -103,7 +103,7 @@ std::vector<Field> system_fields(const Golden& g, const ordered_json& around, co
                                                    {"from", "s"},
                                                    {"until", "s"},
                                                    {"at", "s"}};
-    // one member of a joint, a loop or a load; bodies and joints by their numbers
+    // adds one member of a joint, a loop or a load; refers to bodies and joints by index
     const auto add_member = [&](const auto& self, const std::string& prefix, const std::string& key,
                                 const ordered_json& value) -> void {
         if (key == "name" || key == "dependent") return;

@@ -1,4 +1,4 @@
-// Golden data as text: one document of all of it, which JSON prints and code in three languages is made from.
+// Writes golden data as CSV, JSON, C, C++ and C#. JSON and code are made from the same document.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace golden_code;
 
-// What the motion is of: the body, its shape, what it meets and what acts on it.
+// The body, its shape, planes and loads.
 ordered_json surroundings(const Golden& g, const Numbers& number) {
     if (is_mechanism(g.scene)) return system_surroundings(g, number);
     ordered_json all;
@@ -33,7 +33,7 @@ ordered_json surroundings(const Golden& g, const Numbers& number) {
         if (piece.radius > 0) one["radius"] = number(piece.radius);
         all["shape"].push_back(std::move(one));
     }
-    // as scene files have them
+    // in the form of scene files
     const ordered_json written = number.all_of(ordered_json::parse(write_scene(g.scene)));
     for (const char* list : {"planes", "loads"}) all[list] = written.value(list, ordered_json::array());
     if (scalar_last(g))
@@ -90,7 +90,7 @@ std::string json(const Golden& g, const Numbers& number) {
         for (const Vector3<double>& force : g.forces) all["reaction_forces"].push_back(number(force));
         for (const Vector3<double>& torque : g.torques) all["reaction_torques"].push_back(number(torque));
     }
-    // a line a key, and a line a sample
+    // one line per key and per sample
     std::string text;
     for (const auto& [key, value] : all.items())
         text += fmt::format("{}{}: {}", text.empty() ? "{" : ",\n ", ordered_json(key).dump(),
@@ -137,7 +137,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     const auto add_members = [&](const std::string& prefix, const ordered_json& members, const std::string& type) {
         for (const auto& [key, value] : members.items()) {
             if (key == "type" || key == "name") continue;
-            // a frame: whether it is the body's
+            // a frame becomes a flag: 1 for the body's
             if (value.is_string())
                 add(prefix + key + "_is_body", value == "body" ? 1 : 0, "1: body axes, 0: world axes");
             else
@@ -208,7 +208,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     return all;
 }
 
-// What the three languages have in common, for people.
+// The comment at the top of the code in all three languages.
 std::vector<std::string> preface(const Golden& g) {
     const double unit = g.convention.length_unit;
     std::vector<std::string> lines{
@@ -234,8 +234,8 @@ std::vector<std::string> preface(const Golden& g) {
     return lines;
 }
 
-// The comparison: NAME_ is the prefix of names, REAL the type of numbers, SCALAR and VECTOR where a quaternion's parts
-// are, DATA what makes an array of a row. The names of parameters hide none of the constants'.
+// The function that compares. Placeholders: NAME_ is the prefix of names, REAL the type of numbers, SCALAR and VECTOR
+// are the offsets of a quaternion's parts, DATA converts a row to a pointer. No parameter hides a constant.
 constexpr const char* compare_c = R"(
 /* Returns the number of blocks of WHOSE state at sample k that exceed their tolerances. Blocks whose pointer is null
  * are not compared. If size > 0, the message lists the blocks that exceed them, with their errors. */
@@ -286,7 +286,7 @@ static inline int NAME_compare(size_t k, C_PARAMETERconst REAL *own_q, const REA
 }
 )";
 
-// What stands for these marks in the code, of one body and of several. One of a longer name stands first.
+// Placeholders whose text depends on the number of bodies. A placeholder precedes those that its name contains.
 struct MarkOfBodies {
     const char *mark, *of_one, *of_several;
 };
@@ -303,7 +303,7 @@ constexpr MarkOfBodies marks_of_bodies[] = {{"WHOSE", "the engine's", "a body's"
                                             {"OF_ROW", "", ", row"},
                                             {"OF_SAMPLE", "", ", k"}};
 
-// ahead of the same function, and behind it
+// C++: text before and after the function
 constexpr const char* names_of_cpp = R"(
 using std::atan2, std::fabs, std::size_t, std::snprintf, std::sqrt, std::strlen;
 )";
@@ -378,7 +378,7 @@ std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
         compare = names_of_cpp + replaced(compare, "static inline", "inline") + compare_cpp;
     for (const auto& [what, of_one, of_several] : marks_of_bodies)
         compare = replaced(std::move(compare), what, is_mechanism(g.scene) ? of_several : of_one);
-    // the name last: it may hold any word
+    // the name comes last: it may contain any word
     for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
                                    {"SCALAR", scalar_last(g) ? "3" : "0"},
                                    {"VECTOR", scalar_last(g) ? "0" : "1"},

@@ -15,14 +15,14 @@
 namespace polhode {
 namespace {
 
-// Impacts are measured where the normal speed is this many times what it may change by in free flight within a row.
+// Impacts are measured if the normal speed is this many times its change in free flight within a row.
 constexpr double least_changes = 4;
 constexpr std::size_t most_impacts = 200;
 
-// What one plane sees of the body in a row.
+// The distance of the body from one plane in a row.
 struct Approach {
-    double distance = 0;  // of the nearest piece, m
-    double rate = 0;      // of that piece, m/s
+    double distance = 0;  // distance of the nearest piece, m
+    double rate = 0;      // rate of this distance, m/s
     std::size_t piece = 0;
     double second = 0;  // distance of the next piece, m
 };
@@ -40,7 +40,7 @@ Approach approach(const ContactGeometry<double>& geometry, std::size_t plane, co
     return found;
 }
 
-// largest acceleration of a constant field, m/s^2
+// Largest acceleration by gravity, m/s^2.
 double gravity_of(const Scene& scene) {
     double sum = 0;
     for (const Load& load : scene.loads)
@@ -48,7 +48,7 @@ double gravity_of(const Scene& scene) {
     return sum;
 }
 
-// The acceleration towards a plane where nothing but gravity acts, all the time; else there is none that is known.
+// Returns the acceleration towards a plane if only gravity acts, at all times.
 std::optional<double> fall_towards(const Scene& scene, const Vector3<double>& normal_W) {
     double sum = 0;
     for (const Load& load : scene.loads) {
@@ -59,17 +59,17 @@ std::optional<double> fall_towards(const Scene& scene, const Vector3<double>& no
     return sum;
 }
 
-// A row and the next, between which a body comes back from a plane or stops there.
+// Two successive rows between which a body bounces off a plane or stops at it.
 struct Bounce {
     double before = 0, after = 0;  // speed towards the plane, speed away from it, m/s
-    double distance = 0;           // of the first row, m
-    double next_distance = 0;      // of the second row, m
-    double h = 0;                  // s
-    bool is_late = false;          // the first row is the first inside the plane, by the way of a step at most
+    double distance = 0;           // distance in the first row, m
+    double next_distance = 0;      // distance in the second row, m
+    double h = 0;                  // time between the rows, s
+    bool is_late = false;          // the first row is the first inside the plane, by at most the travel of a step
 };
 
-// Whether the normal through a contact passes through the centre of mass: an impact without friction then changes no
-// rotation, and the normal speed of the contact is that of the centre of mass.
+// Whether the normal through a contact passes through the centre of mass. An impact without friction then does not
+// change the rotation, and the normal speed of the contact is that of the centre of mass.
 bool is_without_arm(const ContactGeometry<double>& geometry, std::size_t plane, std::size_t piece,
                     const Placement<double>& at) {
     const Vector3<double>& normal_W = geometry.planes[plane].normal_W;
@@ -77,14 +77,14 @@ bool is_without_arm(const ContactGeometry<double>& geometry, std::size_t plane, 
     return length(cross(arm_W, normal_W)) <= 1e-9 * geometry.reach * length(normal_W);
 }
 
-// The bounces of a body whose impacts change no rotation, or that does not rotate at all.
+// Finds the bounces of a body that does not rotate or whose impacts do not change the rotation.
 std::vector<Bounce> bounces_of(const ContactGeometry<double>& geometry, std::size_t plane, const TrajectoryFile& file,
                                const std::vector<Placement<double>>& rows, double fall) {
     std::vector<Bounce> all;
     for (std::size_t k = 1; k + 1 < rows.size(); ++k) {
         const Approach now = approach(geometry, plane, rows[k]), next = approach(geometry, plane, rows[k + 1]);
         const double h = file.rows[k + 1].t - file.rows[k].t;
-        // a fast body that moves on by no more than gravity has made of it since was stopped
+        // a fast body was stopped if its speed in the next row is only that gained from gravity
         const double change = std::abs(fall) * h;
         const bool is_stopped = now.rate < -4 * change && next.rate >= -1.01 * change;
         if (!(now.rate < 0 && (next.rate >= 0 || is_stopped) && now.distance < -2 * now.rate * h + 1e-9)) continue;
@@ -99,7 +99,7 @@ std::vector<Bounce> bounces_of(const ContactGeometry<double>& geometry, std::siz
     return all;
 }
 
-// The energy that a bounce adds (of a unit mass, J/kg) beside what a rebound from the plane at the restitution leaves.
+// Energy per mass (J/kg) after a bounce, in excess of the energy after a rebound at the plane with this restitution.
 double energy_gained(const Bounce& b, double fall, double restitution) {
     const double at_contact = b.before * b.before / 2 + fall * b.distance;
     return b.after * b.after / 2 + fall * b.next_distance - restitution * restitution * at_contact;
@@ -115,8 +115,7 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-// What an engine does to bounces of a body that falls on a plane, whose rotation they do not change. `returned`: the
-// measured restitutions of impacts.
+// Diagnoses bounces of a falling body that do not change its rotation. `returned`: the measured restitutions.
 std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const std::vector<double>& returned,
                                       double gravity, double restitution, std::size_t plane) {
     constexpr double most = 0.7;
@@ -134,7 +133,7 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
     std::ranges::copy_if(bounces, std::back_inserter(fast),
                          [&](const Bounce& b) { return b.before > 4 * gravity * b.h; });
     if (gravity > 0 && restitution > 0) {
-        // an engine that leaves the body where the step has brought it, inside the plane, loses what the speed gains
+        // if the engine leaves the body inside the plane, the potential energy loses what the speed gains
         const auto by_whole_step = [&](const Bounce& b) {
             return comes_back_with(b, restitution * (b.before + gravity * b.h)) &&
                    energy_gained(b, gravity, restitution) > 0.2 * restitution * restitution * gravity * b.h * b.before;
@@ -163,7 +162,7 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
                                      "{:.3g}; apply it once, or give one of the two bodies a restitution of 1",
                                      plane, usual, restitution),
                          "", std::abs(usual - restitution), 0};
-    // rests in place of a rebound that is fast against a step's gravity
+    // the body rests although its rebound would be fast compared with the speed gained in a step
     for (const Bounce& b : bounces)
         if (restitution > 0.05 && b.after <= 1e-9 * b.before && b.before > 4 * gravity * b.h &&
             restitution * b.before > 2 * gravity * b.h && b.before < slowest_back)
@@ -176,10 +175,9 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
     return {};
 }
 
-// Measures the restitution of an impact between two rows: the body flies from the first row to the contact, and back in
-// time from the second row to the contact. Both ends must give one placement of the body, and the changes of both
-// momenta one impulse at the contact: then there is a single impact. Reversed in time, a motion by constant fields is a
-// motion by the same fields.
+// Measures the restitution of an impact between two rows. The motion is propagated from the first row forward to the
+// contact, and from the second row backward to the contact. Motion in constant fields is reversible. There is a
+// single impact if both ends have the same placement, and both momenta change by one impulse at the contact.
 class Impacts {
   public:
     explicit Impacts(const Scene& scene) : model_(without_planes(scene)) {}
@@ -220,7 +218,7 @@ class Impacts {
     }
 
   private:
-    static constexpr double most_apart = 0.1;  // of the way of a row, and of the largest angular impulse
+    static constexpr double most_apart = 0.1;  // of the travel within a row, and of the largest angular impulse
 
     EngineModel model_;
 
@@ -246,7 +244,7 @@ class Impacts {
     }
 };
 
-// Whether only gravity acts, and all the time.
+// Whether only gravity acts, at all times.
 bool is_in_constant_field(const Scene& scene) {
     return !scene.pivot && std::ranges::all_of(scene.loads, [](const Load& load) {
         const auto* g = std::get_if<Gravity>(&load);
@@ -254,10 +252,10 @@ bool is_in_constant_field(const Scene& scene) {
     });
 }
 
-// The rows in which a body stays inside a plane although it no longer moves into it.
+// Collects the rows in which a body stays inside a plane although it no longer moves into it.
 class Penetration {
   public:
-    // `change`: how much the normal speed may change within a row (m/s); `reach`: of the body (m)
+    // `change`: largest change of the normal speed within a row, m/s; `reach`: of the body, m
     void add(double t, double dt, const Approach& now, double change, double reach) {
         const double way = (std::abs(now.rate) + change) * dt;
         const bool stays = now.distance < 0 && -now.distance > way + slop * reach && now.rate >= -change;
@@ -281,10 +279,10 @@ class Penetration {
     }
 
   private:
-    // Engines leave a resting body inside by a slop, to keep its contacts. A penetration below this part of the body's
-    // reach is accepted, and so is one that a single row's motion explains.
+    // Engines let a resting body penetrate by a slop to keep its contacts. A penetration below this part of the
+    // body's reach, or below its travel within a row, is accepted.
     static constexpr double slop = 0.02;
-    // a soft contact or a slow bounce is inside for a shorter time (s)
+    // soft contacts and slow bounces last less than this, s
     static constexpr double least_time = 0.1;
     static constexpr int least_rows = 6;
 
@@ -294,7 +292,7 @@ class Penetration {
     };
     int rows_ = 0;
     double from_ = 0, depth_ = 0;
-    Kept kept_;  // the longest
+    Kept kept_;  // the longest penetration
 };
 
 }  // namespace
@@ -305,7 +303,7 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         return {};
     const ExactBody<double> body = exact_body<double>(scene);
     const ContactGeometry<double> geometry = contact_geometry<double>(scene, body.center, {});
-    // how a ball about its centre of mass rotates does not matter
+    // the rotation of a ball about its centre of mass has no influence
     if (!file.has_angular_velocity &&
         !(geometry.pieces.size() == 1 && is_without_arm(geometry, 0, 0, {{}, {}, {}, {}})))
         return {};
@@ -326,7 +324,7 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         Penetration penetration;
         for (std::size_t k = 0; k < rows.size(); ++k) {
             const Approach now = approach(geometry, plane, rows[k]);
-            // deeper than a step's way: no contact was seen
+            // deeper than the travel of a step: there was no contact
             const double dt = k > 0 ? file.rows[k].t - file.rows[k - 1].t : 0;
             const double way = (length(rows[k].velocity_W) + length(rows[k].angular_velocity_W) * geometry.reach) * dt;
             if (-now.distance > 2 * way + 0.02 * geometry.reach) {
@@ -342,18 +340,18 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
             if (k + 1 == rows.size()) continue;
             const double ahead = file.rows[k + 1].t - file.rows[k].t;
             const double after = geometry.gap(plane * geometry.pieces.size() + now.piece, rows[k + 1]).rate;
-            const double change = (gravity + spin) * ahead;  // of the rate, within a row
+            const double change = (gravity + spin) * ahead;  // of the normal rate within a row
             const bool near = now.distance < -2 * now.rate * ahead && after > -change && returned.size() < most_impacts;
             std::optional<double> e;
             if (impacts && near && now.rate < -least_changes * change)
                 e = impacts->restitution(geometry, plane, file, rows, k);
-            // by the speeds of the rows themselves: an engine may move the body in its own way in the step of an impact
+            // use the speeds of the rows: engines differ in how they move the body in the step of an impact
             if (!e && near && now.rate < -40 * change && now.distance > 2 * now.rate * ahead &&
                 now.second - now.distance > -4 * now.rate * ahead)
                 e = -after / now.rate;
             if (e) returned.push_back(*e);
         }
-        // a body that rests may sink a little; one that went through is gone
+        // a resting body may sink a little; a body beyond its reach has passed through
         if (longest_inside >= 3 && deepest > geometry.reach) {
             told.push_back({"impact_missed",
                             fmt::format("the body passes through plane {} at t = {:.6g} s and is {:.3g} m behind it at "

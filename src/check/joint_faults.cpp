@@ -18,19 +18,19 @@ using Vector = Vector3<double>;
 using maximal::Kind;
 using JointLink = maximal::Link<double>;
 
-// A body in a row; the world stands still.
+// Pose and velocity of a body in a row. The default is the world.
 struct Pose {
     Quaternion<double> q{1, 0, 0, 0};
     Vector position_W, velocity_W, angular_velocity_W;
 };
 
-// The two bodies of a joint along a file.
+// The poses of a joint's two bodies in the rows of a file.
 struct JointRows {
     std::vector<double> t;
     std::vector<Pose> from, to;
 };
 
-// rows so many at the most are looked at
+// largest number of moments that are tested
 constexpr std::size_t most_rows = 4000;
 
 class FilePoses {
@@ -44,7 +44,7 @@ class FilePoses {
                 if (file.bodies[i] == bodies[b].name) place_[b] = static_cast<int>(i);
     }
 
-    // `length_unit` and `origin`: how positions are read
+    // Reads the rows of a joint. `length_unit` and `origin`: interpretation of positions.
     std::optional<JointRows> of(const JointLink& link, double length_unit, bool origin) const {
         for (const int b : {link.from.body, link.to.body})
             if (b != mechanism_.world() && place_[static_cast<std::size_t>(b)] < 0) return {};
@@ -72,10 +72,10 @@ class FilePoses {
   private:
     const maximal::Mechanism<double>& mechanism_;
     const TrajectoryFile& file_;
-    std::vector<int> place_;  // of each body in the file; -1: it is not there
+    std::vector<int> place_;  // index in the file of each body; -1 if it is missing
 };
 
-// From the joint's point on the parent to the one on the child, world axes; of a prismatic joint across its axis.
+// Vector from the joint's point on the parent to that on the child, world axes; normal to the axis if prismatic.
 Vector gap_W(const JointLink& link, const Pose& from, const Pose& to) {
     const Vector apart =
         to.position_W + rotate(to.q, link.to.arm_B) - from.position_W - rotate(from.q, link.from.arm_B);
@@ -83,7 +83,7 @@ Vector gap_W(const JointLink& link, const Pose& from, const Pose& to) {
     const Vector axis_W = rotate(from.q, link.axis_from);
     return apart - dot(axis_W, apart) * axis_W;
 }
-// How fast the two points move apart.
+// Relative velocity of the two points.
 Vector slip_W(const JointLink& link, const Pose& from, const Pose& to) {
     return to.velocity_W + cross(to.angular_velocity_W, rotate(to.q, link.to.arm_B)) - from.velocity_W -
            cross(from.angular_velocity_W, rotate(from.q, link.from.arm_B));
@@ -91,7 +91,7 @@ Vector slip_W(const JointLink& link, const Pose& from, const Pose& to) {
 
 std::string text_of(const Vector& v) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]); }
 
-// The mean of some vectors, and how far from it they are, root mean square.
+// Mean of vectors, rms deviation from it, and largest length.
 struct MeanVector {
     Vector mean;
     double deviation = 0, largest = 0;
@@ -106,7 +106,7 @@ struct MeanVector {
 
 double reach_of(const JointLink& link) { return std::max({length(link.from.arm_B), length(link.to.arm_B), 1e-3}); }
 
-// The gap in the axes of both bodies, if it is the same all the time in one of them.
+// Diagnoses a displaced anchor: the gap is constant in the axes of one of the bodies.
 std::optional<Diagnosis> anchor_fault(const JointLink& link, const JointRows& rows, const std::string& name,
                                       const std::string& parent, const std::string& child) {
     std::vector<Vector> in_from, in_to;
@@ -118,7 +118,7 @@ std::optional<Diagnosis> anchor_fault(const JointLink& link, const JointRows& ro
     const auto is_constant = [&](const MeanVector& m) {
         return length(m.mean) > 2e-3 * reach_of(link) && m.deviation < 0.15 * length(m.mean);
     };
-    // bodies that drift apart begin together
+    // bodies that drift apart start without a gap
     if (!(length(gap_W(link, rows.from[0], rows.to[0])) >
           0.5 * std::min(length(of_parent.mean), length(of_child.mean))))
         return {};
@@ -139,7 +139,7 @@ std::optional<Diagnosis> anchor_fault(const JointLink& link, const JointRows& ro
         "", by_child ? length(of_child.mean) : length(of_parent.mean), 0};
 }
 
-// The direction that all rotations are about: unit, and by what angle they leave it, root mean square.
+// Common axis of rotations (unit vector), and the rms angle (rad) of the rotations' axes from it.
 struct CommonAxis {
     Vector axis;
     double scatter = 0;
@@ -175,7 +175,7 @@ std::optional<Diagnosis> axis_fault(const JointLink& link, const JointRows& rows
     if (!of_child || !of_parent) return {};
     const Vector& axis = link.axes_to[0];
     const auto angle = [&](const Vector& a) { return std::asin(std::min(1.0, length(cross(a, axis)))); };
-    // rad; a soft joint that gives way leaves its axis, but by no fixed angle
+    // rad; a soft joint also deviates from its axis, but not by a constant angle
     const double plain = std::max(5e-3, 5 * std::max(of_child->scatter, of_parent->scatter));
     const double off_child = angle(of_child->axis), off_parent = angle(of_parent->axis);
     if (off_child < plain && off_parent < plain) return {};
@@ -195,8 +195,8 @@ std::optional<Diagnosis> axis_fault(const JointLink& link, const JointRows& rows
         "", on_child ? off_child : off_parent, 0};
 }
 
-// How joints that come apart are pulled together: what a multiple of the gap explains of the slip, or of the gap's
-// change.
+// Diagnoses a joint that separates. The rate of correction is fitted: slip = -b gap (Baumgarte), or change of gap =
+// -b gap per row (position projection).
 std::optional<Diagnosis> drift_fault(const JointLink& link, const JointRows& rows, const std::string& name,
                                      bool has_rates) {
     double largest = 0, at = 0;
@@ -216,7 +216,7 @@ std::optional<Diagnosis> drift_fault(const JointLink& link, const JointRows& row
             gap_gap += dot(gaps[k], gaps[k]), slip_gap += dot(slip, gaps[k]), slip_slip += dot(slip, slip);
             change_gap += dot(change, gaps[k]), change_change += dot(change, change);
         }
-        // the share that -b g explains of a sum of squares
+        // share of a sum of squares that -b gap explains
         const auto share = [&](double along, double all) { return all > 0 ? along * along / (gap_gap * all) : 0; };
         if (slip_gap < 0 && share(slip_gap, slip_slip) > 0.8)
             pull = fmt::format("; the gap is pulled back at {:.3g} 1/s, {:.2g} of it per row (Baumgarte)",
@@ -234,7 +234,7 @@ std::optional<Diagnosis> drift_fault(const JointLink& link, const JointRows& row
                      "", largest, 0};
 }
 
-// A coordinate that is thrown back, or stopped, at one value again and again.
+// Diagnoses a limit: a coordinate is repeatedly stopped or reflected at the same value.
 std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& rows, const std::string& name,
                                      const std::function<bool(std::size_t)>& predicts) {
     if (link.kind != Kind::revolute && link.kind != Kind::prismatic) return {};
@@ -263,11 +263,11 @@ std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& row
     std::ranges::sort(sorted);
     const double usual = sorted[sorted.size() / 2];
     for (const double side : {1.0, -1.0}) {
-        // rows at which the rate towards this side is lost within two rows, by far more than it changes elsewhere
+        // places at which the rate towards this side vanishes within two rows, by far more than it changes elsewhere
         std::vector<double> places;
         double way = 0;
         std::size_t rests = 0;
-        bool stopped = false;  // all of a plain rate is lost at once
+        bool stopped = false;  // a significant rate vanishes at once
         for (std::size_t k = 1; k + 2 < rate.size(); ++k) {
             const double before = side * rate[k - 1], after = side * rate[k + 1];
             if (!(before > 0.02 * fastest && after <= 0.02 * before && before - after > 5 * usual &&
@@ -297,7 +297,7 @@ std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& row
     return {};
 }
 
-// The largest gap of all joints over the motion, relative to their reach, as positions are read.
+// Returns the largest gap of all joints over the motion, relative to their reach, for this reading of positions.
 double worst_gap(const maximal::Mechanism<double>& mechanism, const FilePoses& poses, double length_unit, bool origin) {
     double worst = 0;
     for (const JointLink& link : mechanism.links) {
@@ -318,7 +318,7 @@ std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& fi
     std::vector<Diagnosis> told;
     const bool has_place = file.has_position || file.has_origin;
     const double as_named = has_place ? worst_gap(mechanism, poses, 1, file.has_origin) : 0;
-    // positions that are read wrongly open all joints at once
+    // a wrong reading of positions opens all joints at once
     if (as_named > 2e-3) {
         constexpr double closed = 0.02;
         if (worst_gap(mechanism, poses, 1, !file.has_origin) < closed * as_named)
@@ -356,12 +356,12 @@ std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& fi
             if (!gap) gap = drift_fault(link, *rows, name, file.has_angular_velocity && file.has_velocity);
             if (gap) told.push_back(*std::move(gap));
         }
-        // a loop passes dead centres
+        // loops pass dead centres, which look like limits
         if (!scene.loops.empty()) continue;
         if (std::optional<Diagnosis> limit = limit_fault(link, *rows, name, predicts))
             told.push_back(*std::move(limit));
     }
-    // what is off pulls the other joints apart
+    // a displaced anchor or axis also separates other joints
     const auto is_off = [](const Diagnosis& d) { return d.fault == "joint_anchor_off" || d.fault == "joint_axis_off"; };
     if (std::ranges::any_of(told, is_off))
         std::erase_if(told, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });

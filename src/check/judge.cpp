@@ -27,11 +27,11 @@ bool rotates_alone(const Scene& scene) {
            });
 }
 
-/// The largest errors so far, not yet relative to anything.
+/// The largest errors so far, before division by a scale.
 struct Judge::Tally {
     ErrorSummary all;
     std::array<double, most_spans> span{};
-    bool any = false;  // whether any was noted
+    bool any = false;  // whether an error was added
 
     bool is_worst(double error) const { return !any || is_larger(error, all.max); }
     void note(double error, double t, std::size_t k) {
@@ -54,7 +54,7 @@ struct Judge::Tally {
 };
 
 struct Judge::State {
-    // The measuring in one scalar, and what is made anew for each time.
+    // The measures in one scalar type, with buffers that are filled at each time.
     template <class S>
     struct Arithmetic {
         explicit Arithmetic(const Scene& scene) : measure(scene) { compared.bodies.resize(measure.bodies()); }
@@ -66,20 +66,19 @@ struct Judge::State {
 
     const Scene* scene;
     const TrajectoryFile* file;
-    std::vector<std::size_t> places;  // in the scene, of the file's bodies
+    std::vector<std::size_t> places;  // indices in the scene of the file's bodies
     std::vector<std::string> joints;
     std::variant<Arithmetic<Wide>, Arithmetic<double>> arithmetic;
     JointCoordinates coordinates, true_coordinates;
-    // Whether the energy is that of rotation: of a body that flies, whose rotation does not hang on where it is, in a
-    // file without all of the translation.
+    // Whether the rotational energy is compared: without p or v, if the rotation does not depend on the position.
     bool rotational = false;
     PerMeasure<Tally> tallies = {};
     PerMeasure<double> scales = {};
-    PerMeasure<double> sizes = {};  // of what is not relative
+    PerMeasure<double> sizes = {};  // of position and velocity, which are not relative
     std::array<double, most_spans> until{};
     std::optional<std::size_t> kept_measure{};
     std::vector<double> kept{};
-    std::vector<Vector3<double>> starts{};  // of several bodies at the file's first time
+    std::vector<Vector3<double>> starts{};  // positions at the file's first time
     std::string worst_body{}, worst_gap{}, worst_turn{};
     std::size_t place = measure_index("position"), speed = measure_index("velocity"), energy = measure_index("energy"),
                 attitude = measure_index("attitude"), gap = measure_index("joint_gap"),
@@ -88,7 +87,7 @@ struct Judge::State {
     bool has_position() const { return file->has_position || file->has_origin; }
     bool has_all_bodies() const { return !is_mechanism(*scene) || places.size() == scene->bodies.size(); }
 
-    // whether the file's columns tell what a measure needs
+    // Whether the file has the columns that a measure needs.
     bool knows(const Measure& measure) const {
         const bool several = is_mechanism(*scene);
         if (!std::visit([&](const auto& a) { return a.measure.has(measure); }, arithmetic)) return false;
@@ -98,7 +97,7 @@ struct Judge::State {
                                (file->has_angular_velocity ? known_angular_velocity : 0U) |
                                (has_position() ? known_position : 0U) | (file->has_velocity ? known_velocity : 0U) |
                                (center ? known_center : 0U);
-        // momenta and energies of several bodies hang on where all of them are and how they move
+        // momenta and energy of several bodies need the states of all bodies
         if (several && measure.whole_error &&
             (!has_all_bodies() || ((measure.needs & known_angular_velocity) != 0 && !center)))
             return false;
@@ -107,7 +106,7 @@ struct Judge::State {
 
     std::size_t span_of(double t) const { return polhode::span_of(t, file->rows.front().t, file->rows.back().t); }
 
-    // the numbers of a row, in place of the truth's; what the file does not tell is not judged
+    // Overwrites the true motion by a row of the file. Blocks that the file lacks keep the true values.
     template <class S>
     void read(const TrajectoryRow& row, const Vector3<S>& center, BodyMotion<S>& own) const {
         own.q = cast<S>(row.q);
@@ -118,7 +117,7 @@ struct Judge::State {
         if (file->has_angular_velocity) own.angular_velocity_B = rotate_back(unit, cast<S>(row.angular_velocity_W));
     }
 
-    // both without their translation: what remains is the energy of rotation
+    // Returns both motions without translation, so that their energy is rotational.
     template <class S>
     ComparedMotion<S> at_rest_in_place(const Arithmetic<S>& a, double t) {
         ComparedMotion<S> c = a.compared;
@@ -234,7 +233,7 @@ Judgement Judge::result() const {
     for (const TrajectoryRow& row : state_->file->rows) seen[state_->span_of(row.t)] = true;
     PerMeasure<Tally> tallies = state_->tallies;
     PerMeasure<double> scales = state_->scales;
-    // several bodies at rest turn by the truth's round-off at most
+    // the rate of several bodies at rest is only the truth's round-off
     if (double& rate = scales[state_->omega];
         is_mechanism(*state_->scene) && rate * state_->scene->duration < vanishing)
         rate = 0;

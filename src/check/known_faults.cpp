@@ -1,4 +1,4 @@
-// The faults that engines and their files are known to have. Adding one is adding a row.
+// Table of known faults of engines and their files. To add a fault, add a row.
 #include <cmath>
 #include <numbers>
 
@@ -15,7 +15,7 @@ constexpr double revolution_per_minute = std::numbers::pi / 30;
 using Apply = std::function<bool(Cause&, double)>;
 using Values = std::vector<double> (*)(const FileFacts&);
 
-// A fault with a number that is fitted, or without.
+// A fault, with a fitted number if `values` is given.
 Hypothesis fitted(std::string fault, Subject subject, std::string what, std::string remedy, Apply apply,
                   Values values = nullptr, std::string convention = "") {
     Hypothesis h{.fault = std::move(fault),
@@ -28,7 +28,7 @@ Hypothesis fitted(std::string fault, Subject subject, std::string what, std::str
     if (values) h.values = values;
     return h;
 }
-// One of a number that is known beforehand.
+// A fault with a fixed number.
 Hypothesis fixed(std::string fault, Subject subject, std::string what, std::string remedy,
                  bool (*apply)(Cause&, double), double x = 1) {
     return fitted(std::move(fault), subject, std::move(what), std::move(remedy),
@@ -44,10 +44,10 @@ Hypothesis engine(std::string fault, Subject subject, std::string what, std::str
     return fitted(std::move(fault), subject, std::move(what), std::move(remedy), engine_does(change));
 }
 
-// a factor so near to 1 is a method's own error
+// Factors closer to 1 than this can be caused by truncation errors.
 bool is_plain(double factor) { return std::abs(std::log(factor)) > 0.02; }
 
-// so many values from one to another, evenly in their logarithms
+// Returns count + 1 values from `from` to `to`, equally spaced in their logarithms.
 std::vector<double> logarithmic(double from, double to, int count) {
     std::vector<double> values;
     for (int i = 0; i <= count; ++i) values.push_back(from * std::pow(to / from, static_cast<double>(i) / count));
@@ -55,16 +55,16 @@ std::vector<double> logarithmic(double from, double to, int count) {
 }
 
 std::vector<double> factors(const FileFacts&) { return logarithmic(0.05, 20, 40); }
-// rates at which something dies away during a run, or within a step
+// Decay rates: from slow over the whole run to fast within a row.
 std::vector<double> damping_rates(const FileFacts& facts) {
     return logarithmic(3e-3 / std::max(facts.duration, 1e-9), 0.5 / std::max(facts.row, 1e-12), 48);
 }
-// rates of steps, from one a row on
+// Step rates, from one to about 20 steps per row.
 std::vector<double> steps_a_second(const FileFacts& facts) {
     return logarithmic(0.9 / std::max(facts.row, 1e-12), 22 / std::max(facts.row, 1e-12), 24);
 }
 std::vector<double> time_factors(const FileFacts&) { return logarithmic(0.2, 5, 60); }
-// A limit shows in most rows, or in the fastest.
+// Speed limits: near the median or the largest speed, where a limit shows.
 std::vector<double> speed_limits(const FileFacts& facts) {
     std::vector<double> values;
     for (const double rate : {facts.usual_rate, facts.largest_rate})
@@ -73,7 +73,7 @@ std::vector<double> speed_limits(const FileFacts& facts) {
     return values;
 }
 
-// The same of the components of w.
+// Limits on components of w: near their largest values.
 template <LimitOf limited>
 std::vector<double> component_limits(const FileFacts& facts) {
     std::vector<double> values;
@@ -85,7 +85,7 @@ std::vector<double> component_limits(const FileFacts& facts) {
     return values;
 }
 
-// A factor of something in the scene.
+// A fault that scales a quantity of the scene by a fitted factor.
 Hypothesis scaled(std::string fault, Subject subject, std::string what, std::string remedy,
                   bool (*apply)(Cause&, double)) {
     return fitted(
@@ -93,7 +93,7 @@ Hypothesis scaled(std::string fault, Subject subject, std::string what, std::str
         [apply](Cause& c, double x) { return is_plain(x) && apply(c, x); }, factors);
 }
 
-// what the columns name is the other of the two points
+// Reads the position columns as the other point: origin or centre of mass.
 bool read_other_point(Cause& c, bool origin) {
     if (c.reading.origin != origin || !(length(c.scene.body.center_of_mass) > 0)) return false;
     c.reading.origin = !origin;
@@ -577,7 +577,7 @@ std::vector<Hypothesis> load_faults() {
 
 }  // namespace
 
-// Of explanations that are equally near the first in the table is told first: a load of the wrong size before a mass.
+// Of equally good explanations, the first in this table is reported first: a wrong load before a wrong mass.
 const std::vector<Hypothesis>& known_faults() {
     static const std::vector<Hypothesis> all = [] {
         std::vector<Hypothesis> list;

@@ -14,18 +14,18 @@
 namespace polhode {
 namespace {
 
-// so many rows are compared with all updates, and so many with the one that they match
+// number of rows compared with all updates, and with the update that they match
 constexpr std::size_t rows_to_choose = 240, rows_to_follow = 20'000;
 constexpr std::size_t least_rows = 8;
 
-// Whether rows are at 0, h, 2 h, .. as far as a clock in binary32 tells.
+// Whether rows are at 0, h, 2 h, .., up to the rounding of a binary32 clock.
 bool evenly_spaced(const TrajectoryFile& file, std::size_t rows, double h) {
     for (std::size_t k = 0; k < rows; ++k)
         if (!(std::abs(file.rows[k].t - static_cast<double>(k) * h) <= 1e-5 * h + 1e-6 * file.rows[k].t)) return false;
     return true;
 }
 
-// The angles between a run and the file's rows, or the run's and the motion's; none where it came to no end.
+// Attitude differences between a run and q_at(k) at each row; empty if the run failed.
 template <class At>
 std::vector<double> angles(const Trajectory& run, std::size_t rows, const At& q_at) {
     std::vector<double> all;
@@ -34,7 +34,7 @@ std::vector<double> angles(const Trajectory& run, std::size_t rows, const At& q_
     return all;
 }
 
-// NaN is the largest of all
+// Returns the largest angle. NaN counts as largest.
 double largest_of(const std::vector<double>& all, std::size_t rows) {
     if (all.size() < rows) return std::numeric_limits<double>::infinity();
     double largest = 0;
@@ -43,17 +43,17 @@ double largest_of(const std::vector<double>& all, std::size_t rows) {
     return largest;
 }
 
-// How far rounding of each step may have led by a row.
+// Largest attitude difference that rounding in each step explains at a row, rad.
 double by_rounding(double noise, std::size_t row) { return 20 * noise * static_cast<double>(row + 10); }
 
-// How many rows are as near as rounding leaves them.
+// Number of rows from the first that match to rounding.
 std::size_t rows_that_match(const std::vector<double>& all, double noise) {
     std::size_t k = 0;
     while (k < all.size() && all[k] <= by_rounding(noise, k)) ++k;
     return k;
 }
 
-// What |w| does at a row, where it changes plainly more than in the rows before it.
+// Describes a change of |w| at a row that is clearly larger than in the rows before.
 std::string jump_at(const TrajectoryFile& file, std::size_t row) {
     if (!file.has_angular_velocity || row < 4) return "";
     const auto speed = [&](std::size_t k) { return length(file.rows[k].angular_velocity_W); };
@@ -62,7 +62,7 @@ std::string jump_at(const TrajectoryFile& file, std::size_t row) {
         before.push_back(std::abs(speed(k) - speed(k - 1)));
     if (before.empty()) return "";
     std::ranges::sort(before);
-    // an attitude that is a step late shows a change of w in the row before
+    // if the attitude is one step late, w changes in the row before
     for (const std::size_t k : {row, row - 1}) {
         const double change = speed(k) - speed(k - 1);
         if (std::abs(change) > 5 * before.back() && std::abs(change) > 1e-6 * speed(k - 1))
@@ -102,15 +102,15 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
     for (const Method* method : methods())
         if ((method->family == Family::engine_update || method->family == Family::published_update) &&
             method->control == Control::fixed_step && (noise > 1e-9 || method->precision == Precision::binary64) &&
-            // those of impacts are the others where there is no plane
+            // without planes, the updates with impacts equal those without
             (!method->planes || !scene.planes.empty()))
             updates.push_back(method);
-    // of two that are as near but for rounding, the engines' own name it
+    // of two updates that differ by rounding only, the one of engines is preferred
     std::stable_partition(updates.begin(), updates.end(),
                           [](const Method* m) { return m->family == Family::engine_update; });
     const std::vector<double> errors = angles(truth, rows, of_file);
     const double error = largest_of(errors, rows);
-    // the attitude is right, as far as the file's numbers tell
+    // the attitude is correct to the precision of the file's numbers
     if (!(error > 10 * by_rounding(noise, rows))) return {};
     struct Candidate {
         const Method* method = nullptr;
@@ -133,7 +133,7 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
     if (!nearest.method) return {};
     FollowedUpdate best;
     best.method = nearest.method->name, best.step = row / nearest.steps;
-    // rows that the scene's motion matches as well tell nothing
+    // rows that the scene's motion also matches are not evidence
     best.matches = nearest.matching >= least_rows && nearest.matching > rows_that_match(errors, noise) + least_rows / 2;
     if (!best.matches) {
         best.distance = nearest.distance, best.error = error;
@@ -144,7 +144,7 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
             best.method, hertz(best.step), rows, best.distance, best.error);
         return best;
     }
-    // until where
+    // find the row at which the file departs
     std::size_t matching = nearest.matching;
     std::vector<double> off = angles(run(*nearest.method, best.step, all_rows), all_rows, of_file);
     if (evenly_spaced(file, all_rows, row) && off.size() == all_rows) matching = rows_that_match(off, noise);

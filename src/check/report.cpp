@@ -24,7 +24,7 @@ const char* verdict(const ErrorLimits& limits, const BlockVerdict& block) {
     return !block.error ? "not in the file" : limits.report_only ? "reported" : block.failed ? "failed" : "passed";
 }
 
-// the measures whose growth is told
+// Indices of the measures that are reported over time.
 std::vector<std::size_t> told_over_time(const Judgement& judgement) {
     std::vector<std::size_t> told;
     for (std::size_t m = 0; m < measures().size(); ++m)
@@ -32,13 +32,13 @@ std::vector<std::size_t> told_over_time(const Judgement& judgement) {
     return told;
 }
 
-// "0.05 rad" or "5 % of the motion's"
+// Formats a limit: "0.05 rad" or "5 %".
 std::string said(const BlockVerdict& v) {
     if (v.limit.relative) return fmt::format("{} %", shortest_decimal(100 * v.limit.value));
     return fmt::format("{} {}", shortest_decimal(v.limit.value), v.block->unit);
 }
 
-// The blocks that are beyond their limits, or the attitude.
+// Describes the blocks that exceed their limits, or the attitude error if there is none.
 std::string sentence(const ErrorLimits& limits, const CheckedFile& c) {
     std::string text;
     for (const BlockVerdict& v : limits.verdicts(c.judgement)) {
@@ -113,7 +113,7 @@ std::string text_of(const ErrorLimits& limits, const CheckedFile& c) {
     return report;
 }
 
-// JSON has no word for what is not finite
+// JSON cannot represent non-finite numbers.
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
 ordered_json number(const std::optional<double>& value) { return value ? number(*value) : ordered_json(nullptr); }
 
@@ -144,7 +144,7 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     file["float32_floor"] = c.floor ? number(c.floor->float32) : nullptr;
     file["float_judged_until"] = number(c.float_judged_until);
     file["over_time"] = ordered_json::array();
-    // what every file tells comes first
+    // measures that every file has come first
     std::vector<std::size_t> told = told_over_time(c.judgement);
     std::stable_partition(told.begin(), told.end(),
                           [](std::size_t m) { return (measures()[m].needs & ~known_truth) == 0; });
@@ -181,7 +181,7 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     return file;
 }
 
-// two blanks a level
+// Indents by two spaces per level.
 class Printer : public tinyxml2::XMLPrinter {
   protected:
     void PrintSpace(int depth) override {

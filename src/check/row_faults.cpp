@@ -12,10 +12,10 @@
 namespace polhode {
 namespace {
 
-// so many rows are looked at
+// number of rows that are tested
 constexpr std::size_t most_rows_compared = 2000;
 
-// The share of rows of a kind that come again and again in between others, which no motion does by itself.
+// Counts rows of one kind that alternate regularly with other rows. No motion does this by itself.
 struct Share {
     int of_a_kind = 0, all = 0, changes = 0, run = 0, longest = 0;
     bool last = false;
@@ -48,7 +48,7 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
                          "rows are written more often; write one row after each step",
                          repeated.of_a_kind, repeated.all, (repeated.all - repeated.of_a_kind) / duration),
              "", 1, 0}};
-    // the mean rate of each interval, and how much it changes from one to the next
+    // mean rate of each interval, and its change from one interval to the next
     std::vector<Vector3<double>> rates;
     for (std::size_t k = 1; k < count; ++k)
         rates.push_back((1 / (rows[k].t - rows[k - 1].t)) *
@@ -60,9 +60,8 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
         largest_rate = std::max(largest_rate, length(rates[k]));
         largest_turn = std::max(largest_turn, length(rates[k]) * (rows[k + 1].t - rows[k].t));
     }
-    // in between two states the rate is constant, and it jumps at each: a smooth motion's changes are like their
-    // neighbours
-    // a motion that hardly moves from row to row is smooth; of rows further apart nothing can be said
+    // Between two states, interpolated rows have a constant rate, and the rate jumps at each state. In a smooth
+    // motion neighbouring changes are similar. If the body rotates far from row to row, the test is not possible.
     if (largest_turn > 0.5) return {};
     Share constant;
     constexpr std::size_t reach = 4;
@@ -71,7 +70,7 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
         const double around = *std::max_element(begin, begin + 2 * reach + 1);
         if (around > 1e-6 * largest_rate) constant.add(changes[k] < 1e-3 * around);
     }
-    // a frame rate is a few times the steps'; a method that interpolates far has steps of its own choice
+    // a frame rate is at most a few times the step rate; longer interpolations come from variable steps
     if (constant.is_pattern(0.25) && constant.longest <= 4 && 4 * constant.all > static_cast<int>(changes.size()))
         return {{"rows_interpolated",
                  fmt::format("rows are interpolated between the engine's states: in {} of {} rows the body rotates at "
@@ -86,8 +85,8 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file) {
 
 namespace {
 
-// The growth of log |q| from row k - 1 to row k, and that of one first-order update by the same rotation: q + (h/2) w q
-// is longer than q by sqrt(1 + |w h/2|^2). In m updates per row log |q| grows by an m-th of it.
+// Growth of log |q| from row k - 1 to row k, and the growth in one first-order update by the same rotation:
+// |q + (h/2) w q| = |q| sqrt(1 + |w h/2|^2). With m updates per row, log |q| grows by 1/m of this.
 struct Growth {
     double found = 0, expected = 0;
 };
@@ -96,16 +95,16 @@ Growth growth(const std::vector<TrajectoryRow>& rows, std::size_t k) {
     return {std::log(norm(rows[k].q) / norm(rows[k - 1].q)), 0.5 * std::log1p(tangent * tangent)};
 }
 
-// Whether this share of the expected growth is that of a whole number of updates per row.
+// Whether this share of the expected growth corresponds to an integer number of updates per row.
 bool is_of_whole_steps(double share, double most) {
     const double steps = std::round(1 / share);
     return steps >= 1 && steps <= most && std::abs(share * steps - 1) < 0.05;
 }
 
-// Quaternions whose length grows by first-order updates and returns to 1 in every n-th row. The rule is strict, hence
-// it needs no large deviation: every other row grows by its share, and n is the same throughout.
+// Diagnoses quaternions whose length grows in first-order updates and returns to 1 in every n-th row. The rule is
+// strict, so that small deviations suffice: all other rows grow by the same share, and n is constant.
 std::optional<Diagnosis> seldom_normalised(const std::vector<TrajectoryRow>& rows) {
-    constexpr double tolerance = 0.2;  // of a row's growth: binary32 leaves this much of slow rotations
+    constexpr double tolerance = 0.2;  // of a row's growth: the error of binary32 in slow rotations
     constexpr std::size_t least_periods = 3;
     const std::size_t count = std::min(rows.size(), most_rows_compared);
     std::vector<double> shares;
@@ -119,7 +118,7 @@ std::optional<Diagnosis> seldom_normalised(const std::vector<TrajectoryRow>& row
             shares.push_back(g.found / g.expected);
             continue;
         }
-        // normalised before this row's update or after it
+        // normalised before or after this row's update
         const double left = std::log(norm(rows[k].q)) / g.expected;
         if (!(left > -tolerance && left < 1 + tolerance)) return {};
         if (last > 0) {
@@ -152,7 +151,7 @@ std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file) {
     for (const TrajectoryRow& row : rows)
         if (const double off = std::abs(norm(row.q) - 1); off > worst) worst = off, at = row.t;
     if (!(worst > 1e-3)) return {};
-    // log |q| grows at every row. A method of higher order that drifts does so by no such law
+    // log |q| must grow in every row by this law; methods of higher order drift differently
     std::vector<double> shares;
     for (std::size_t k = 1; k < rows.size(); ++k)
         if (const Growth g = growth(rows, k); g.expected > 1e-12) shares.push_back(g.found / g.expected);

@@ -1,3 +1,9 @@
+// Search for the faults that explain a file of one body.
+//
+// 1. find_steps() finds the number of steps per row.
+// 2. Each known fault is tested with all updates. Numbers are fitted on a grid and by golden section.
+// 3. The best faults are tested in pairs with all others. Both faults of a pair must be needed.
+// 4. Refuted explanations are removed. The best one left is reported, with those that are indistinguishable from it.
 #include "check/search.h"
 
 #include <algorithm>
@@ -8,13 +14,13 @@
 namespace polhode {
 namespace {
 
-// so many of the best single faults are taken into pairs
+// number of the best single faults that are combined into pairs
 constexpr std::size_t beam = 10;
 constexpr std::size_t most_alike = 3;
-// Pairs are tried where some question is so many decades above what it could be: less is the small steps' own error.
+// Pairs are tested if a question is this many decades above its perfect value. A smaller excess is truncation error.
 constexpr double plainly_left = 3.5;
 
-// x to so many significant digits
+// Rounds x to significant digits.
 double rounded_to(int digits, double x) {
     if (!(std::abs(x) > 0) || !std::isfinite(x)) return x;
     const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) - (digits - 1));
@@ -33,15 +39,15 @@ class Searcher {
     const FileEvidence& evidence_;
     bool all_;
     std::vector<int> steps_{1};
-    double one_step_rate_ = 0;  // how far w is from what the best update predicts in one step per row, in decades
+    double one_step_rate_ = 0;  // prediction error of w by the best update with one step per row, decades
 
-    // rule and number of steps
+    // a rule and the number of its steps per row
     struct Update {
         const UpdateRule* rule;
         int steps;
     };
 
-    Update usual_{nullptr, 1};  // what fits best without any fault
+    Update usual_{nullptr, 1};  // the best update without a fault
 
     std::vector<Update> all_updates() const;
     Explanation explained(std::vector<Supposed> faults, const std::vector<Update>& updates) const;
@@ -54,7 +60,7 @@ class Searcher {
     bool is_refuted(const Explanation& e, const Explanation& sound) const;
 };
 
-// every rule, by each number of steps that an engine could take from row to row
+// Returns every rule with each possible number of steps per row.
 std::vector<Searcher::Update> Searcher::all_updates() const {
     std::vector<Update> updates;
     for (const UpdateRule& rule : update_rules()) {
@@ -82,7 +88,7 @@ Explanation Searcher::explained(std::vector<Supposed> faults, const std::vector<
         if (!model.takes(*update.rule, update.steps)) continue;
         const Residual r = evidence_.residual(cause, model, *update.rule, update.steps);
         if (!(r.total < best.residual.total)) continue;
-        // without substeps the first rate of a row is that of the step: explicit Euler, of the attitude or of all
+        // without substeps, rotating by the row's first rate is the same as explicit Euler
         const std::optional<double>& rate = r[Question::rate];
         if (model.uses_row_rate() && rate && *rate > one_step_rate_ - 0.5) continue;
         best.rule = update.rule, best.steps = update.steps, best.residual = r;
@@ -90,8 +96,7 @@ Explanation Searcher::explained(std::vector<Supposed> faults, const std::vector<
     return best;
 }
 
-// A fault on top of others; its number, if it has one, is the best on a grid, refined between that one's neighbours by
-// golden section.
+// Adds a fault to others. A fitted number is the best on a grid, refined between its neighbours by golden section.
 std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& others, const Hypothesis& h,
                                               const std::vector<Update>& updates, double hopeless) const {
     const auto at = [&](double x, const std::vector<Update>& by) {
@@ -103,7 +108,7 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
         Explanation e = at(1, updates);
         return e.rule ? std::optional(std::move(e)) : std::nullopt;
     }
-    // the grid by few updates, then the best of it by all
+    // evaluate the grid with few updates, then its best value with all updates
     std::vector<Update> few;
     for (const Update& u : updates)
         if (u.rule->rate == RateUpdate::accurate || updates.size() <= 5 ||
@@ -130,7 +135,7 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
         double x = b - ratio * (b - a), y = a + ratio * (b - a), fx = keep(x), fy = keep(y);
         double before = result.residual.total;
         for (int i = 0; i < 36; ++i) {
-            // nothing to be had here: near the right number every third of a decade that the bracket narrows is gained
+            // stop early: near the correct number, the error decreases as the bracket narrows
             if (i % 4 == 2 && i > 2) {
                 if (result.residual.total > hopeless && result.residual.total > before - 0.5) return;
                 before = result.residual.total;
@@ -140,7 +145,7 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
             else
                 a = x, x = y, fx = fy, y = a + ratio * (b - a), fy = keep(y);
         }
-        // one of few digits, where that fits as well: 0.1 of 0.100003
+        // use a number of few digits if it fits as well: 0.1 instead of 0.100003
         keep(rounded_to(4, result.faults.back().x));
     };
     for (int round = 0; round < 2; ++round) {
@@ -155,14 +160,14 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
     return result;
 }
 
-// How many steps a row an engine could take: what its attitude makes of its own rate shows it whatever else is wrong.
+// Finds the number of steps per row. How the attitude follows the rate shows it, whatever else is wrong.
 void Searcher::find_steps() {
     constexpr int candidates[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20};
     using Change = void (*)(EngineFault&);
-    // one step per row, and the best of the other counts if it is better than the least score so far
+    // one step per row is always tested; the best other number only if it improves the score
     constexpr double none = std::numeric_limits<double>::infinity();
     double least_of_all = none, possible = none;
-    // how far the attitude is from what one step per row by its first rate predicts, and by a rate updated before
+    // prediction errors of the attitude with one step per row, by the row's first rate and by an updated rate
     double by_first_rate = none, by_new_rate = none;
     const auto scan = [&](std::initializer_list<Change> changes, bool first_order) {
         std::vector<std::pair<double, int>> scores;
@@ -191,7 +196,7 @@ void Searcher::find_steps() {
         least_of_all = std::min(least_of_all, score);
     };
     scan({[](EngineFault&) {}, [](EngineFault& e) { e.gyroscopic = 0; }}, true);
-    // An attitude that substeps rotate by the row's first rate is that of one explicit step per row: w alone shows the
+    // Substeps that rotate by the row's first rate give the attitude of one explicit step per row. Only w shows the
     // substeps.
     const bool shows_rate = evidence_.has_angular_velocity();
     if ((shows_rate && by_first_rate > by_new_rate - 0.3) || least_of_all - possible < gain_of_fixed) return;
@@ -200,7 +205,7 @@ void Searcher::find_steps() {
          false);
 }
 
-// Those that stand for all: of engines in use, and what fits best with one fault.
+// Returns a few representative updates: those of common engines, and the one that fits best with one fault.
 std::vector<Searcher::Update> Searcher::usual_updates(const Explanation& first) const {
     std::vector<Update> few{{first.rule, first.steps}};
     for (const UpdateRule& rule : update_rules())
@@ -223,10 +228,10 @@ std::vector<double> Searcher::by_step(const Explanation& e) const {
     return evidence_.by_step(cause, EngineModel(cause), *e.rule, e.steps);
 }
 
-// A fault of the engine, of the body or of a load holds in every step. It is refuted where it predicts a part of the
-// steps well and many others no better than no fault does.
+// A fault of the engine, the body or a load acts in every step. It is refuted if it predicts some steps well, but
+// many others no better than no fault.
 bool Searcher::is_refuted(const Explanation& e, const Explanation& sound) const {
-    // a start says nothing of the steps
+    // faults of the start do not affect steps
     if (std::ranges::any_of(e.faults, [](const Supposed& s) {
             const Subject about = s.hypothesis->subject;
             return about == Subject::start_rate || about == Subject::start_attitude ||
@@ -252,7 +257,7 @@ bool is_of_load(const Explanation& e) {
     });
 }
 
-// Whether all numbers fitted are of two digits: who writes a fault by hand gives such a number, a fit seldom does.
+// Whether all fitted numbers have two digits. Numbers set by hand often do, fitted ones rarely.
 bool is_round(const Explanation& e) {
     return std::all_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) {
         return !s.hypothesis->values || std::abs(s.x - rounded_to(2, s.x)) < 1e-3 * std::abs(s.x);
@@ -267,7 +272,7 @@ FaultSearch Searcher::run() {
     const std::vector<Update> updates = all_updates();
     found.sound = found.best = explained({}, updates);
     usual_ = {found.sound.rule, found.sound.steps};
-    // no fault could gain enough
+    // no fault can gain enough
     if (!all_ && found.sound.residual.total - found.sound.residual.least < gain_of_fixed) return found;
     std::vector<Explanation> singles;
     for (const Hypothesis& h : known_faults())
@@ -282,21 +287,21 @@ FaultSearch Searcher::run() {
     std::vector<Explanation> accepted;
     for (const Explanation& e : singles)
         if (gains(e)) accepted.push_back(e);
-    // pairs of the best with any other, each of the two being needed
+    // pairs of the best faults with any other, if both are needed
     std::vector<Explanation> pairs;
     const double single = accepted.empty() ? sound : accepted.front().residual.total,
                  left = (accepted.empty() ? found.sound : accepted.front()).residual.worst;
     std::size_t taken = 0;
     for (std::size_t i = 0; i < singles.size() && taken < beam && left > plainly_left; ++i) {
         const Explanation& first = singles[i];
-        // engines without a gyroscopic term have other faults beside it more often than not
+        // engines without a gyroscopic term usually have another fault
         const bool usual = first.faults.front().hypothesis->subject == Subject::gyroscopic;
         if (first.residual.total > sound - 0.3 && !usual) continue;
         ++taken;
         const std::vector<Update> few = usual_updates(first);
         for (const Hypothesis& h : known_faults()) {
             if (h.subject == first.faults.front().hypothesis->subject) continue;
-            // two fitted numbers explain anything
+            // two fitted numbers can explain any file
             if (h.values && first.faults.front().hypothesis->values) continue;
             std::optional<Explanation> e = supposed(first.faults, h, few, first.residual.total - 0.2);
             if (!e || single - e->residual.total < gain_of_fitted) continue;
@@ -309,11 +314,11 @@ FaultSearch Searcher::run() {
     }
     std::stable_sort(pairs.begin(), pairs.end(), better);
     std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
-    // one after the other: few are near enough to be told
+    // test one candidate after the other: only the best ones are reported
     while (!candidates.empty() && is_refuted(candidates.front(), found.sound)) candidates.erase(candidates.begin());
     if (candidates.empty()) return found;
     found.best = candidates.front();
-    // of explanations as good as the best those that needed nothing fitted go first
+    // among equally good explanations, those without a fitted number come first
     const double limit = found.best.residual.total + alike_within;
     const auto fitted = [](const Explanation& e) {
         return std::any_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) { return !!s.hypothesis->values; });
@@ -323,7 +328,7 @@ FaultSearch Searcher::run() {
         if (e.residual.total <= limit && !is_refuted(e, found.sound)) near.push_back(e);
     // a load of the wrong size is more frequent than a wrong mass
     std::stable_partition(near.begin(), near.end(), is_of_load);
-    // a number that is known beforehand needs no fit: half a decade is what fitting gains by itself
+    // fitting alone gains about half a decade: also accept explanations with fixed numbers within this margin
     if (!near.empty() && fitted(near.front()))
         for (const Explanation& e : candidates)
             if (!fitted(e) && e.residual.total > limit && e.residual.total <= limit + 0.5 &&

@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-// What the faults of one body do in a scene of several: a load of the scene, how the file is written, and damping.
+// Whether a fault of one body applies to several: faults of loads, of the file's columns, and of damping.
 bool holds_for_several(const Hypothesis& h) {
     static constexpr std::array of_one_body{
         "gravity_in_body_axes", "force_at_center_of_mass", "force_at_wrong_point",   "impulse_at_wrong_point",
@@ -51,7 +51,7 @@ SystemHypothesis of_several(const Hypothesis& h) {
     return s;
 }
 
-// A factor of something: missing, twice and any other.
+// Adds the faults of a factor: missing (0), doubled, fitted, and reversed if the quantity has a sign.
 void add_factor(std::vector<SystemHypothesis>& all, const std::string& word, Subject subject, const std::string& what,
                 const std::string& remedy, const std::function<bool(SystemCause&, double)>& apply,
                 bool has_sign = false) {
@@ -103,7 +103,7 @@ void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size
             add_factor(
                 all, "joint_spring", Subject::spring, "the spring " + of, "give the engine the joint's stiffness",
                 [k, axis](SystemCause& c, double x) {
-                    // a spring that is missing still has its place among those that count turns
+                    // a missing spring keeps its entry among the angles whose turns are counted
                     c.scene.joints[k].stiffness[axis] *= x == 0 ? 1e-30 : x;
                     return true;
                 },
@@ -140,7 +140,7 @@ void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_
     const std::string name = one_line(scene.bodies[b].name, 40);
     const auto number = [](double x) { return std::isfinite(x) && x > 0; };
     if (scene.bodies.size() > 1 && fault_effects::has<Gravity>(scene)) {
-        // weight is what gravity does to one body: a force at its centre of mass stands for the difference
+        // a force at the centre of mass adds the difference in the weight of one body
         const auto scale_weight = [b](SystemCause& c, double x) {
             const NamedBody& body = c.scene.bodies[b];
             std::vector<Load> more;
@@ -202,13 +202,13 @@ std::vector<SystemHypothesis> system_faults(const Scene& scene) {
                        fault_effects::each<PointSpring>(c.scene, [&](PointSpring& s) { s.stiffness *= x; });
                        return true;
                    });
-    // of more bodies each by itself would take minutes
+    // testing more bodies one by one would take minutes
     constexpr std::size_t most_bodies = 40;
     if (scene.bodies.size() > most_bodies) return all;
     for (std::size_t k = 0; k < scene.joints.size(); ++k) {
         const Joint& joint = scene.joints[k];
         const auto child = std::ranges::find(scene.bodies, joint.child, &NamedBody::name);
-        // what the joint moves at the least
+        // the smallest inertia that the joint moves
         const Vector3<double> arm = child->body.center_of_mass - joint.child_point;
         const Matrix3<double>& I = child->body.inertia_B;
         const double inertia = joint.type == JointType::prismatic

@@ -139,7 +139,7 @@ std::vector<double> SystemEngine::rate(const maximal::Loads<double>& loads, cons
     return dy;
 }
 
-// The velocities after a time h under what acts, without the joints.
+// Advances the velocities by a time h under the forces, without the joints.
 void SystemEngine::accelerate(Placements& at, const std::vector<maximal::Wrench<double>>& on, double h,
                               bool implicit) const {
     const maximal::Mechanism<double>& mechanism = system_->mechanism();
@@ -150,7 +150,7 @@ void SystemEngine::accelerate(Placements& at, const std::vector<maximal::Wrench<
         const Vector gyroscopic = cross(w, body.inertia * w);
         Vector torque_B = on[b].torque_B + at[b].body(on[b].torque_W) - gyroscopic;
         if (implicit) {
-            // the loads alone, then the whole gyroscopic term
+            // first the loads, then the gyroscopic term
             torque_B = torque_B + engine_.gyroscopic * gyroscopic;
             const BodyInertia<double> inertia{body.inertia, body.inverse_inertia};
             at[b].angular_velocity_B = inertia.turned<GyroscopicTerm::one_newton_step>(
@@ -162,7 +162,7 @@ void SystemEngine::accelerate(Placements& at, const std::vector<maximal::Wrench<
     }
 }
 
-// The velocities brought onto the joints by impulses.
+// Applies impulses so that the velocities satisfy the joints.
 void SystemEngine::project(Placements& at) const {
     const maximal::Mechanism<double>& mechanism = system_->mechanism();
     const maximal::Dynamics<double>& dynamics = system_->dynamics();
@@ -178,7 +178,7 @@ void SystemEngine::project(Placements& at) const {
     }
 }
 
-// The bodies after a time h with the velocities of `by`, which they keep.
+// Advances the bodies by a time h with the constant velocities of `by`.
 void SystemEngine::move(std::vector<double>& y, const Placements& by, double h) const {
     SystemState next;
     for (std::size_t b = 0; b + 1 < by.size(); ++b)
@@ -195,14 +195,14 @@ void SystemEngine::move(std::vector<double>& y, const Placements& by, double h) 
     y = vector_of(next);
 }
 
-// The bodies after a time h in which the joints move at the rates u, and free bodies at theirs: no joint comes apart.
+// Advances joints and free bodies by a time h at the rates u. Joints stay closed.
 void SystemEngine::move_along_joints(std::vector<double>& y, const Placements& at, const std::vector<double>& u,
                                      double h) const {
     const maximal::Mechanism<double>& mechanism = system_->mechanism();
     SystemState next;
     next.bodies = start_;
     next.angles.assign(y.begin() + system_->angles(), y.end());
-    // where the rates of each body's joint begin in u; of a free body its own
+    // index in u of the first rate of each body's joint, or of a free body
     std::vector<std::size_t> first(next.bodies.size(), 0), links(next.bodies.size(), mechanism.links.size());
     std::size_t place = 0;
     for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
@@ -236,7 +236,7 @@ void SystemEngine::move_along_joints(std::vector<double>& y, const Placements& a
             link.from.body == mechanism.world() ? world : next.bodies[static_cast<std::size_t>(link.from.body)];
         Quaternion<double> joint = conjugate(old_from.q * link.orientation) * at[b].q;
         const double* const rates = u.data() + first[b];
-        Vector relative_B;  // angular velocity against the parent, axes of the child
+        Vector relative_B;  // angular velocity relative to the parent, axes of the child
         double slid = 0, rate = 0;
         switch (link.kind) {
             case Kind::revolute:
@@ -290,7 +290,7 @@ std::vector<double> SystemEngine::predicted(const SystemState& state, const Syst
                 move(y, at, dt);
                 continue;
             }
-            // the difference from the file, without what the joints' impulses could make of it
+            // the difference from the file, without components that impulses at the joints could cause
             for (std::size_t b = 0; b + 1 < at.size(); ++b) {
                 const BodyMotion<double>& file = next.bodies[b];
                 at[b].angular_velocity_B =

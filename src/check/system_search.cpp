@@ -1,3 +1,9 @@
+// Search for the faults that explain a file of several bodies.
+//
+// SystemEvidence chooses some rows and measures how well a cause predicts the next rows. It compares the velocities
+// that the joints allow, relative to their typical changes. SystemSearch tests each hypothesis of system_faults()
+// with the update rules of SystemRule and fits numbers by least squares. diagnose_system() accepts single faults that
+// gain enough and whose effect is_seen(), and otherwise tests pairs.
 #include "check/system_search.h"
 
 #include <fmt/format.h>
@@ -21,18 +27,18 @@ namespace {
 
 using Vector = Vector3<double>;
 
-// so many steps of a file are looked at
+// number of steps that are tested, and of moments that a file must have
 constexpr std::size_t most_system_windows = 24, fewest_windows = 6, most_bodies_of_all_windows = 8, fewest_moments = 5;
-// Columns that are read wrongly have to gain more, in decades over all questions.
+// Required gain of a wrong reading of columns, in decades over all questions.
 constexpr double gain_of_reading = 3;
-// a file this near to what the scene predicts has no fault that could be told
+// a fault cannot be recognised below this relative prediction error
 constexpr double plain_change = 1e-3;
-// an accurate step turns by no more than this, rad, and there are no more of them from row to row
+// largest rotation in an accurate step, rad, and largest number of steps from row to row
 constexpr double most_turned_in_step = 0.1;
 constexpr int most_steps = 12;
-// decades of what moves: an update that is the engine's own leaves no more
+// decades: an update equal to the engine's leaves no larger error
 constexpr double nearly_exact = -6;
-// below it predictions are all alike
+// smallest relative prediction error
 constexpr double finest_change = 1e-9;
 
 double decades(double error, double scale, double noise) {
@@ -41,7 +47,7 @@ double decades(double error, double scale, double noise) {
     return std::log10(std::clamp(scale > 0 ? error / scale : (error > 0 ? 2.0 : 0.0), floor, 2.0));
 }
 
-// The scene with bodies by numbers, which faults change.
+// Converts the bodies of a scene to numeric mass properties, which faults can change.
 Scene by_numbers(const Scene& scene) {
     Scene plain = scene;
     for (NamedBody& named : plain.bodies) {
@@ -52,18 +58,18 @@ Scene by_numbers(const Scene& scene) {
     return plain;
 }
 
-// How a file is from what a cause predicts: of each velocity that the joints allow, of attitudes, positions and start.
+// Prediction errors under a cause: velocities that the joints allow, attitudes and positions, start.
 struct Answers {
     double total = std::numeric_limits<double>::infinity();
-    double velocities = 0;  // mean over those asked, decades
-    double largest = 0;     // error of all, relative to the usual change
-    double squares = 0;     // of all errors, relative to the usual changes
-    int asked = 0;          // velocities that change
+    double velocities = 0;  // mean over the velocities that were tested, decades
+    double largest = 0;     // largest error relative to the typical change
+    double squares = 0;     // sum of squared errors, relative to the typical changes
+    int asked = 0;          // number of velocities that were tested
     double kinematics = 0, start = 0;
 };
 
 struct Explained {
-    const SystemHypothesis* hypothesis = nullptr;  // none: sound
+    const SystemHypothesis* hypothesis = nullptr;  // null: no fault
     double x = 1;
     SystemRule rule = SystemRule::accurate;
     int steps = 1;
@@ -85,8 +91,7 @@ class SystemEvidence {
     bool enough() const { return determined_ && windows_.size() >= 3; }
     const SystemCause& sound() const { return sound_; }
 
-    // How far the velocities are from what a rule predicts, for each window and velocity, over the usual changes of
-    // that velocity.
+    // Prediction errors for each window and velocity, relative to the typical changes of that velocity.
     std::vector<double> residuals(const SystemCause& cause, const SystemEngine& model, SystemRule rule,
                                   int steps) const {
         std::vector<double> all;
@@ -103,7 +108,7 @@ class SystemEvidence {
     Answers answers(const SystemCause& cause, const SystemEngine& model, SystemRule rule, int steps) const {
         Answers a;
         const std::size_t n = scales_.size();
-        // of each velocity: the changes in the file and as predicted, squared, and the errors in decades of them
+        // for each velocity: squared changes in the file and predicted, largest value; all prediction errors
         std::vector<double> in_file(n, 0), predicted(n, 0), sizes(n, 0), errors;
         for (const std::size_t k : windows_) {
             const SystemState from = state(cause, model, k), next = state(cause, model, k + 1);
@@ -127,7 +132,7 @@ class SystemEvidence {
         }
         a.total = 0;
         for (std::size_t i = 0; i < n; ++i) {
-            // what changes by rounding alone, in the file and as predicted, is as it should be
+            // velocities that change only by rounding, in the file and predicted, count as perfect
             if (scales[i] <= 1e-9 * largest || scales[i] <= 30 * noise_ * sizes[i]) {
                 a.total += std::log10(finest_change), a.asked += 1;
                 continue;
@@ -147,9 +152,9 @@ class SystemEvidence {
         return a;
     }
 
-    // Steps of accurate predictions, each of which turns no body by more than a tenth of a radian.
+    // Number of steps in accurate predictions. No body rotates by more than 0.1 rad in a step.
     int accurate_steps() const { return std::max(2, static_cast<int>(std::ceil(largest_turn_ / most_turned_in_step))); }
-    // Whether the scene's own motion goes from a row to two rows later: every velocity changes nearly as in the file.
+    // Whether the scene's motion leads from moment k to k + 2: every velocity changes nearly as in the file.
     bool predicts(std::size_t k) const {
         if (!determined_ || k + 2 >= moments_) return true;
         const SystemEngine model(sound_);
@@ -174,10 +179,10 @@ class SystemEvidence {
     SystemCause sound_;
     std::size_t moments_ = 0;
     bool determined_ = false;
-    double noise_ = 1e-15, largest_turn_ = 0;  // rad, of a body from row to row
+    double noise_ = 1e-15, largest_turn_ = 0;  // largest rotation of a body from row to row, rad
     std::vector<std::size_t> windows_;
-    std::vector<double> scales_;               // of each velocity: of its changes from row to row
-    std::vector<std::vector<double>> angles_;  // at each moment, of joints that count turns
+    std::vector<double> scales_;               // typical change of each velocity from row to row
+    std::vector<std::vector<double>> angles_;  // at each moment, angles of joints whose turns are counted
 
     void find_noise() {
         bool binary32 = true;
@@ -189,7 +194,7 @@ class SystemEvidence {
         if (binary32) noise_ = 1.2e-7;
     }
 
-    // a body's row, read as the cause says; blocks that the file lacks are the caller's
+    // Reads a body's row as the cause specifies. The caller fills in blocks that the file lacks.
     BodyMotion<double> body(const SystemCause& cause, std::size_t k, std::size_t b) const {
         const Reading& read = cause.reading;
         const TrajectoryRow& row = file_.rows[k * file_.bodies_at_once() + b];
@@ -211,7 +216,7 @@ class SystemEvidence {
         SystemState s;
         for (std::size_t b = 0; b < cause.scene.bodies.size(); ++b) s.bodies.push_back(body(cause, k, b));
         if (!file_.has_angular_velocity) {
-            // the mean rate from the row before to the row after
+            // mean rate from the previous row to the next row
             const std::size_t before = k > 0 ? k - 1 : 0, after = std::min(k + 1, moments_ - 1);
             for (std::size_t b = 0; b < s.bodies.size(); ++b) {
                 const Quaternion<double> first = body(cause, before, b).q, last = body(cause, after, b).q;
@@ -224,7 +229,7 @@ class SystemEvidence {
         return s;
     }
 
-    // Places and velocities by the joints, from the world on.
+    // Computes missing positions and velocities from the joints, starting at the world.
     void complete(const SystemEngine& model, SystemState& s) const {
         if (has_place() && file_.has_velocity) return;
         const maximal::Mechanism<double>& mechanism = model.system().mechanism();
@@ -249,7 +254,7 @@ class SystemEvidence {
                                 rotate(to.q, cross(to.angular_velocity_B, link.to.arm_B));
         }
     }
-    // Whether what the file lacks follows from the joints; finds the angles that count turns, and the scales.
+    // Whether the joints determine all missing blocks. Also computes angles with turns and the scales.
     bool complete(const SystemEngine& model) {
         const maximal::Mechanism<double>& mechanism = model.system().mechanism();
         if (file_.bodies_at_once() != sound_.scene.bodies.size()) return false;
@@ -269,7 +274,7 @@ class SystemEvidence {
                 double turned = length(rotation_vector_from_quaternion(turn));
                 if (file_.has_angular_velocity)
                     turned = std::max(turned, (time(k + 1) - time(k)) * length(body(sound_, k, b).angular_velocity_B));
-                // of rows further apart nothing can be predicted
+                // rows that are further apart cannot be predicted
                 if (turned > most_turned_in_step * most_steps) moments_ = k + 1;
                 if (k + 1 < moments_) largest_turn_ = std::max(largest_turn_, turned);
             }
@@ -288,12 +293,12 @@ class SystemEvidence {
         double largest = 0;
         for (double& scale : scales_)
             scale = std::sqrt(scale / static_cast<double>(count)), largest = std::max(largest, scale);
-        // what does not change at all is not asked
+        // avoids a scale of zero
         for (double& scale : scales_) scale = std::max(scale, 1e-9 * largest);
         return true;
     }
 
-    // Angles of joints with springs, along the file from the scene's start on.
+    // Integrates the angles of joints with springs along the file, from the scene's start.
     void follow_angles(const SystemEngine& model) {
         const maximal::Mechanism<double>& mechanism = model.system().mechanism();
         if (mechanism.turns == 0) return;
@@ -321,7 +326,7 @@ class SystemEvidence {
                     rate[place] = now[static_cast<std::size_t>(i)];
                 }
                 if (link.kind != maximal::Kind::revolute) continue;
-                // the attitudes tell it up to whole turns
+                // the attitudes determine the angle up to whole turns
                 const Quaternion<double> turn = conjugate(a.q * link.orientation) * b.q;
                 const double told = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w),
                              whole = 2 * std::acos(-1.0);
@@ -332,7 +337,7 @@ class SystemEvidence {
         }
     }
 
-    // A velocity that should change and does not is measured by what it should do.
+    // Includes the predicted changes in the scales, for velocities that should change but do not.
     void include_predicted_changes(const SystemEngine& model) {
         std::vector<double> squares(scales_.size(), 0);
         for (const std::size_t k : windows_) {
@@ -351,7 +356,7 @@ class SystemEvidence {
                                                static_cast<double>(std::max<std::size_t>(windows_.size(), 1))));
     }
 
-    // Rows from which the next is predicted: none with an event before the next, more of them early.
+    // Chooses the rows from which the next row is predicted: no events in between, more of them early.
     void choose_windows(const Scene& scene) {
         std::vector<double> events;
         for (const Load& load : scene.loads) {
@@ -367,11 +372,11 @@ class SystemEvidence {
         };
         const std::size_t first = has_w ? 0 : 1, last = has_w ? moments_ - 1 : moments_ - 2;
         if (last <= first) return;
-        // some in each span between two events, as many as its share and a few at least
+        // each span between two events gets a number proportional to its length, and at least a few
         std::ranges::sort(events);
         std::erase_if(events, [&](double t) { return !(t > time(first) && t < time(last)); });
         events.erase(std::unique(events.begin(), events.end()), events.end());
-        // the search takes a time that grows with the square of how many bodies there are
+        // the time of the search grows with the square of the number of bodies
         const std::size_t bodies = std::max(scene.bodies.size(), most_bodies_of_all_windows),
                           most = std::max(most_system_windows * most_bodies_of_all_windows / bodies, fewest_windows);
         constexpr std::size_t most_spans = 8;
@@ -394,8 +399,7 @@ class SystemEvidence {
         windows_.erase(std::unique(windows_.begin(), windows_.end()), windows_.end());
     }
 
-    // How attitudes and positions go by the file's own velocities: by the new, the old or their mean, whichever is
-    // nearest.
+    // Prediction error of attitudes and positions by the file's velocities: the best of new, old and mean velocities.
     double kinematics(const SystemCause& cause) const {
         if (!file_.has_angular_velocity) return 0;
         std::array<double, 3> turned{}, went{};
@@ -423,7 +427,7 @@ class SystemEvidence {
         return (*std::ranges::min_element(turned) + *std::ranges::min_element(went)) / static_cast<double>(count);
     }
 
-    // How the first row is from the scene's start, where the file begins there.
+    // Error of the first row against the scene's start, if the file starts at t = 0.
     double start(const SystemCause& cause, const SystemEngine& model) const {
         if (time(0) != 0 || std::ranges::any_of(cause.scene.loads, [](const Load& load) {
                 const auto* impulse = std::get_if<Impulse>(&load);
@@ -443,7 +447,7 @@ class SystemEvidence {
             if (has_place()) p = std::max(p, apart(is.position_W, was.position_W));
             if (file_.has_velocity) v = std::max(v, apart(is.velocity_W, was.velocity_W));
         }
-        // a start is right or wrong: what is nearer than 1e-6 is as the scene has it
+        // differences below 1e-6 count as a correct start
         const double noise = std::max(1e-6, 3 * noise_);
         return decades(q, 1, noise) + decades(w, 1, noise) + decades(p, 1, noise) + decades(v, 1, noise);
     }
@@ -456,7 +460,7 @@ class SystemSearch {
 
     Explained sound() {
         const SystemEngine model(evidence_.sound());
-        // how many steps a row each of the coarse rules takes
+        // find the number of steps per row for each coarse rule
         updates_ = {{SystemRule::accurate, evidence_.accurate_steps()}};
         for (const SystemRule rule :
              {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates}) {
@@ -471,7 +475,7 @@ class SystemSearch {
         return explained({});
     }
 
-    // The faults tried, the nearest first.
+    // Tests all faults. Returns them, the best first.
     std::vector<Explained> singles(const Explained& sound) const {
         std::vector<Explained> all;
         for (const SystemHypothesis& h : hypotheses_)
@@ -479,7 +483,7 @@ class SystemSearch {
         std::stable_sort(all.begin(), all.end(), nearer);
         return all;
     }
-    // The same on top of another fault.
+    // Returns the best second fault together with `first`.
     std::optional<Explained> second(const Explained& first) const {
         std::optional<Explained> best;
         for (const SystemHypothesis& h : hypotheses_) {
@@ -490,7 +494,7 @@ class SystemSearch {
         }
         return best;
     }
-    // The same fault by any number of steps a row: how many an engine takes does not show where it is wrong.
+    // Refits a fault with other rules and numbers of steps: a faulty file does not show the number of steps.
     Explained refined(const Explained& fault) const {
         Explained best = fault;
         SystemCause cause = evidence_.sound();
@@ -513,7 +517,7 @@ class SystemSearch {
                     const std::optional<SystemEngine> engine = modelled(again);
                     if (!engine) continue;
                     Answers answers = evidence_.answers(again, *engine, rule, steps);
-                    // a number of few digits where it is as good
+                    // prefer a number of few digits if it is as good
                     if (!(answers.total < best.answers.total + (number == *x ? 0 : 1e-3))) continue;
                     best.x = number, best.rule = rule, best.steps = steps, best.answers = answers;
                 }
@@ -521,11 +525,11 @@ class SystemSearch {
             }
         return best;
     }
-    // The same fault with its number as it is best beside another one.
+    // Refits the number of a fault together with another fault.
     std::optional<Explained> fitted_beside(const Explained& fault, const Explained& other) const {
         return supposed({other}, *fault.hypothesis, other);
     }
-    // How far the steps' own error of the rules is apart, and what the fault changes, over all velocities.
+    // Whether the effect of the fault is larger than the difference between accurate and coarse steps.
     bool is_seen(const Explained& e, const std::vector<Explained>& others) const {
         SystemCause with = evidence_.sound(), without = with;
         for (const Explained& other : others) apply(with, other), apply(without, other);
@@ -536,7 +540,7 @@ class SystemSearch {
                                   exact = evidence_.residuals(without, plain, SystemRule::accurate,
                                                               evidence_.accurate_steps()),
                                   coarse = evidence_.residuals(without, plain, SystemRule::joint_rates, 1);
-        // geometric means over the steps in which the fault does anything
+        // geometric means over the steps in which the fault has an effect
         double effect = 0, spread = 0, remains = 0, count = 0, most = 0;
         const auto log_of = [&](double x) {
             return std::isfinite(x) ? std::log10(std::clamp(std::abs(x), finest_change, 2.0)) : std::log10(2.0);
@@ -550,14 +554,14 @@ class SystemSearch {
         }
         if (count == 0) return false;
         effect /= count, spread /= count, remains /= count;
-        // how an engine brings loops back together is not modelled
-        // coarse steps lose speed by themselves, at a rate of some hundredths of h w^2
+        // coarse steps have numerical damping, at a rate of some hundredths of h w^2
         const Subject about = e.hypothesis->subject;
         constexpr double lost_by_steps = 0.02, as_if_exact = -5;
         if (e.hypothesis->fit && e.hypothesis->fit->neutral == 0 && remains > as_if_exact &&
             (about == Subject::damping || about == Subject::linear_damping) &&
             e.x / e.hypothesis->fit->trial * damping_trial < lost_by_steps * evidence_.fastest_turn())
             return false;
+        // how engines correct loop gaps is not modelled, so a fault must explain more in scenes with loops
         if (remains > effect - (has_loops_ ? 1 : 0.5)) return false;
         return effect > spread + 0.5 || (!has_loops_ && remains < std::min(effect, spread) - 1);
     }
@@ -591,7 +595,7 @@ class SystemSearch {
         }
         return best;
     }
-    // none where no such bodies can move
+    // Returns nothing if the bodies are invalid.
     static std::optional<SystemEngine> modelled(const SystemCause& cause) {
         try {
             return SystemEngine(cause);
@@ -615,7 +619,7 @@ class SystemSearch {
             Explained e = with(1);
             return is_finite(e) ? std::optional(e) : std::nullopt;
         }
-        // by the update that fits best without the fault, then by the one that fits best with it, then by all others
+        // fit with the best update without the fault, then with the best one with it, then with all others
         std::vector<Update> tried, left = updates_;
         std::optional<Explained> best;
         Update next{before.rule, before.steps};
@@ -632,7 +636,7 @@ class SystemSearch {
                 next = {best->rule, best->steps};
                 continue;
             }
-            // another update is worth a fit of its own where this fault gains anything, and is not exact yet
+            // fit with another update only if the fault gains something and is not exact yet
             if (tried.size() > 1 &&
                 (!best || best->answers.total > before.answers.total - 0.3 || best->answers.velocities < nearly_exact))
                 break;
@@ -642,20 +646,20 @@ class SystemSearch {
         }
         return best;
     }
-    // x to four digits: a number given by hand
+    // Rounds x to four digits, as for a number set by hand.
     static double rounded(double x) {
         if (x == 0) return x;
         const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) - 3);
         return std::round(x / unit) * unit;
     }
-    // The number that leaves the least squares: Gauss' and Newton's steps by secants.
+    // Fits the number by least squares: Gauss-Newton steps with secants.
     std::optional<double> fitted(const std::vector<Explained>& others, const SystemHypothesis& h,
                                  const Update& u) const {
         const auto residuals = [&](double x) -> std::vector<double> {
             SystemCause cause = evidence_.sound();
             for (const Explained& other : others)
                 if (!apply(cause, other)) return {};
-            // what does nothing need not be applied
+            // the neutral number has no effect
             if (x != h.fit->neutral && !h.apply(cause, x)) return {};
             const std::optional<SystemEngine> model = modelled(cause);
             return model ? evidence_.residuals(cause, *model, u.rule, u.steps) : std::vector<double>();
@@ -688,7 +692,7 @@ std::string said(const Explained& e) {
     return what;
 }
 
-// Columns that are read wrongly are plain: start, turns and ways are wrong as well.
+// A wrong reading of columns must gain more: it also affects start, attitudes and positions.
 double needed(const Explained& e) {
     const Subject about = e.hypothesis->subject;
     if (about == Subject::quaternion || about == Subject::axes || about == Subject::rate_columns ||
@@ -697,7 +701,7 @@ double needed(const Explained& e) {
     return e.hypothesis->fit ? gain_of_fitted : gain_of_fixed;
 }
 
-// What was found, the best first; `sound` and `before` with their mean decades.
+// Adds a diagnosis with its prediction errors. `before`: without this fault.
 void tell(std::vector<Diagnosis>& told, const Explained& e, const Explained& before, const std::string& also) {
     const double was = std::pow(10.0, before.answers.velocities), is = std::pow(10.0, e.answers.velocities);
     if (std::ranges::any_of(
@@ -731,7 +735,7 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
         if (sound.answers.total - singles[i].answers.total > 0.3) singles[i] = search.refined(singles[i]);
     std::stable_sort(singles.begin(), singles.end(), SystemSearch::nearer);
     for (const Explained& e : singles) result.tried.push_back({e.hypothesis->fault, said(e), e.answers.total});
-    // a joint that is not the scene's explains all that its bodies do
+    // a displaced joint explains the motion of its bodies
     if (std::ranges::any_of(of_joints, [](const Diagnosis& d) {
             return d.fault != "joint_drifts" && d.fault != "joint_limit_where_none";
         }))
@@ -740,7 +744,7 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
     for (const Explained& e : singles)
         if (sound.answers.total - e.answers.total >= needed(e) && search.is_seen(e, {})) accepted.push_back(e);
     if (accepted.empty()) {
-        // two together, where neither of them explains enough by itself
+        // test pairs if no single fault explains enough
         constexpr std::size_t beam = 4;
         std::vector<Explained> firsts = singles;
         std::ranges::stable_sort(firsts, {}, [](const Explained& e) { return e.answers.squares; });
@@ -749,7 +753,7 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
             if (!(first.answers.squares < sound.answers.squares)) break;
             const std::optional<Explained> second = search.second(first);
             if (!second || first.answers.total - second->answers.total < gain_of_fitted) continue;
-            // the first's number again, beside the second
+            // refit the first fault together with the second
             const std::optional<Explained> again = search.fitted_beside(first, *second);
             if (!again || sound.answers.total - again->answers.total < needed(*again) + needed(*second) ||
                 !search.is_seen(*again, {*second}) || !search.is_seen(*second, {*again}))
@@ -759,15 +763,15 @@ Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool a
         }
         return result;
     }
-    // a number known beforehand is preferred to a fitted one that is as good
+    // a fixed number is preferred to an equally good fitted one
     const double limit = accepted.front().answers.total + alike_within;
     std::vector<Explained> near;
     for (const Explained& e : accepted)
         if (e.answers.total <= limit || (!e.hypothesis->fit && e.answers.total <= limit + 0.5)) near.push_back(e);
-    // and something of the scene's that is of the wrong size to something that it does not have
+    // a wrong size of something in the scene is preferred to something that the scene does not have
     std::ranges::stable_sort(
         near, {}, [](const Explained& e) { return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0; });
-    // gravity on all bodies stands for the one whose weight matters
+    // gravity on all bodies includes gravity on the one body whose weight matters
     const auto is_gravity = [](const Explained& e, bool of_body) {
         return e.hypothesis->subject == Subject::gravity &&
                e.hypothesis->fault.starts_with("gravity_on_body") == of_body;

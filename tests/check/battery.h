@@ -1,5 +1,5 @@
-// A battery for `check`: three small engines, written apart from the catalogue's and from what `check` predicts with,
-// each with the faults of faults(), on the scenes of scenes(). Faults of impacts are in check/plane_battery.h.
+// Test battery for `check`: three small engines run the scenes of scenes() with the faults of faults(). They share no
+// code with the catalogue or with the predictions of `check`. Faults of impacts are in check/plane_battery.h.
 #pragma once
 
 #include <algorithm>
@@ -20,30 +20,30 @@ namespace polhode::battery {
 
 using V3 = Vector3<double>;
 
-/// What is broken in an engine's own code.
+/// Faults in an engine's code.
 struct Knobs {
     double gyroscopic = 1, damping = 0, linear_damping = 0, gravity = 1, torque = 1, turn = 1, clock = 1;
     double speed_limit = std::numeric_limits<double>::infinity();
     bool first_order = false, swap_torque_axes = false, wrong_side = false, frozen = false, stuck = false;
     double asleep_after = std::numeric_limits<double>::infinity();  ///< s
-    double damping_a_step = 0;                                      ///< part of w and v lost in each step
-    /// What stands for R I R^T in world axes.
+    double damping_a_step = 0;                                      ///< part of w and v that is lost in each step
+    /// The matrix used as inertia tensor in world axes instead of R I R^T.
     enum class Tensor { right, not_turned, turned_back, diagonal, inverse_diagonal } tensor = Tensor::right;
     enum class Clamp { length, body, world } clamp = Clamp::length;
-    bool coasting_only = false;      ///< damping and limit, while no torque or force acts
-    bool in_place = false;           ///< the quaternion's components are overwritten one after the other
-    bool drag_each_step = false;     ///< its torque and force are not multiplied by the step
-    bool drag_on_rate = false;       ///< the scene's drag is taken for a rate of w
+    bool coasting_only = false;      ///< damping and limit act only without torque or force
+    bool in_place = false;           ///< the quaternion is updated in place, component by component
+    bool drag_each_step = false;     ///< the drag's torque and force are not multiplied by the step
+    bool drag_on_rate = false;       ///< drag coefficients are used as decay rates of w
     bool first_rate = false;         ///< every substep rotates the attitude by the rate at the start of the row
-    int normalised_every = 1;        ///< rows from one normalisation of the stored quaternion to the next
-    bool integrates_origin = false;  ///< the motion of the body's origin, in place of that of the centre of mass
+    int normalised_every = 1;        ///< the stored quaternion is normalised every n rows
+    bool integrates_origin = false;  ///< integrates the motion of the origin instead of the centre of mass
     bool has_centripetal = true, has_euler = true;  ///< terms of the origin's acceleration
-    double arm = 1;                                 ///< factor of the forces' arms in the torque
-    bool arm_in_world = false;                      ///< an arm in body axes is used in world axes as it stands
-    bool drag_in_world = false;                     ///< so are the coefficients of the drag
-    bool spring_in_world = false;                   ///< and the spring's torque
-    bool world_rate_right = false;                  ///< w, kept in body axes, turns the attitude as R w on the right
-    bool lose_last = false;                         ///< damping and limit act after the attitude has turned
+    double arm = 1;                                 ///< factor of the arms of forces
+    bool arm_in_world = false;                      ///< arms in body axes are used in world axes
+    bool drag_in_world = false;                     ///< drag coefficients in body axes are used in world axes
+    bool spring_in_world = false;                   ///< the spring's torque in body axes is applied in world axes
+    bool world_rate_right = false;                  ///< uses dq/dt = 1/2 q (R w), with w integrated in body axes
+    bool lose_last = false;                         ///< damping and limit act after the attitude has been rotated
 };
 
 enum class EngineKind {
@@ -52,7 +52,7 @@ enum class EngineKind {
     midpoint,    ///< the explicit midpoint rule in body axes
 };
 
-/// A vehicle of state for all three.
+/// The three engines.
 template <class Real>
 class Engine {
     using V = Vector3<Real>;
@@ -107,7 +107,7 @@ class Engine {
             x_ = x_ + dt * v_;
         } else {
             const V tau = torque(t), dv = point_acceleration(t);
-            // L is what is kept: it is found again from w by the tensor whose inverse gave w
+            // the engine integrates L; it follows from w by the tensor whose inverse gave w
             const V L = rotated(q0, (k_.tensor == Knobs::Tensor::right ? I_ : inverse(inverse_I_)) * w0) +
                         dt * rotated(q0, tau);
             const V w = inverse_I_ * rotated_back(q0, L);
@@ -154,7 +154,7 @@ class Engine {
     Real per_step_ = 1;
     V first_rate_W_;
     int rows_ = 0;
-    Real stored_length_ = 1;  // of the quaternion that is written; q_ itself is of unit length
+    Real stored_length_ = 1;  // length of the written quaternion; q_ itself is normalised
     V arm_, center_, origin_;
     Q q_;
     V w_, x_, v_;
@@ -167,7 +167,7 @@ class Engine {
     static V rotated(const Q& q, const V& v) { return rotation_matrix(q) * v; }
     static V rotated_back(const Q& q, const V& v) { return transposed(rotation_matrix(q)) * v; }
 
-    // the quaternion of a turn by w for a time dt
+    // the quaternion of a rotation by w for a time dt
     Q quarter(const V& w, Real dt) const {
         const V half = (Real(k_.turn) * dt / 2) * w;
         if (k_.first_order || k_.in_place) return {1, half[0], half[1], half[2]};
@@ -181,9 +181,9 @@ class Engine {
         if (k_.normalised_every > 1) stored_length_ *= std::sqrt(squared_norm(turn));
         return unit(side(q, turn));
     }
-    // of the centre of mass against the origin, in world axes
+    // velocity of the centre of mass relative to the origin, world axes
     V arm_velocity() const { return rotated(q_, cross(w_, center_)); }
-    // of the point whose motion is integrated
+    // acceleration of the point whose motion is integrated, world axes
     V point_acceleration(double t) const {
         V a = acceleration(t);
         if (!k_.integrates_origin) return a;
@@ -201,7 +201,7 @@ class Engine {
         return r;
     }
 
-    // the tensor that the engine has in world axes at an attitude, seen from the body
+    // converts the engine's tensor in world axes at an attitude to body axes
     void take_tensor(const Q& q) {
         using T = Knobs::Tensor;
         if (k_.tensor == T::right) return;
@@ -256,7 +256,7 @@ class Engine {
     V force_W(const Force& f) const {
         return f.frame == Frame::world ? cast<Real>(f.vector) : rotated(q_, cast<Real>(f.vector));
     }
-    // in body axes
+    // sum of all torques, body axes
     V torque(double t) const {
         V sum;
         for (const Load& load : scene_.loads) {
@@ -303,7 +303,7 @@ class Engine {
         }
         return sum;
     }
-    // impulses at from < t <= until
+    // applies impulses at from < t <= until
     void kick(double from, double until) {
         for (const Load& load : scene_.loads)
             if (const auto* i = std::get_if<Impulse>(&load); i && from < i->at && i->at <= until + 1e-12) {
@@ -321,19 +321,19 @@ class Engine {
     }
 };
 
-/// Whether an engine has what is broken: one of the angular momentum has no gyroscopic term.
+/// Whether a fault is possible in an engine. For example, an engine that integrates L has no gyroscopic term.
 inline bool has(EngineKind kind, const Knobs& knobs) {
     if ((knobs.tensor != Knobs::Tensor::right || knobs.in_place) && kind == EngineKind::midpoint) return false;
-    // L by a tensor that is not turned is w: a gyroscopic term that is missing
+    // with a tensor that is not rotated, constant L means constant w: the gyroscopic term is missing
     if (knobs.tensor == Knobs::Tensor::not_turned && kind == EngineKind::momentum) return false;
-    // L is constant in free flight: substeps by the row's first rate are one explicit step
+    // L is constant in free motion: substeps by the row's first rate equal one explicit step
     if (knobs.first_rate && kind == EngineKind::momentum) return false;
     if (knobs.lose_last && kind != EngineKind::world_rate) return false;
     if (knobs.world_rate_right && kind == EngineKind::momentum) return false;
     return kind != EngineKind::momentum || ((knobs.gyroscopic == 0 || knobs.gyroscopic == 1) && !knobs.wrong_side);
 }
 
-/// A run of an engine: steps of h, a row each `every` of them, for so many rows.
+/// Runs an engine with steps of h and writes `rows` rows after the first, one every `every` steps.
 template <class Real>
 TrajectoryFile run(const Scene& scene, const Knobs& knobs, EngineKind kind, double h, int every, int rows) {
     Engine<Real> engine(scene, knobs, kind);
@@ -349,14 +349,14 @@ TrajectoryFile run(const Scene& scene, const Knobs& knobs, EngineKind kind, doub
     return file;
 }
 
-/// A way to break an engine or its file.
+/// A fault of an engine or its file.
 struct Fault {
     std::string name;
-    std::vector<std::string> words;  ///< those that name it rightly
-    /// What the engine is given in place of the scene, and how it is broken; false: it means nothing in the scene.
+    std::vector<std::string> words;  ///< correct diagnoses
+    /// Changes the engine's scene and its code. Returns false if the fault does not apply to the scene.
     std::function<bool(Scene&, Knobs&)> engine = [](Scene&, Knobs&) { return true; };
     std::function<bool(const Scene&, TrajectoryFile&)> file = [](const Scene&, TrajectoryFile&) { return true; };
-    bool needs_rates = false;  ///< means nothing in a file without w
+    bool needs_rates = false;  ///< the fault cannot be recognised in a file without w
     int substeps = 1;          ///< steps per row
 };
 
@@ -678,7 +678,7 @@ inline std::vector<Fault> faults() {
         k.speed_limit = 1.4, k.clamp = Knobs::Clamp::body;
         return spins(s) && asymmetric(s);
     });
-    // without w a limit of components is not told from one of |w|
+    // without w, limits of components and of |w| are indistinguishable
     all.back().needs_rates = true;
     engine("components clamped in world axes", {"speed_clamped_by_axis"}, [=](Scene& s, Knobs& k) {
         k.speed_limit = 1.4, k.clamp = Knobs::Clamp::world;
@@ -785,7 +785,7 @@ inline std::vector<Fault> faults() {
         });
         return off_center(s);
     });
-    // the mean rate over the row that ends here; the first row has that of the second
+    // mean rate over the interval that ends at each row; the first row uses that of the second
     const auto differenced = [](TrajectoryFile& f, bool in_body) {
         std::vector<V3> means(f.rows.size());
         for (std::size_t k = 1; k < f.rows.size(); ++k) {
@@ -820,7 +820,7 @@ inline std::vector<Fault> faults() {
     return all;
 }
 
-/// Sound engines, by the words of none: what must not be accused.
+/// Engines without a fault. They must not get a diagnosis.
 inline std::vector<Fault> sound_engines() {
     std::vector<Fault> all;
     const auto add = [&](std::string name, int substeps, std::function<bool(Scene&, Knobs&)> f) {
@@ -836,7 +836,7 @@ inline std::vector<Fault> sound_engines() {
     return all;
 }
 
-/// Names of faults that one engine and its file have at once.
+/// Pairs of faults that one engine and its file have at the same time.
 inline std::vector<std::array<std::string, 2>> pairs_of_faults() {
     return {
         {"gyroscopic term missing", "damping left on"},
@@ -858,7 +858,7 @@ inline std::vector<std::array<std::string, 2>> pairs_of_faults() {
     };
 }
 
-/// Thirteen scenes, each of two seconds.
+/// Thirteen scenes of 2 s each.
 inline std::vector<Scene> scenes() {
     std::vector<Scene> all;
     const auto scene = [&](std::string name) -> Scene& {

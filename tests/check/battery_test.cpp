@@ -1,5 +1,5 @@
-// Small engines with one or two faults on a dozen scenes, and bodies that bounce: which faults are named, rightly or
-// wrongly, and which are not. POLHODE_BATTERY=FILE.md runs all of it and writes the tables of results/check_battery.md.
+// Counts correct, wrong and missing diagnoses of small engines with one or two faults, and of bouncing bodies.
+// POLHODE_BATTERY=FILE.md runs the whole battery and writes the tables of results/check_battery.md.
 #include "check/battery.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@
 namespace polhode {
 namespace {
 
-// How a file is made of an engine's run.
+// How the rows of an engine's run are written to a file.
 struct Written {
     const char* name;
     double hertz;
@@ -47,13 +47,13 @@ constexpr Written all_written[] = {
 
 struct Count {
     int right = 0, wrong = 0, silent = 0;
-    int both = 0;  // of those named rightly: two faults, both named
+    int both = 0;  // number of correct files with two faults in which both are diagnosed
     int all() const { return right + wrong + silent; }
     void operator+=(const Count& other) {
         right += other.right, wrong += other.wrong, silent += other.silent, both += other.both;
     }
 };
-using Counts = std::map<std::string, Count>;  // by fault; "sound" for none
+using Counts = std::map<std::string, Count>;  // by fault; "sound": no fault
 
 bool differs(const TrajectoryFile& a, const TrajectoryFile& b) {
     if (a.rows.size() != b.rows.size()) return true;
@@ -66,7 +66,7 @@ bool differs(const TrajectoryFile& a, const TrajectoryFile& b) {
     }
     return false;
 }
-// takes off the columns that are not written
+// Removes the columns that are not written.
 void leave_out(TrajectoryFile& file, const Written& written) {
     for (TrajectoryRow& row : file.rows) {
         if (written.rotation_only) row.position_W = row.velocity_W = {};
@@ -76,7 +76,7 @@ void leave_out(TrajectoryFile& file, const Written& written) {
     if (written.bare) file.has_angular_velocity = false;
 }
 
-// A scene, an engine, and the faults that they have: none of a sound engine, which then is one of sound_engines().
+// A scene, an engine and its faults. A job without faults uses one of sound_engines().
 struct Job {
     const Scene* scene;
     std::vector<const battery::Fault*> faults;
@@ -89,7 +89,7 @@ struct Job {
     }
 };
 
-// A file of two seconds and 400 rows at the most; none where a fault means nothing there, or cannot be seen.
+// Returns a file of at most 2 s and 400 rows; nothing if a fault does not apply to the scene or has no effect.
 std::optional<TrajectoryFile> file_of(const Job& job, const Written& written) {
     const int rows = std::min(static_cast<int>(2 * written.hertz), 400);
     const std::vector<const battery::Fault*> all = job.sound ? std::vector{job.sound} : job.faults;
@@ -112,7 +112,7 @@ std::optional<TrajectoryFile> file_of(const Job& job, const Written& written) {
     };
     std::optional<TrajectoryFile> file = file_with(all);
     if (!file || job.sound) return file;
-    // what cannot be seen in the file cannot be named: the file without one of the faults must be another
+    // each fault must be visible: without it, the file must be different
     for (std::size_t i = 0; i < all.size(); ++i) {
         std::vector<const battery::Fault*> rest = all;
         rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
@@ -122,7 +122,7 @@ std::optional<TrajectoryFile> file_of(const Job& job, const Written& written) {
     return file;
 }
 
-// Where no torque acts, a body without the gyroscopic term moves exactly as a ball: both words are right.
+// Without torques, a body without the gyroscopic term moves exactly as a ball, so both diagnoses are correct.
 bool is_named(const Scene& scene, const battery::Fault& fault, const Diagnosis& d) {
     const auto has_word = [&](const std::string& word) {
         return std::ranges::find(fault.words, word) != fault.words.end();
@@ -133,7 +133,7 @@ bool is_named(const Scene& scene, const battery::Fault& fault, const Diagnosis& 
     return has_word(d.fault) || (free && d.fault == "inertia_taken_for_a_ball" && has_word("gyroscopic_term_missing"));
 }
 
-// Right: each fault is named; or at least one of two, and nothing that is none of them.
+// Correct: each fault is diagnosed; or at least one of two, without a wrong diagnosis.
 Count verdict(const Job& job, const std::vector<Diagnosis>& found) {
     Count count;
     const auto is_found = [&](const battery::Fault* fault) {
@@ -151,7 +151,7 @@ Count verdict(const Job& job, const std::vector<Diagnosis>& found) {
     return count;
 }
 
-// Every `stride`-th job that has a file.
+// Counts the diagnoses of every `stride`-th job that has a file.
 Counts count_jobs(const std::vector<Job>& jobs, const Written& written, std::size_t stride, std::string& told) {
     Counts counts;
     std::mutex lock;
@@ -175,7 +175,7 @@ Counts count_jobs(const std::vector<Job>& jobs, const Written& written, std::siz
 constexpr battery::EngineKind all_kinds[] = {battery::EngineKind::world_rate, battery::EngineKind::momentum,
                                              battery::EngineKind::midpoint};
 
-// Engines with one fault and sound ones.
+// Counts engines with one fault and sound engines.
 Counts counted(const Written& written, std::size_t stride, std::string& told) {
     const std::vector<battery::Fault> faults = battery::faults(), sound = battery::sound_engines();
     const std::vector<Scene> scenes = battery::scenes();
@@ -190,7 +190,7 @@ Counts counted(const Written& written, std::size_t stride, std::string& told) {
     return count_jobs(jobs, written, stride, told);
 }
 
-// Engines with two faults.
+// Counts engines with two faults.
 Counts counted_pairs(const Written& written, std::size_t stride, std::string& told) {
     const std::vector<battery::Fault> faults = battery::faults();
     const std::vector<Scene> scenes = battery::scenes();
@@ -207,7 +207,7 @@ Counts counted_pairs(const Written& written, std::size_t stride, std::string& to
     return count_jobs(jobs, written, stride, told);
 }
 
-// Balls and boxes that bounce, by steps and rows of this many hertz.
+// Counts bouncing balls and boxes with this number of steps and rows per second.
 Counts counted_impacts(double hertz, std::string& told) {
     Counts counts;
     for (const plane_battery::Case& c : plane_battery::cases()) {
@@ -241,10 +241,10 @@ double percent(int part, int whole) { return whole == 0 ? 0 : 100.0 * part / who
 
 class Battery : public ::testing::TestWithParam<Written> {};
 
-// The goals: 95 % named rightly and 1 % wrongly at 240 Hz and finer; 85 % and 2 % at 60 Hz.
+// The goals: at 240 Hz and above, at least 95 % correct and at most 1 % wrong; at 60 Hz, 85 % and 2 %.
 void expect_goals(const Counts& counts, bool coarse, bool bare, const std::string& told) {
     const Count sum = sum_of_faults(counts);
-    // of a part one file is more than a goal's percent
+    // in a part of the battery, one file can be more than 1 %
     const int spare = sum.all() < 200 ? 1 : 0;
     EXPECT_GE(percent(sum.right + spare, sum.all()), coarse ? 85 : 95) << told;
     EXPECT_LE(percent(sum.wrong - spare, sum.all()), coarse || bare ? 2 : 1) << told;
@@ -254,7 +254,7 @@ void expect_goals(const Counts& counts, bool coarse, bool bare, const std::strin
 }
 bool is_coarse(const Written& written) { return written.hertz <= 60 && !written.exact; }
 
-// A part of the battery; the goals are those of the whole.
+// Runs a part of the battery with the goals of the whole battery.
 TEST_P(Battery, FaultsAreNamedAndSoundFilesAreNot) {
     std::string told;
     const Counts counts = counted(GetParam(), optimised_build ? 19 : 997, told);
@@ -268,7 +268,7 @@ TEST_P(Battery, FaultsAreNamedAndSoundFilesAreNot) {
     expect_goals(counts, is_coarse(GetParam()), GetParam().bare, told);
 }
 
-// A part of the pairs, at 60 and 240 Hz.
+// Runs a part of the pairs at 60 and 240 Hz.
 TEST(BatteryOfPairs, FaultsAreNamed) {
     for (const Written& written : all_written) {
         if (written.name != std::string("60 Hz") && written.name != std::string("240 Hz")) continue;
@@ -305,7 +305,7 @@ std::string table_by_fault(const Counts& counts, const char* heading, bool both)
     return text;
 }
 
-// Not a test but the tables: only where a file is asked for. POLHODE_BATTERY_STRIDE: runs only every n-th job.
+// Writes the tables if POLHODE_BATTERY names a file. POLHODE_BATTERY_STRIDE: run only every n-th job.
 TEST(BatteryTable, IsWritten) {
     const char* const path = std::getenv("POLHODE_BATTERY");
     if (!path) GTEST_SKIP() << "POLHODE_BATTERY does not name a file";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Axes all_axes[] = {Axes::z_up_right, Axes::y_up_right, Axes::z_up_left, Axes::y_up_left};
 
-// the second route: M as a matrix, from the words of the documentation
+// M as a matrix, written independently from the documentation of Axes.
 Matrix3<double> matrix_of(Axes axes) {
     switch (axes) {
         case Axes::y_up_right:
@@ -51,7 +51,7 @@ RC_GTEST_PROP(Convention, AgreesWithMatrices, ()) {
     const Matrix3<double> M = matrix_of(axes);
     const Vector3<double> v = random_vector(), w = random_vector();
     RC_ASSERT(vector_from(axes, v) == M * v);
-    // the product of two vectors turns round in a mirror: so does what a rate is made of
+    // a reflection reverses the sign of cross products, and so of angular velocities
     const Vector3<double> product = cross(M * v, M * w), expected = pseudovector_from(axes, cross(v, w));
     const double size = std::sqrt(dot(v, v) * dot(w, w));
     for (int i = 0; i < 3; ++i) RC_ASSERT(std::abs(product[i] - expected[i]) <= 1e-15 * size);
@@ -70,7 +70,7 @@ RC_GTEST_PROP(Convention, ThereAndBackIsNothing, ()) {
     RC_ASSERT(quaternion_to(axes, quaternion_from(axes, q)) == q);
 }
 
-// dq/dt = 1/2 (0, w) q there becomes the same here: rates and attitudes are converted alike
+// The equation dq/dt = 1/2 (0, w) q holds in both axes: rates and attitudes are converted consistently.
 RC_GTEST_PROP(Convention, KinematicsSurvive, ()) {
     const Axes axes = *rc::gen::element(all_axes[0], all_axes[1], all_axes[2], all_axes[3]);
     const Vector3<double> w = random_vector();
@@ -109,7 +109,7 @@ TEST(Convention, ScalarLastGoesByTheColumnsAsTheyStand) {
     const auto read = [](const char* header, QuaternionColumns columns) {
         return parse_trajectory(std::string(header) + "\n0,1,2,3,4\n", "f", columns).rows[0].q;
     };
-    // names that say w, x, y, z over x, y, z, w, and names that are right already
+    // columns named w, x, y, z that hold x, y, z, w; and correct names
     EXPECT_EQ(read("t,qw,qx,qy,qz", QuaternionColumns::scalar_last), expected);
     EXPECT_EQ(read("t,qx,qy,qz,qw", QuaternionColumns::scalar_last), expected);
     EXPECT_EQ(read("t,qx,qy,qz,qw", QuaternionColumns::by_name), expected);
@@ -117,7 +117,7 @@ TEST(Convention, ScalarLastGoesByTheColumnsAsTheyStand) {
 }
 
 TEST(Convention, UnitsOfLengthAndRatesInBodyAxes) {
-    // a quarter turn about z: the body's x is the world's y
+    // a rotation by 90 degrees about z: the body's x axis is the world's y axis
     TrajectoryFile file =
         parse_trajectory("t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz\n0,1,0,0,1,3,0,0,100,200,300,400,5,6\n", "f");
     convert(file, parse_convention("body-rates,centimetres"));

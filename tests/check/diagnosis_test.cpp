@@ -1,4 +1,4 @@
-// Which cause a file is told first, what it cannot tell apart, and what is said where nothing is found.
+// Order of diagnoses, indistinguishable faults, matched updates, impacts, and errors without all columns.
 #include "check/diagnosis.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TrajectoryFile of_method(const Scene& scene, const char* method, double step, in
     return file;
 }
 
-// A quarter of the force moves as four times the mass does: both are told, the load first.
+// A quarter of the force has the effect of four times the mass. Both are reported, the load first.
 TEST(Diagnosis, ALoadOfTheWrongSizeIsToldBeforeAMass) {
     for (const double factor : {0.25, 0.04, 3.7}) {
         Scene scene = plain_scene(), given;
@@ -70,7 +70,7 @@ TEST(Diagnosis, ALoadOfTheWrongSizeIsToldBeforeAMass) {
     }
 }
 
-// One force on a body at rest: rotation says nothing.
+// One force acts on a body at rest, so the rotation is no evidence.
 TEST(Diagnosis, AForceOnABodyAtRestIsFittedToTheLastDigit) {
     for (const double factor : {0.25, 0.6, 1.75, 12.5}) {
         Scene scene = plain_scene(), given;
@@ -86,7 +86,7 @@ TEST(Diagnosis, AForceOnABodyAtRestIsFittedToTheLastDigit) {
     }
 }
 
-// A tensor that is not turned is that of exchanged moments at a quarter turn, and at no other attitude.
+// A tensor that is not rotated equals that with exchanged moments at a rotation by 90 degrees only.
 TEST(Diagnosis, APermutationThatLaterRowsRefuteIsNotTold) {
     Scene scene = plain_scene();
     scene.initial.orientation = {std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
@@ -106,7 +106,7 @@ TEST(Diagnosis, APermutationThatLaterRowsRefuteIsNotTold) {
         }
 }
 
-// With one step per row the first rate of a row is that of the step: explicit Euler is sound.
+// With one step per row, the row's first rate is the rate of the step: explicit Euler, not a fault.
 TEST(Diagnosis, AFirstRateIsAFaultOfSubstepsOnly) {
     Scene scene = plain_scene();
     scene.loads.push_back(Torque{{0.5, -0.3, 0.4}, Frame::world, {}});
@@ -162,7 +162,7 @@ TEST(Diagnosis, VelocitiesOfTheOriginAreTold) {
                 }
                 file.has_angular_velocity = has_rate;
                 if (named_origin) file.has_position = false, file.has_origin = true;
-                // columns ox,oy,oz that hold the centre of mass beside the origin's velocity are no usual fault
+                // not a known fault: ox,oy,oz hold the centre of mass, and vx,vy,vz the velocity of the origin
                 if (named_origin && !position) continue;
                 const std::vector<std::string> told = words(diagnose(scene, file).faults);
                 EXPECT_EQ(told, std::vector<std::string>{position && !named_origin ? "origin_for_center_of_mass"
@@ -193,7 +193,7 @@ TEST(FollowedUpdate, MatchesWhatAMethodWrote) {
         EXPECT_NEAR(followed->step * hertz, 1, 1e-9);
         EXPECT_NE(followed->message.find("the file matches the gyroscopic_explicit update"), std::string::npos);
     }
-    // several steps a row
+    // several steps per row
     const auto coarse = followed_update(scene, of_method(scene, "gyroscopic_explicit", 1.0 / 70, 60, 7), 7, 1e-15);
     ASSERT_TRUE(coarse);
     EXPECT_TRUE(coarse->matches);
@@ -203,7 +203,7 @@ TEST(FollowedUpdate, MatchesWhatAMethodWrote) {
 TEST(FollowedUpdate, TellsTheRowAtWhichItIsLeft) {
     const Scene scene = plain_scene();
     TrajectoryFile file = of_method(scene, "gyroscopic_explicit", 1.0 / 100, 600);
-    // from here on half as fast
+    // from this row on, half the angular velocity
     Scene slower = scene;
     slower.initial.orientation = file.rows[400].q;
     slower.initial.angular_velocity = 0.5 * rotate_back(file.rows[400].q, file.rows[400].angular_velocity_W);
@@ -231,7 +231,7 @@ TEST(FollowedUpdate, ResemblesWhatItDoesNotMatch) {
     ASSERT_TRUE(followed);
     EXPECT_FALSE(followed->matches);
     EXPECT_NE(followed->message.find("the file resembles the "), std::string::npos);
-    // an attitude that is right has none
+    // a file with a correct attitude has no update
     Scene still = scene;
     still.initial.angular_velocity = {};
     EXPECT_FALSE(followed_update(still, of_method(still, "gyroscopic_explicit", 1.0 / 30, 60), 1, 1e-15));
@@ -246,7 +246,7 @@ TEST(FollowedUpdate, IsNoneOfImpactsWhereThereIsNoPlane) {
     }
 }
 
-// A ball on a plane in one dimension, with the bounces that engines make.
+// A ball on a plane in one dimension. `bounce` advances it by one step.
 TrajectoryFile bouncing(const Scene& scene, double h, double speed, auto&& bounce) {
     TrajectoryFile file;
     file.has_angular_velocity = file.has_position = file.has_velocity = true;
@@ -281,7 +281,7 @@ TEST(ImpactFaults, BouncesThatGainEnergyAreTold) {
             ASSERT_EQ(found.size(), 1u) << restitution << " " << h;
             EXPECT_EQ(found[0].fault, "bounce_gains_energy");
         }
-    // the exact motion has none
+    // the exact motion gets no diagnosis
     const Scene scene = ball(1);
     const double top = std::sqrt(2 * (1.7 - radius) / g);
     TrajectoryFile exact;
@@ -329,7 +329,7 @@ TEST(ImpactFaults, BouncesThatComeAStepLateAreTold) {
     EXPECT_EQ(words(impact_faults(scene, file)), std::vector<std::string>{"bounce_late"});
 }
 
-// Rotation does not hang on where the body is: its energy is compared without v.
+// The rotation does not depend on the position, so its energy is compared without v.
 TEST(Judge, ComparesTheEnergyOfRotationWithoutTheVelocity) {
     Scene scene = plain_scene();
     scene.loads.push_back(Gravity{{0, 0, -9.81}, {}});
@@ -339,7 +339,7 @@ TEST(Judge, ComparesTheEnergyOfRotationWithoutTheVelocity) {
     for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
     const Judgement judged = judge(scene, file, reference(scene, times));
     ASSERT_TRUE(judged["energy"]);
-    // against the energy of rotation of the file's own w
+    // rotational energy computed from the file's w
     const auto energy = [&](const TrajectoryRow& row) {
         const V3 w = rotate_back(row.q, row.angular_velocity_W);
         return dot(w, scene.body.inertia_B * w) / 2;
@@ -349,12 +349,12 @@ TEST(Judge, ComparesTheEnergyOfRotationWithoutTheVelocity) {
         largest = std::max(largest, std::abs(energy(row) / energy(file.rows[0]) - 1));
     EXPECT_NEAR(judged["energy"]->max, largest, 1e-12);
     EXPECT_GT(largest, 1e-6);
-    // a point of attack in the world ties both
+    // a force at a point fixed in the world makes the rotation depend on the position
     scene.loads.push_back(Force{{1, 0, 0}, Frame::world, {0, 0, 1}, Frame::world, {}});
     EXPECT_FALSE(judge(scene, file, reference(scene, times))["energy"]);
 }
 
-// NaN is the largest of all errors, in one piece and in several, of one body and of several.
+// NaN counts as the largest error: in one piece and in several, for one body and for several.
 TEST(Judge, NotANumberIsTheLargestError) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_TRUE(is_larger<double>(nan, 3) && is_larger<double>(2, 1) && !is_larger<double>(1, 1) &&

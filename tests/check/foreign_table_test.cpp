@@ -1,4 +1,4 @@
-// Columns of other programs: named by the user, recognised, or left as they are.
+// Columns of other programs: named by the user, recognised, or left unchanged.
 #include "check/foreign_table.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// A file with these columns.
+// Parses a table with these columns.
 TrajectoryFile read_foreign(const std::string& text, const ColumnNames& names, bool several = false) {
     return parse_foreign_trajectory(text, "f", find_foreign_columns(text, "f", names, several).columns);
 }
@@ -45,7 +45,7 @@ TEST(ForeignTable, NamesInCommonUseAreKnown) {
 }
 
 TEST(ForeignTable, AMatrixRowByRow) {
-    // a quarter turn about z
+    // a rotation by 90 degrees about z
     const char* const rows = "time=t,rotation=a:b:c:d:e:f:g:h:i";
     const Quaternion<double> q = read_foreign("t,a,b,c,d,e,f,g,h,i\n0,0,-1,0,1,0,0,0,0,1\n", rows).rows[0].q;
     EXPECT_NEAR(q.w, std::sqrt(0.5), 1e-15);
@@ -60,7 +60,8 @@ TEST(ForeignTable, AMatrixColumnByColumn) {
     EXPECT_THROW(read_foreign(text, std::string(columns) + ",euler_zyx=a:b:c"), InputError);
 }
 
-// against the turns by hand: yaw 90 degrees takes x to y; then pitch 90 about the new y, which is -x
+// Compared with rotations by hand: yaw by 90 degrees maps x to y; then pitch by 90 degrees about the new y, which is
+// -x.
 TEST(ForeignTable, EulerAnglesOfANamedSequence) {
     ColumnNames names = parse_columns("time=t,euler_zyx=yaw:pitch:roll");
     names.degrees = true;
@@ -78,7 +79,7 @@ TEST(ForeignTable, AColumnMayServeTwice) {
     EXPECT_EQ(file.rows[0].q, (Quaternion<double>{1, 0, 0, 0}));
 }
 
-// whatever the names say, the file's order counts
+// The order of the file counts, whatever the names are.
 TEST(ForeignTable, QuaternionsInTheOrderOfTheColumns) {
     const std::string text = "time,rot_x,rot_y,rot_z,rot_w\n0,0.9,0.1,0.2,0.3\n";
     const ForeignColumns columns = find_foreign_columns(text, "f", {}).columns;
@@ -101,7 +102,7 @@ TEST(ForeignTable, SlipsAreNamed) {
     EXPECT_THROW(read_foreign("Time,qx,qy,qz,qw\n1,2\n", ColumnNames()), InputError);
 }
 
-// the message of an InputError
+// Returns the message of the InputError, or an empty string.
 std::string fault_of(const std::string& text, const ColumnNames& names, std::vector<std::size_t>* gaps = nullptr) {
     CheckedFile checked;
     checked.path = "f";
@@ -115,7 +116,7 @@ std::string fault_of(const std::string& text, const ColumnNames& names, std::vec
 
 TEST(ForeignTable, MessagesNameTheLinesOfTheFile) {
     const std::string header = "# made by hand\n# twice\ntime,rot_w,rot_x,rot_y,rot_z\n", row = ",1,0,0,0\n";
-    const std::string good = header + "0" + row + "# between\n1" + row;  // seven lines
+    const std::string good = header + "0" + row + "# between\n1" + row;  // six lines
     const auto begins = [](const std::string& fault, const std::string& place) {
         EXPECT_TRUE(fault.starts_with("f: " + place)) << fault;
     };
@@ -126,7 +127,7 @@ TEST(ForeignTable, MessagesNameTheLinesOfTheFile) {
     begins(fault_of(good + "2,0,0,0,0\n", {}), "line 7, columns qw,qx,qy,qz: have length 0");
     begins(fault_of(good, parse_columns("time=clock")), "line 3: has no column clock");
     begins(fault_of(good, parse_columns("time=time")), "line 3: column qw is missing");
-    // rows that are skipped count as well
+    // skipped rows count as lines
     std::vector<std::size_t> gaps;
     begins(fault_of(good + "2,nan,0,0,0\n3" + row + "x" + row, {}, &gaps), "line 9, column time: x is not a number");
     const ColumnNames matrix = parse_columns("time=t,rotation=a:b:c:d:e:f:g:h:i");

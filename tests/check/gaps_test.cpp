@@ -1,4 +1,4 @@
-// Rows that are not numbers, and errors over time beside what the judge finds.
+// Rows with NaN, and errors over time compared with the errors of judge().
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ TEST(Gaps, LeaveOtherFaultsToTheReader) {
     EXPECT_THROW(parse_trajectory("t,qw,qx,qy,qz\n0,nan,0,0,0\n", "f.csv"), InputError);
 }
 
-// the last row that is not a number may have no line feed
+// The last row may have a NaN and no line feed.
 TEST(Gaps, EndWithTheText) {
     const GappedFile file = read_with_gaps("t,qw,qx,qy,qz\n0,1,0,0,0\n1,nan,0,0,0");
     EXPECT_EQ(file.times, (std::vector<double>{0}));
@@ -71,7 +71,7 @@ TrajectoryFile solved(const Scene& scene, long samples) {
                             body_names(scene));
 }
 
-// few rows in 128 bits, many in binary64
+// Few rows are computed in 128 bits, many in binary64.
 TEST(ErrorOverTime, HasTheLargestThatTheJudgeFinds) {
     const Scene scene = find_scene("free_asymmetric");
     for (const long samples : {500L, 5000L}) {

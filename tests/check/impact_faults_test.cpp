@@ -1,4 +1,4 @@
-// Impacts on planes: what comes back of the normal speed, and what passes through.
+// Faults of impacts on planes: wrong restitution, missed impacts, penetration.
 #include "check/impact_faults.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace polhode {
 namespace {
 
-// the motion of an engine that was given this scene
+// Solves a scene by a method and writes its rows.
 TrajectoryFile of_engine(Scene scene, const char* method, double hertz) {
     Settings settings;
     scene.duration = std::min(scene.duration, 3.0);
@@ -61,7 +61,7 @@ TEST(ImpactFaults, APlaneThatIsNotSeenIsTold) {
     }
 }
 
-// A ball comes to rest inside the plane. A slop is accepted, and so is what a row's motion explains.
+// A ball comes to rest inside the plane. A slop, and a penetration below the travel of a row, are accepted.
 TEST(ImpactFaults, ADepthThatIsKeptIsTold) {
     int told = 0;
     for (const plane_battery::Case& c : plane_battery::cases()) {
@@ -85,7 +85,7 @@ TEST(ImpactFaults, ADepthThatIsKeptIsTold) {
     EXPECT_GE(told, 3);
 }
 
-// Bounces of many heights and restitutions, down to rest, and several impacts within a row.
+// Bounces from many heights with many restitutions, down to rest, with several impacts within a row.
 TEST(ImpactFaults, SoundBouncesAreNotAccused) {
     int bounces = 0;
     for (plane_battery::Case c : plane_battery::cases())

@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// Two free bodies a metre apart on x, held together by a hinge about z half-way; both turn about it at 2 rad/s, as one.
+// Two bodies 1 m apart along x, with a hinge about z half-way. They rotate about it as one body, at 2 rad/s.
 struct Hinged {
     Scene scene;
     Reference truth;
@@ -60,7 +60,7 @@ TEST(JudgeOfSeveralBodies, FindsTheTruthRightToRounding) {
     }
     EXPECT_EQ(found.over_time.size(), 10u);
     EXPECT_EQ(found.size["omega"], 2);
-    EXPECT_NEAR(found.size["velocity"], 2, 0.01);  // 1 m/s with the whole, 1 m/s about the hinge
+    EXPECT_NEAR(found.size["velocity"], 2, 0.01);  // 1 m/s of the whole, 1 m/s about the hinge
     EXPECT_FALSE(ErrorLimits(h.scene).refuses(found));
 }
 
@@ -70,14 +70,14 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
     const double t = row.t, ahead = 0.125;
     row.q = {std::cos(t + ahead / 2), 0, 0, std::sin(t + ahead / 2)};
     h.file.rows[2 * 10].position_W[2] = 0.25;
-    h.file.rows[2 * 20].q = {std::cos(0.1), std::sin(0.1), 0, 0};  // from another attitude, about x
+    h.file.rows[2 * 20].q = {std::cos(0.1), std::sin(0.1), 0, 0};  // a wrong attitude, rotated about x
     h.file.rows[2 * 20].position_W = h.truth.samples[2 * 20].rounded().position_W;
     const Judgement found = judge(h.scene, h.file, h.truth);
     EXPECT_EQ(found.worst_body, "left");
     EXPECT_EQ(found["attitude"]->max_time, 2);
     EXPECT_EQ(found["position"]->max, 0.25);
     EXPECT_EQ(found["position"]->max_time, 1);
-    EXPECT_NEAR(found["joint_turn"]->max, 0.2, 1e-15);  // the hinge's axis is turned from z about x
+    EXPECT_NEAR(found["joint_turn"]->max, 0.2, 1e-15);  // the hinge's axis is rotated from z about x
     EXPECT_EQ(found["joint_turn"]->max_time, 2);
     EXPECT_EQ(found.worst_turn, "hinge");
     EXPECT_EQ(found.worst_gap, "hinge");
@@ -112,7 +112,7 @@ TEST(JudgeOfSeveralBodies, JointsHaveLimits) {
     h.scene.tolerated["joint_gap"] = 0.004;
     EXPECT_EQ(fails(ErrorLimits(h.scene)), std::vector<std::string>{"joint_gap"});
     EXPECT_THROW(strict.set("joint_gap", "5%"), std::invalid_argument);
-    // of one body there are none
+    // one body has no joint limits
     Scene one;
     one.name = "one", one.duration = 1;
     EXPECT_NO_THROW(validate(one, "one"));
@@ -133,7 +133,7 @@ TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {
     EXPECT_FALSE(found["omega"] || found["position"] || found["joint_gap"]);
     EXPECT_LT(found["attitude"]->max, 1e-15);
     EXPECT_LT(found["joint_turn"]->max, 1e-15);
-    // origins in place of centres of mass
+    // origins instead of centres of mass
     h.file.has_origin = true;
     for (std::size_t i = 0; i < h.file.rows.size(); i += 2) {
         const double t = h.file.rows[i].t;

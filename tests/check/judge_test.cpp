@@ -20,7 +20,7 @@ Scene thrown_body() {
     return scene;
 }
 
-// a truth that turns about z at 2 rad/s while it falls, and a file that is wrong by more and more
+// A truth that rotates about z at 2 rad/s while it falls, and a file with a growing error.
 struct Case {
     Scene scene = thrown_body();
     Reference truth;
@@ -52,7 +52,7 @@ struct Case {
     }
 };
 
-// against the errors of the result tables, which are written apart from these
+// Compares with the errors of the result tables, which are computed independently.
 TEST(Judge, AgreesWithTheErrorsOfTheTables) {
     const Case c(200);
     const Judgement found = judge(c.scene, c.file, c.truth);
@@ -61,7 +61,7 @@ TEST(Judge, AgreesWithTheErrorsOfTheTables) {
     const ErrorSeries series = error_series(c.scene, trajectory, c.truth);
     const auto expect = [&](const ErrorSummary& summary, const std::vector<double>& values) {
         const auto worst = std::max_element(values.begin(), values.end());
-        // the file's w is turned in 128 bits here, and rounded to binary64 in between there
+        // judge() rotates the file's w in 128 bits; the tables round it to binary64
         EXPECT_NEAR(summary.max, *worst, 1e-15);
         EXPECT_EQ(summary.max_time, series.t[static_cast<std::size_t>(worst - values.begin())]);
         EXPECT_NEAR(summary.final, values.back(), 1e-15);
@@ -72,7 +72,7 @@ TEST(Judge, AgreesWithTheErrorsOfTheTables) {
     expect(*found["energy"], series["energy"]);
     expect(*found["momentum"], series["momentum"]);
     EXPECT_NEAR(found["velocity"]->max, 1e-5 * 10, 1e-5);
-    // spans: ten of twenty samples, and the first one with the sample at its beginning
+    // ten spans of twenty samples; the first one also has the sample at its start
     ASSERT_EQ(found.over_time.size(), 10u);
     for (std::size_t span = 0; span < 10; ++span) {
         const auto begin = series["attitude"].begin() + static_cast<long>(span == 0 ? 0 : 20 * span + 1);
@@ -101,7 +101,7 @@ TEST(Judge, InBinary64AndInPiecesIsTheSameToRounding) {
         return every;
     };
     for (std::size_t i = 0; i < 7; ++i) {
-        // pieces: the same bits
+        // pieces give the same bits
         EXPECT_EQ(all(joined)[i].max, all(narrow)[i].max) << i;
         EXPECT_EQ(all(joined)[i].max_time, all(narrow)[i].max_time) << i;
         EXPECT_EQ(all(joined)[i].final, all(narrow)[i].final) << i;

@@ -1,5 +1,5 @@
-// A battery for the faults of impacts: balls and tumbling boxes on a plane, by an engine written
-// for this purpose, apart from the catalogue's and from what `check` evaluates with.
+// Test battery for faults of impacts: a small engine simulates balls and tumbling boxes on a plane. It shares no code
+// with the catalogue or with `check`.
 #pragma once
 
 #include <algorithm>
@@ -17,25 +17,25 @@ namespace polhode::plane_battery {
 
 using V3 = Vector3<double>;
 
-/// What the engine does at the plane.
+/// How the engine treats contacts.
 enum class Contact {
     timed,     ///< the step is split at the time of contact
-    mirrored,  ///< the velocity after a whole step of gravity is mirrored
-    late,      ///< a contact is seen at the start of the step after it, the velocity before gravity is mirrored
-    kept,      ///< as `mirrored`, without energy gain at rest, and the depth is never corrected
+    mirrored,  ///< the velocity is reversed after a full step of gravity
+    late,      ///< a contact is detected one step later, and the velocity before gravity is reversed
+    kept,      ///< `mirrored` without energy gain at rest; the depth is never corrected
     missed,    ///< there is no plane
 };
 
 struct Knobs {
     Contact contact = Contact::timed;
-    double restitution_factor = 1;  ///< of the scene's restitution
-    int restitution_power = 1;      ///< 2: restitution is applied twice
-    double threshold = 0;           ///< m/s: slower impacts give back nothing
-    double sunk = 0;                ///< m, the plane that the engine collides with is so much lower
+    double restitution_factor = 1;  ///< factor of the scene's restitution
+    int restitution_power = 1;      ///< 2: the restitution is applied twice
+    double threshold = 0;           ///< slower impacts do not rebound, m/s
+    double sunk = 0;                ///< the engine's plane is lower by this distance, m
 };
 
-/// Semi-implicit Euler with a plane without friction. A body of radius > 0 is a ball, which keeps its rate; else it is
-/// a box with its corners at +-half, whose gyroscopic term is explicit.
+/// Semi-implicit Euler with a plane without friction. A body with radius > 0 is a ball with constant angular
+/// velocity. Otherwise it is a box with corners at +-half and an explicit gyroscopic term.
 class Engine {
   public:
     Engine(const Scene& scene, double radius, const V3& half, const Knobs& knobs)
@@ -109,7 +109,7 @@ class Engine {
     bool resting_ = false;
 
     double back(double speed) const { return speed < k_.threshold ? 0 : e_; }
-    // of the deepest point, from the centre of mass
+    // the deepest point, from the centre of mass
     V3 deepest() const {
         if (radius_ > 0) return -radius_ * n_;
         V3 lowest;
@@ -120,7 +120,7 @@ class Engine {
     }
     double depth() const { return offset_ - dot(n_, s_.x + deepest()); }
 
-    // a ball keeps its rate
+    // the angular velocity of a ball is constant
     void turn_ball(double h) {
         const double speed = std::sqrt(dot(s_.w, s_.w)), angle = speed * h / 2,
                      s = angle > 0 ? std::sin(angle) / speed : 0;
@@ -136,7 +136,7 @@ class Engine {
         const V3 L(I_[0] * w[0], I_[1] * w[1], I_[2] * w[2]), change = cross(w, L);
         for (int i = 0; i < 3; ++i) w[i] -= h * change[i] / I_[i];
         const double speed = std::sqrt(dot(w, w)), angle = speed * h / 2, s = angle > 0 ? std::sin(angle) / speed : 0;
-        // w of the step in the axes at its start: the rotation leaves it as it is
+        // w is converted by the attitude at the start of the step: rotation about w does not change w
         s_.w = rotate(q_, w);
         q_ = q_ * Quaternion<double>{std::cos(angle), s * w[0], s * w[1], s * w[2]};
     }
@@ -154,7 +154,7 @@ class Engine {
         const double impulse = -(1 + back(-speed)) * speed / inverse;
         s_.v = s_.v + (impulse / mass_) * n_, s_.w = s_.w + impulse * turn;
     }
-    // flight up to each contact in the step, then the impact
+    // flies to each contact within the step, then applies the impact
     void timed_step(double h) {
         if (resting_) {
             turn_ball(h);
@@ -186,7 +186,7 @@ class Engine {
     }
 };
 
-/// A scene with the numbers that the engine needs of its shape.
+/// A scene with the size of its body.
 struct Case {
     Scene scene;
     double radius = 0;
@@ -202,7 +202,7 @@ inline Case case_of(const std::string& name, const std::string& shape, const std
     return {parse_scene(text, name + ".json", ""), radius, half};
 }
 
-/// Balls and a box that bounce.
+/// Bouncing balls and boxes.
 inline std::vector<Case> cases() {
     const std::string ball = R"({"type": "sphere", "radius": 0.3})",
                       box = R"({"type": "box", "half_extents": [0.1, 0.2, 0.3]})";
@@ -228,9 +228,9 @@ inline std::vector<Case> cases() {
 /// A fault of impacts.
 struct Fault {
     std::string name;
-    std::vector<std::string> words;  ///< those that name it rightly
+    std::vector<std::string> words;  ///< correct diagnoses
     Knobs knobs;
-    bool of_balls = false;  ///< faults of bounces are reported for balls
+    bool of_balls = false;  ///< only balls get this diagnosis
 };
 
 inline std::vector<Fault> faults() {
@@ -251,7 +251,7 @@ inline std::vector<Fault> faults() {
     return all;
 }
 
-/// A run of the engine with `hertz` steps and rows per second.
+/// Runs the engine with `hertz` steps and rows per second.
 inline TrajectoryFile run(const Case& c, const Knobs& knobs, double hertz) {
     Engine engine(c.scene, c.radius, c.half, knobs);
     TrajectoryFile file;
@@ -265,8 +265,8 @@ inline TrajectoryFile run(const Case& c, const Knobs& knobs, double hertz) {
     return file;
 }
 
-/// Whether the fault can be seen in a run: the body's motion differs from the sound one by more than rounding. A kept
-/// depth must be plainly larger than what engines leave of a contact.
+/// Whether the fault is visible in a run: the motion differs from the sound one by more than rounding. A penetration
+/// must be clearly larger than the slop that engines leave.
 inline bool is_visible(const Case& c, const Fault& f, double hertz) {
     if (f.of_balls && !(c.radius > 0)) return false;
     const TrajectoryFile broken = run(c, f.knobs, hertz), sound = run(c, {}, hertz);

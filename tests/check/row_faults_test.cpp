@@ -1,4 +1,4 @@
-// Rows between an engine's steps, and quaternions that are not normalised: told where they are, and nowhere else.
+// Diagnoses of rows between an engine's steps and of quaternions that are not normalised.
 #include "check/row_faults.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,7 @@ TrajectoryFile steps_of(const Scene& scene, double hertz, int rows) {
     return battery::run<double>(scene, {}, battery::EngineKind::world_rate, 1 / hertz, 1, rows);
 }
 
-// What a renderer shows at `frames` a second of an engine that steps at its own rate: the last state, or one in
-// between.
+// Rows of a renderer with `frames` frames per second: the engine's last state, or a state interpolated between two.
 TrajectoryFile shown(const TrajectoryFile& steps, double frames, bool interpolated) {
     TrajectoryFile file = steps;
     file.rows.clear();
@@ -73,7 +72,7 @@ TEST(RowFaults, LengthsOfQuaternions) {
     EXPECT_NEAR(found[0].error, norm(file.rows.back().q) - 1, 1e-15);
 }
 
-// A normalisation in every n-th row is a strict pattern, however small the deviation is.
+// Normalisation in every n-th row is recognised, however small the deviation is.
 TEST(RowFaults, QuaternionsThatAreSeldomNormalised) {
     for (const Scene& scene : battery::scenes())
         for (const double hertz : {60.0, 1000.0})
@@ -88,14 +87,14 @@ TEST(RowFaults, QuaternionsThatAreSeldomNormalised) {
                     EXPECT_EQ(found[0].fault, "quaternion_seldom_normalised");
                     const std::string rows = "only every " + std::to_string(every) + " rows";
                     EXPECT_NE(found[0].message.find(rows), std::string::npos) << found[0].message;
-                    // a length that is off in one row breaks the pattern
+                    // a wrong length in one row breaks the pattern
                     TrajectoryFile other = file;
                     Quaternion<double>& q = other.rows[50].q;
                     q = {1.01 * q.w, 1.01 * q.x, 1.01 * q.y, 1.01 * q.z};
                     EXPECT_TRUE(lengths_of_quaternions(other).empty() ||
                                 lengths_of_quaternions(other)[0].fault != "quaternion_seldom_normalised");
                 }
-    // rounding to binary32 is no pattern
+    // rounding to binary32 is not such a pattern
     for (const Scene& scene : battery::scenes())
         EXPECT_TRUE(
             lengths_of_quaternions(battery::run<float>(scene, {}, battery::EngineKind::world_rate, 1.0 / 1000, 1, 400))

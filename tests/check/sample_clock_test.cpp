@@ -16,7 +16,7 @@ TrajectoryFile file_at(const std::vector<double>& times) {
     return file;
 }
 
-// the grid is found again to the bit, from any first sample on
+// The grid is restored from any first sample on.
 RC_GTEST_PROP(SampleClock, RestoresGridsThatWereRounded, ()) {
     const double duration = *rc::gen::element(1.0, 4.0, 20.0, 100.0);
     const long steps = *rc::gen::inRange<long>(50, 5000);
@@ -60,7 +60,7 @@ TEST(SampleClock, LeavesOtherClocksAlone) {
         narrow_adding.push_back(static_cast<double>(narrow_sum));
         sum += 0.01, narrow_sum += 0.01f;
     }
-    // of no round step, as exact as they can be printed, or to twelve digits
+    // steps that are not simple numbers, with all digits or printed with twelve digits
     std::vector<double> odd_rate, odd_printed;
     for (int k = 0; k <= 473; ++k) {
         odd_rate.push_back(k / 47.3);

@@ -1,5 +1,5 @@
-// Faults of engines with several bodies: a planar double pendulum by the textbook's two equations in its two angles,
-// written apart from what `check` predicts with, broken in one way at a time.
+// Faults of engines with several bodies. The engine is a planar double pendulum by the textbook equations for its two
+// angles, which share no code with the predictions of `check`. It has one fault at a time.
 #include "check/system_search.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace polhode {
 namespace {
 
-// m and kg; the hinges are about y, angles counted from hanging
+// m and kg; the hinges are about y, and angles are measured from the hanging position
 constexpr double length_of_upper = 0.8, upper_center = 0.45, lower_center = 0.3, upper_mass = 1.5, lower_mass = 0.7,
                  upper_moment = 0.09, lower_moment = 0.04, gravity = 9.81, shoulder_damping = 0.2,
                  elbow_stiffness = 1.2, elbow_rest = 0.3, shoulder_motor = 1.1;
@@ -43,7 +43,7 @@ Scene double_pendulum() {
     return scene;
 }
 
-// What is broken, beside a step of its own.
+// Faults and step of the engine.
 struct PendulumFaults {
     double gravity_on_upper = 1, gravity_on_lower = 1, damping = 1, stiffness = 1, motor = 1, lower_mass = 1,
            lower_moment = 1, length = 1;
@@ -79,9 +79,9 @@ class Pendulum {
   private:
     using Pair = std::array<double, 2>;
     PendulumFaults k_;
-    Pair x_{0.9, 0.5}, u_{1, 3};  // of each bar against the world
+    Pair x_{0.9, 0.5}, u_{1, 3};  // angle and rate of each bar relative to the world
 
-    // M^-1 r
+    // Returns M^-1 r.
     Pair solved(const Pair& x, const Pair& r) const {
         const double m = k_.lower_mass * lower_mass, l = k_.length * length_of_upper;
         const double a = upper_moment + upper_mass * upper_center * upper_center + m * l * l,
@@ -120,7 +120,7 @@ class Pendulum {
             for (std::size_t i = 0; i < 2; ++i) u_[i] += h * a[i];
             for (std::size_t i = 0; i < 2; ++i) x_[i] += h * u_[i];
         }
-        // the elbow's limit: an impulse at the joint that takes all of its rate
+        // the elbow's limit: an impulse at the joint that makes its rate zero
         const double rate = u_[1] - u_[0];
         if (x_[1] - x_[0] > k_.elbow_limit && rate > 0) {
             const Pair change = solved(x_, {-1, 1});
@@ -145,8 +145,8 @@ TrajectoryFile recorded(const PendulumFaults& knobs, double hertz) {
 struct BrokenCase {
     const char* name;
     void (*broken)(PendulumFaults&);
-    std::vector<std::string> words;  // that name it
-    const char* said;                // that the message has in it
+    std::vector<std::string> words;  // correct diagnoses
+    const char* said;                // part of the message
 };
 const std::vector<BrokenCase> cases{
     {"damping missing", [](PendulumFaults& k) { k.damping = 0; }, {"joint_damping_missing"}, "\"shoulder\""},
@@ -200,13 +200,13 @@ TEST_P(SystemFault, IsNamedAtEveryRate) {
     const Scene scene = double_pendulum();
     for (const double hertz : {60.0, 240.0, 1000.0})
         for (const int way : {0, 1, 2}) {
-            // one way is enough where there are many rows
+            // one way is sufficient for many rows
             if (!optimised_build && (hertz > 60 || way != 0)) continue;
             if (hertz > 500 && way != static_cast<int>(GetParam() % 3)) continue;
             PendulumFaults knobs;
             one.broken(knobs);
             knobs.runge_kutta = way == 1, knobs.substeps = way == 2 ? 4 : 1;
-            // within a row of 1/60 s a limit looks like a swing that turns
+            // within a row of 1/60 s a limit looks like the reversal of a swing
             if (hertz < 100 && std::isfinite(knobs.elbow_limit)) continue;
             const std::vector<Diagnosis> found = diagnose_system(scene, recorded(knobs, hertz)).faults;
             ASSERT_FALSE(found.empty()) << one.name << " at " << hertz << " Hz, way " << way;
@@ -280,7 +280,7 @@ TEST(SystemSearch, ColumnsThatAreReadWronglyAreTold) {
 }
 
 TEST(SystemSearch, BaumgartesPullIsMeasured) {
-    // the lower bar hangs on a point that is pulled back at 12 1/s to where it belongs
+    // the anchor of the lower bar is displaced and is pulled back at 12 1/s
     const Scene scene = double_pendulum();
     TrajectoryFile file = recorded({}, 240);
     double gap = 0.05, rate = 0;

@@ -39,7 +39,7 @@ std::string events_of(const Scene& scene) {
         if (t > 0 && t < scene.duration) all.push_back(fmt::format("the {} {} at t = {:.6g} s", what, does, t));
     };
     const auto window = [&](const char* what, const Window& w) {
-        note(what, "begins", w.from), note(what, "ends", w.until);
+        note(what, "starts", w.from), note(what, "ends", w.until);
     };
     for (const Load& load : scene.loads) {
         if (const auto* one = std::get_if<Gravity>(&load)) window("gravity", one->window);

@@ -197,7 +197,7 @@ std::vector<SystemHypothesis> system_faults(const Scene& scene) {
     for (const Hypothesis& h : known_faults())
         if (holds_for_several(h)) all.push_back(of_several(h));
     if (fault_effects::has<PointSpring>(scene))
-        add_factor(all, "point_spring", Subject::spring, "the springs between points",
+        add_factor(all, "point_spring", Subject::spring, "the force of the point springs",
                    "check the stiffness of these springs", [](SystemCause& c, double x) {
                        fault_effects::each<PointSpring>(c.scene, [&](PointSpring& s) { s.stiffness *= x; });
                        return true;

@@ -60,8 +60,7 @@ TEST(ForeignTable, AMatrixColumnByColumn) {
     EXPECT_THROW(read_foreign(text, std::string(columns) + ",euler_zyx=a:b:c"), InputError);
 }
 
-// Compared with rotations by hand: yaw by 90 degrees maps x to y; then pitch by 90 degrees about the new y, which is
-// -x.
+// Checked by hand: yaw by 90 degrees maps x to y, then pitch by 90 degrees rotates about the new y, which is -x.
 TEST(ForeignTable, EulerAnglesOfANamedSequence) {
     ColumnNames names = parse_columns("time=t,euler_zyx=yaw:pitch:roll");
     names.degrees = true;

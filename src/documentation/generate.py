@@ -15,8 +15,9 @@ TOP = HERE.parents[1]
 
 # pages of the source tree, in the order of the index
 INCLUDED = [
-    "README.md", "experiments/README.md", "experiments/robots.md", "experiments/scenes/README.md", "integrators/README.md",
-    "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md", "CONTRIBUTING.md",
+    "README.md", "experiments/README.md", "experiments/scenes.md", "experiments/robots.md", "experiments/running.md",
+    "experiments/debug_your_engine/README.md", "experiments/reference.md", "experiments/scenes/README.md",
+    "integrators/README.md", "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md", "CONTRIBUTING.md",
 ]  # fmt: skip
 
 

@@ -34,7 +34,7 @@ is_installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) =
 install_missing() {
     local package missing=()
     if ! command -v dpkg-query >/dev/null; then
-        echo "not a Debian system; needed, by Debian's names: $*" >&2
+        echo "not a Debian system; install these packages (Debian names): $*" >&2
         return
     fi
     for package in "$@"; do
@@ -43,7 +43,7 @@ install_missing() {
     ((${#missing[@]})) || return 0
     local as_root=()
     if ((EUID != 0)); then
-        command -v sudo >/dev/null || die "neither root nor sudo; please install: ${missing[*]}"
+        command -v sudo >/dev/null || die "installing packages needs root or sudo; install: ${missing[*]}"
         as_root=(sudo)
     fi
     echo "== installing ${missing[*]}" >&2
@@ -90,7 +90,7 @@ install_wanted() {
     for package in "$@"; do
         # whoever has Node from elsewhere has it
         [[ $package != nodejs && $package != npm ]] || ! command -v "${package/nodejs/node}" >/dev/null || continue
-        (install_missing "$package") || echo "left out: $package cannot be had" >&2
+        (install_missing "$package") || echo "skipped: package $package is not available" >&2
     done
 }
 
@@ -99,12 +99,12 @@ install_node_engines() {
     local directory=$top/build/engines
     [[ -s $directory/package-lock.json ]] || return 0
     if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
-        echo "the engines under Node are left out: there is no node or no npm" >&2
+        echo "engines for Node skipped: node or npm is missing" >&2
     elif ! cmp -s "$directory/package-lock.json" "$directory/node_modules/.installed"; then
         if (cd "$directory" && timeout 300 npm ci --no-audit --no-fund --loglevel=error) >&2; then
             cp "$directory/package-lock.json" "$directory/node_modules/.installed"
         else
-            echo "the engines under Node are left out: npm cannot install them" >&2
+            echo "engines for Node skipped: npm ci failed" >&2
         fi
     fi
 }

@@ -17,7 +17,8 @@ TOP = HERE.parents[1]
 INCLUDED = [
     "README.md", "experiments/README.md", "experiments/scenes.md", "experiments/robots.md", "experiments/running.md",
     "experiments/debug_your_engine/README.md", "experiments/reference.md", "experiments/scenes/README.md",
-    "integrators/README.md", "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md", "CONTRIBUTING.md",
+    "integrators/README.md", "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md",
+    "CONTRIBUTING.md",
 ]  # fmt: skip
 
 
@@ -63,9 +64,9 @@ def main() -> int:
     """The command line; `build` calls it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=Path, required=True)
-    parser.add_argument("--output", type=Path, required=True, help="folder of pages to be made")
-    parser.add_argument("--work", type=Path, required=True, help="folder for what is kept between builds")
-    parser.add_argument("--site", type=Path, required=True, help="what Sphinx makes of them")
+    parser.add_argument("--output", type=Path, required=True, help="directory of the generated pages")
+    parser.add_argument("--work", type=Path, required=True, help="directory of files kept between builds")
+    parser.add_argument("--site", type=Path, required=True, help="directory of the site that Sphinx writes")
     options = parser.parse_args()
     pages = Pages(options.output, TOP)
     program = Program(options.program, options.work / "program")

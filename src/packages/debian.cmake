@@ -13,7 +13,7 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
   set(staged ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr)
   if(NOT IS_DIRECTORY ${staged})
-    message(FATAL_ERROR "nothing of the component ${component} in ${staged}")
+    message(FATAL_ERROR "component ${component}: no files in ${staged}")
   endif()
   set(documents ${staged}/share/doc/${package})
   # each package has a directory of its own there

@@ -34,15 +34,16 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-polhode, libpolhode-dev")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "high-accuracy rigid-body integrator and laboratory
-polhode computes how a rigid body, or several with joints between them, turns
-and flies, by many methods, and says of each how wrong it is for how much time.
-A scene is solved in closed form where there is one, by integrators of
-polhode's own, by SUNDIALS and by Boost.Odeint, and is contrasted with the
-update loops of game physics. All are held against a reference motion whose
-digits can be proven.
+polhode simulates rigid bodies and mechanisms with more than a hundred
+integrators and reports the error of each one next to its run time. Errors are
+measured against a reference solution with proven digits.
 .
-This package has the program with its manual pages, the catalogue of scenes and
-experiments, and examples.")
+Methods include closed forms, Taylor series, extrapolation, Runge-Kutta,
+geometric and stiff methods, SUNDIALS, Boost.Odeint, and the update loops of
+game physics.
+.
+This package contains the program with its manual pages, the catalogue of
+scenes and experiments, and examples.")
 
 # what polhodeConfig.cmake looks for and what the static libraries are linked with
 set(development_depends "libfmt-dev, libtinyxml2-dev, libmpfr-dev, libgmp-dev")
@@ -60,11 +61,12 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${development_depends}")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "cmake, polhode")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "high-accuracy rigid-body integrator - static library
-polhode computes how a rigid body, or several with joints between them, turns
-and flies, by many methods, and says of each how wrong it is for how much time.
+polhode simulates rigid bodies and mechanisms with more than a hundred
+integrators and reports the error of each one next to its run time. Errors are
+measured against a reference solution with proven digits.
 .
-This package has the static libraries, the C++20 headers, the files by which
-CMake's find_package finds them, and a project that uses them.")
+This package contains the static libraries, the C++20 headers, the files for
+CMake's find_package, and an example project.")
 
 if(POLHODE_PYTHON)
   # the module is of one minor version of Python
@@ -78,12 +80,13 @@ if(POLHODE_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
     "${CMAKE_CURRENT_LIST_DIR}/python/postinst;${CMAKE_CURRENT_LIST_DIR}/python/prerm")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "high-accuracy rigid-body integrator - Python 3 module
-polhode computes how a rigid body, or several with joints between them, turns
-and flies, by many methods, and says of each how wrong it is for how much time.
+polhode simulates rigid bodies and mechanisms with more than a hundred
+integrators and reports the error of each one next to its run time. Errors are
+measured against a reference solution with proven digits.
 .
-This package has the Python module: scenes, solving into NumPy arrays,
-reference motions, errors, ensembles and experiments. Pictures need Matplotlib,
-tables pandas, and proven digits mpmath.")
+This package contains the Python module: scenes, solutions as NumPy arrays,
+reference solutions, errors, ensembles and experiments. Figures need
+Matplotlib, tables need pandas, and proven digits need mpmath.")
 endif()
 
 set(CPACK_SOURCE_GENERATOR TGZ)

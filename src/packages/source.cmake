@@ -14,7 +14,7 @@ if(no_git EQUAL 0)
     COMMAND tar -C ${source} --null -T - -cf -
     COMMAND tar -C ${CMAKE_INSTALL_PREFIX} -xf - COMMAND_ERROR_IS_FATAL ANY)
 else()
-  message(STATUS "no git: the whole tree is packed")
+  message(STATUS "no git: packing the whole tree except the build directory")
   file(RELATIVE_PATH build ${source} ${CPACK_POLHODE_BINARY_DIR})
   execute_process(COMMAND tar -C ${source} --exclude=./${build} --exclude=./build --exclude=__pycache__ -cf - .
     COMMAND tar -C ${CMAKE_INSTALL_PREFIX} -xf - COMMAND_ERROR_IS_FATAL ANY)

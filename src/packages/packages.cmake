@@ -1,13 +1,13 @@
-# What `cpack` makes: three Debian packages of the three components, and with CPackSourceConfig.cmake the source as git
-# has it. README.md tells how.
+# Settings of `cpack`: a Debian package for each of three components, and the source package of the files tracked by
+# git (with CPackSourceConfig.cmake). README.md documents the commands.
 set(CPACK_PACKAGE_NAME polhode)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_VENDOR "polhode developers")
-# a name of no one's: mail to .invalid goes nowhere
+# the top-level domain .invalid is reserved, so mail is not delivered
 set(CPACK_PACKAGE_CONTACT "polhode developers <developers@polhode.invalid>")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_VERBATIM_VARIABLES ON)
-# each package has a summary of its own, in the first line of its description: none stands before all of them
+# no common summary: the first line of each package's description is its summary
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 
 set(CPACK_GENERATOR DEB)
@@ -15,7 +15,7 @@ set(CPACK_COMPONENTS_ALL program development)
 if(POLHODE_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
-# a package a component
+# one package per component
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_STRIP_FILES ON)
@@ -45,7 +45,7 @@ game physics.
 This package contains the program with its manual pages, the catalogue of
 scenes and experiments, and examples.")
 
-# what polhodeConfig.cmake looks for and what the static libraries are linked with
+# dependencies of polhodeConfig.cmake and of the static libraries
 set(development_depends "libfmt-dev, libtinyxml2-dev, libmpfr-dev, libgmp-dev")
 if(POLHODE_ARB)
   string(APPEND development_depends ", libflint-arb-dev, libflint-dev")
@@ -69,7 +69,7 @@ This package contains the static libraries, the C++20 headers, the files for
 CMake's find_package, and an example project.")
 
 if(POLHODE_PYTHON)
-  # the module is of one minor version of Python
+  # the module works with one minor version of Python only
   math(EXPR next_minor "${POLHODE_PYTHON_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-polhode)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
@@ -91,7 +91,7 @@ endif()
 
 set(CPACK_SOURCE_GENERATOR TGZ)
 set(CPACK_SOURCE_PACKAGE_FILE_NAME polhode-${PROJECT_VERSION})
-# nothing is copied as it lies there: source.cmake asks git
+# source.cmake collects the files
 set(CPACK_SOURCE_INSTALLED_DIRECTORIES "")
 set(CPACK_INSTALL_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/source.cmake)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian.cmake)

@@ -1,4 +1,4 @@
-"""Collects the pages that Sphinx reads: those of this directory, the READMEs of the tree, and reference pages."""
+"""Collects the pages that Sphinx reads: pages of this directory, READMEs of the source tree, reference pages."""
 
 import argparse
 import subprocess
@@ -32,7 +32,7 @@ def own_pages(pages: Pages) -> None:
 
 
 def included_pages(pages: Pages) -> None:
-    """Includes the READMEs of the tree, and writes the pages that list those of directories and the published tables."""
+    """Includes the READMEs of the tree. Writes the pages that list directories and published tables."""
     for path in INCLUDED:
         pages.include(path)
     folders = sorted(
@@ -61,7 +61,7 @@ def included_pages(pages: Pages) -> None:
 
 
 def main() -> int:
-    """The command line; `build` calls it."""
+    """Parses the command line, which `build` passes, and writes all pages. Returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=Path, required=True)
     parser.add_argument("--output", type=Path, required=True, help="directory of the generated pages")

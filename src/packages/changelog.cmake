@@ -1,6 +1,6 @@
 # Converts CHANGELOG to Debian's format and writes it to OUTPUT, for PACKAGE, signed by MAINTAINER. In CHANGELOG, a
-# version is a line `## VERSION - YEAR-MONTH-DAY`. The changes are the items below it; an item begins with `- `, and its
-# further lines are indented.
+# version is a line `## VERSION - YEAR-MONTH-DAY`. The changes are the items below it. An item begins with `- `, and
+# its further lines are indented.
 string(ASCII 31 semicolon)
 file(READ ${CHANGELOG} text)
 string(REPLACE ";" "${semicolon}" text "${text}")

@@ -1,5 +1,5 @@
-# CPack runs this script between staging and packing. It adds what Debian's policy requires beyond the installed files:
-# the copyright file, the changelog in Debian's format, and compressed manual pages.
+# CPack runs this script between staging and packing. It adds what Debian's policy requires beyond the installed
+# files: the copyright file, the changelog in Debian's format, and compressed manual pages.
 if(NOT CPACK_GENERATOR STREQUAL "DEB")
   return()
 endif()

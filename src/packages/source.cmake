@@ -1,5 +1,6 @@
-# CPack runs this script while it stages files. For the source package it copies the files that git tracks, as they are
-# in the working tree. Without git, in a tree unpacked from a source package, it copies all but the build directory.
+# CPack runs this script while it stages files. For the source package it copies the files that git tracks, as they
+# are in the working tree. Without git, in a tree unpacked from a source package, it copies all but the build
+# directory.
 if(NOT CPACK_SOURCE_PACKAGE_FILE_NAME STREQUAL CPACK_PACKAGE_FILE_NAME)
   return()
 endif()

@@ -1,4 +1,4 @@
-// The scene t_handle in Bullet, as a new user gets it, at 240 Hz; an argument sets its flag of the gyroscopic term.
+// The scene t_handle in Bullet with default settings at 240 Hz. An argument sets the flag of the gyroscopic term.
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdio>

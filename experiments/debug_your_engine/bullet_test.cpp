@@ -1,5 +1,5 @@
-// A golden test of Bullet: the scene t_handle against the truth as polhode exports it; the argument is the steps a
-// sample.
+// A golden test of Bullet: compares the scene t_handle with the truth exported by polhode. The argument is the number
+// of steps per sample.
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdio>

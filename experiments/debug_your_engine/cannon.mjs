@@ -1,4 +1,4 @@
-// The scene t_handle in cannon-es, as a new user gets it, at 240 Hz.
+// The scene t_handle in cannon-es with default settings at 240 Hz.
 import * as CANNON from 'cannon-es';
 const world = new CANNON.World(), body = new CANNON.Body({mass: 0.45, angularVelocity: new CANNON.Vec3(0.01, 15, 0.02)});
 body.updateMassProperties = () => {};  // the engine would derive the moments from shapes

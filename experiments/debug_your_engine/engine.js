@@ -1,4 +1,4 @@
-const h = 1 / 240, times = (a, b) => ({  // the scene t_handle, turned about world axes at the rate that it starts with
+const h = 1 / 240, times = (a, b) => ({  // the scene t_handle with its initial angular velocity, constant in world axes
   w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, x: a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
   y: a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, z: a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w});
 let q = {x: 0, y: 0, z: 0, w: 1}, w = {x: 0.01, y: 15, z: 0.02};

@@ -1,4 +1,4 @@
-"""The same two motions by heyoka.py's Taylor method. Not run here: Debian has no package of heyoka.py."""
+"""Solves the two motions with the Taylor method of heyoka.py. Not run here: Debian has no package of heyoka.py."""
 
 import heyoka as hy
 import numpy as np
@@ -7,7 +7,7 @@ w1, w2, w3, qw, qx, qy, qz = hy.make_vars("w1", "w2", "w3", "qw", "qx", "qy", "q
 
 
 def equations(moments: tuple[float, float, float], weight: float) -> list[tuple[hy.expression, hy.expression]]:
-    """Euler's equations in body axes, `weight` m g l about a point."""
+    """Returns Euler's equations in body axes for the moments about the pivot. `weight` is m g l."""
     I1, I2, I3 = moments
     up1, up2 = 2 * (qx * qz - qw * qy), 2 * (qy * qz + qw * qx)  # the vertical in body axes
     return [

@@ -1,4 +1,4 @@
-"""The same two motions by polhode: each error against the truth, and the end of each to forty proven digits."""
+"""Solves the two motions with polhode: errors against the truth, and the final state to forty proven digits."""
 
 import polhode
 

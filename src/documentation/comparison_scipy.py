@@ -1,4 +1,4 @@
-"""A free asymmetric body and Lagrange's top by SciPy's solve_ivp, held against digits of polhode's truth."""
+"""Solves a free asymmetric body and Lagrange's top with SciPy's solve_ivp; compares with the truth of polhode."""
 
 import time
 from collections.abc import Callable
@@ -11,7 +11,7 @@ Vector = NDArray[np.float64]
 
 
 def rates(moments: tuple[float, float, float], weight: float) -> Callable[[float, Vector], tuple[float, ...]]:
-    """The right-hand side of y = (w, q): Euler's equations in body axes, `weight` m g l about a point."""
+    """Returns the right-hand side for y = (w, q): Euler's equations in body axes. `weight` is m g l."""
     I1, I2, I3 = moments
 
     def derivative(t: float, y: Vector) -> tuple[float, ...]:
@@ -31,12 +31,12 @@ def rates(moments: tuple[float, float, float], weight: float) -> Callable[[float
 
 
 def angle(p: Vector, q: Vector) -> float:
-    """The angle (rad) between two attitudes, q of any length."""
+    """Returns the angle (rad) between two attitudes; p and q need not be normalised."""
     vector = p[0] * q[1:] - q[0] * p[1:] - np.cross(p[1:], q[1:])
     return float(2 * np.arctan2(np.linalg.norm(vector), abs(p @ q)))
 
 
-SCENES = {  # moments, m g l, start (w, q), end, and q at the end by `polhode truth`
+SCENES = {  # moments, m g l, initial (w, q), end (s), and q at the end by `polhode truth`
     "free_asymmetric": (
         (1, 2, 3), 0, (1, 1, 1, 1, 0, 0, 0), 100,
         (-0.7543620159814325776, 0.6111927854801947043, -0.1860544358049817802, -0.1508809952866147802),

@@ -1,4 +1,4 @@
-"""Sphinx' configuration. Sphinx reads the pages that generate.py has gathered, not this folder."""
+"""Configuration of Sphinx, which reads the pages that generate.py has collected, not this directory."""
 
 import hashlib
 import os
@@ -18,10 +18,10 @@ _version = re.search(r"project\(polhode\s+VERSION\s+([0-9.]+)", (_top / "CMakeLi
 
 project = "polhode"
 author = "the polhode authors"
-copyright = "the polhode authors, BSD-3-Clause"  # the name is Sphinx'
+copyright = "the polhode authors, BSD-3-Clause"  # the variable name is defined by Sphinx
 release = version = _version[1] if _version else ""
 language = "en"
-smartquotes = False  # --option stays what it is
+smartquotes = False  # would replace the -- of options by dashes
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "formulas", "theme"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -30,14 +30,14 @@ root_doc = "index"
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 4
 myst_dmath_double_inline = True
-suppress_warnings = ["myst.header"]  # a README may begin below its title
+suppress_warnings = ["myst.header"]  # a README may start with a lower heading level
 
 html_math_renderer = "katex"
 math_eqref_format = "({number})"
 math_number_all = False
 
 nitpicky = True
-# types of other libraries, and C++ names that no page declares
+# ignore types of other libraries, and C++ names that no page declares
 nitpick_ignore_regex = [("cpp:.*", ".*"), ("c:.*", ".*"), ("py:.*", r"(?!polhode\.).*")]
 autosummary_generate = True
 autodoc_typehints = "none"
@@ -47,7 +47,7 @@ numpydoc_class_members_toctree = False
 html_theme = "furo"
 html_title = f"polhode {release}"
 html_static_path = ["static"]
-# a changed style changes this setting, so that Sphinx writes all pages anew
+# the hash changes this setting with the style, so that Sphinx rewrites all pages
 html_css_files = ["polhode.css?" + hashlib.sha256((_here / "static/polhode.css").read_bytes()).hexdigest()[:8]]
 html_copy_source = False
 html_show_sphinx = False
@@ -60,6 +60,6 @@ pygments_dark_style = "native"
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """JSON with comments is not among Pygments' languages; as JavaScript it is coloured well."""
+    """Registers a lexer for JSON with comments: Pygments has none, and its JavaScript lexer highlights it."""
     app.add_lexer("jsonc", JavascriptLexer)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -28,7 +28,7 @@ FOLDERS = {
 
 @dataclass
 class Declaration:
-    """A public declaration as a directive of Sphinx' C++ domain, with its members."""
+    """A public declaration as a directive of the C++ domain of Sphinx, with its members."""
 
     file: str
     line: int

@@ -1,7 +1,7 @@
-"""Formulas as HTML and MathML, made by KaTeX when the pages are built: pages need neither scripts nor a network.
+"""Converts formulas to HTML and MathML with KaTeX at build time. The pages need neither scripts nor a network.
 
-KaTeX is Debian's libjs-katex, run by one Node process that answers each formula with a line. A formula that KaTeX does
-not understand is a warning that names its place.
+KaTeX is Debian's libjs-katex. It runs in a Node process that answers each formula with one line. An invalid formula
+causes a warning with its location.
 """
 
 import json
@@ -37,15 +37,15 @@ _logger = logging.getLogger(__name__)
 
 
 class Katex:
-    """A running KaTeX, started by the first formula, that keeps what it has made."""
+    """A KaTeX process, started by the first formula, and a cache of converted formulas."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[str] | None = None
-        self._owner = 0  # pages are written by forked processes, each with a KaTeX of its own
+        self._owner = 0  # forked processes write the pages; each one starts its own KaTeX
         self._made: dict[tuple[str, bool], str] = {}
 
     def html(self, latex: str, display: bool, node: nodes.Node) -> str:
-        """A formula's HTML. `display`: in a line of its own. `node` says where a fault is."""
+        """Returns the HTML of a formula, displayed or inline. `node` is the location for warnings."""
         key = (latex, display)
         if key not in self._made:
             answer = self._ask({"latex": latex, "display": display})
@@ -87,7 +87,7 @@ def _displayed(writer: HTML5Translator, node: nodes.math_block) -> None:
 
 
 def _depart(writer: HTML5Translator, node: nodes.Node) -> None:
-    """Nothing is left to write."""
+    """Does nothing; the visitor has written the formula."""
 
 
 def _copy_style(app: Sphinx, fault: Exception | None) -> None:
@@ -101,7 +101,7 @@ def _copy_style(app: Sphinx, fault: Exception | None) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Makes this the renderer `katex` of `html_math_renderer`."""
+    """Registers the renderer `katex` for `html_math_renderer`."""
     app.add_html_math_renderer("katex", (_inline, _depart), (_displayed, _depart))
     app.add_css_file("katex/katex.min.css")
     app.connect("build-finished", _copy_style)

@@ -1,4 +1,4 @@
-"""Collects the pages that Sphinx reads: those of this directory, the READMEs of the tree, and reference pages."""
+"""Collects the pages that Sphinx reads: pages of this directory, READMEs of the source tree, reference pages."""
 
 import argparse
 import subprocess
@@ -15,8 +15,10 @@ TOP = HERE.parents[1]
 
 # pages of the source tree, in the order of the index
 INCLUDED = [
-    "README.md", "experiments/README.md", "experiments/robots.md", "experiments/scenes/README.md", "integrators/README.md",
-    "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md", "CONTRIBUTING.md",
+    "README.md", "experiments/README.md", "experiments/scenes.md", "experiments/robots.md", "experiments/running.md",
+    "experiments/debug_your_engine/README.md", "experiments/reference.md", "experiments/scenes/README.md",
+    "integrators/README.md", "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md",
+    "CONTRIBUTING.md",
 ]  # fmt: skip
 
 
@@ -30,7 +32,7 @@ def own_pages(pages: Pages) -> None:
 
 
 def included_pages(pages: Pages) -> None:
-    """Includes the READMEs of the tree, and writes the pages that list those of directories and the published tables."""
+    """Includes the READMEs of the tree. Writes the pages that list directories and published tables."""
     for path in INCLUDED:
         pages.include(path)
     folders = sorted(
@@ -59,12 +61,12 @@ def included_pages(pages: Pages) -> None:
 
 
 def main() -> int:
-    """The command line; `build` calls it."""
+    """Parses the command line, which `build` passes, and writes all pages. Returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=Path, required=True)
-    parser.add_argument("--output", type=Path, required=True, help="folder of pages to be made")
-    parser.add_argument("--work", type=Path, required=True, help="folder for what is kept between builds")
-    parser.add_argument("--site", type=Path, required=True, help="what Sphinx makes of them")
+    parser.add_argument("--output", type=Path, required=True, help="directory of the generated pages")
+    parser.add_argument("--work", type=Path, required=True, help="directory of files kept between builds")
+    parser.add_argument("--site", type=Path, required=True, help="directory of the site that Sphinx writes")
     options = parser.parse_args()
     pages = Pages(options.output, TOP)
     program = Program(options.program, options.work / "program")

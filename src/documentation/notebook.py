@@ -3,11 +3,11 @@
 
     notebook.py run FILE.ipynb [--markdown DIRECTORY]
 
-Code cells run in order in one namespace, in the notebook's own directory. A cell shows what it prints, the figures it
-draws (SVG) and the value of its last expression. Lines that begin with % are Jupyter's and are left out. The first
-exception ends the run: its traceback, the notebook's name and the cell's number go to stderr, and the exit code is 1.
+Code cells run in order in one namespace, in the directory of the notebook. The output of a cell is its printed text,
+its figures (SVG) and the value of its last expression. Lines that begin with % are Jupyter commands and are ignored.
+The first exception ends the run: stderr shows its traceback, the notebook and the cell, and the exit code is 1.
 
-With --markdown the page is DIRECTORY/FILE.md, in MyST, and its figures stand in DIRECTORY/FILE_files.
+With --markdown, the page is written to DIRECTORY/FILE.md, in MyST, and its figures to DIRECTORY/FILE_files.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from typing import Any
 
 @dataclass
 class Cell:
-    """A cell as it stands in the file, without lines that begin with %; `number` counts from 1, all kinds together."""
+    """A cell of the file, without lines that begin with %. `number` counts all cells, from 1."""
 
     number: int
     kind: str
@@ -38,26 +38,26 @@ class Cell:
 
 @dataclass
 class Output:
-    """What one cell has shown: Markdown blocks and the figures that they name."""
+    """The output of one cell: Markdown blocks and the figures that they refer to."""
 
     blocks: list[str] = field(default_factory=list)
     figures: dict[str, bytes] = field(default_factory=dict)
 
 
 def read(path: Path) -> list[Cell]:
-    """The cells of a notebook of format 4."""
+    """Returns the cells of a notebook. Raises ValueError if its format is not 4."""
     content = json.loads(path.read_text(encoding="utf-8"))
     if content.get("nbformat") != 4:
         raise ValueError("not a notebook of format 4")
     cells = [Cell(i, cell["cell_type"], "".join(cell["source"])) for i, cell in enumerate(content["cells"], 1)]
     for cell in cells:
-        if cell.kind == "code":  # without Jupyter's own commands
+        if cell.kind == "code":  # remove Jupyter commands
             cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.MULTILINE)
     return cells
 
 
 def fenced(text: str, language: str) -> str:
-    """A literal block, whatever fences the text itself holds."""
+    """Returns a literal block, with a fence longer than any in the text."""
     fence = "```"
     while fence in text:
         fence += "`"
@@ -65,7 +65,7 @@ def fenced(text: str, language: str) -> str:
 
 
 class Notebook:
-    """A notebook at work: one namespace, cell after cell."""
+    """A running notebook: its namespace and the output of the current cell."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -73,7 +73,7 @@ class Notebook:
         self._output = Output()
 
     def run(self, cell: Cell) -> Output:
-        """Runs a code cell and returns what it shows; its exceptions pass."""
+        """Runs a code cell and returns its output. Does not catch exceptions of the cell."""
         self._output = Output()
         source, place = cell.source, f"{self.path.name}, cell {cell.number}"
         linecache.cache[place] = (len(source), None, source.splitlines(keepends=True), place)
@@ -95,10 +95,10 @@ class Notebook:
         return self._output
 
     def _display(self, *values: Any) -> None:
-        """What Jupyter calls `display`: the best form that a value has."""
+        """Implements `display` of Jupyter: adds each value as Markdown, HTML or text."""
         for value in values:
             if type(value).__module__ == "matplotlib.figure":
-                continue  # shown with the cell's figures
+                continue  # is added with the figures of the cell
             if hasattr(value, "_repr_markdown_"):
                 self._output.blocks.append(str(value._repr_markdown_()))
             elif hasattr(value, "_repr_html_"):
@@ -120,7 +120,7 @@ class Notebook:
 
 
 def run(path: Path, markdown: Path | None) -> int:
-    """Runs a notebook, and writes its page where `markdown` is a directory. Returns the exit code."""
+    """Runs a notebook and, if `markdown` is a directory, writes its page. Returns the exit code."""
     os.environ["MPLBACKEND"] = "Agg"
     warnings.filterwarnings("ignore", message=".*non-GUI backend.*")
     path, markdown = path.resolve(), markdown.resolve() if markdown else None
@@ -157,7 +157,7 @@ def run(path: Path, markdown: Path | None) -> int:
 
 
 def main() -> int:
-    """The command line."""
+    """Parses the command line and runs the notebook. Returns the exit code."""
     parser = argparse.ArgumentParser(description="Runs a Jupyter notebook without Jupyter.")
     command = parser.add_subparsers(dest="command", required=True).add_parser("run", help="run one notebook")
     command.add_argument("file", type=Path, metavar="FILE.ipynb")

@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-# Larger pages take Sphinx minutes and browsers long; the file itself is linked instead.
+# Larger pages take minutes in Sphinx and load slowly in browsers. Pages link to the file itself instead.
 LARGEST_PAGE = 120_000
 
 _CODE = re.compile(r"^(```+|~~~+).*?^\1[ \t]*$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
@@ -46,7 +46,7 @@ class Pages:
         if self.folder / name not in self._written:
             self._written.add(self.folder / name)
             text = (self.top / path).read_text(encoding="utf-8")
-            if not text.startswith("# "):  # a table alone
+            if not text.startswith("# "):  # a file with only a table
                 text = f"# {Path(path).stem}\n\n{text}"
             self.write_page(name, text, Path(path).parent)
         return name

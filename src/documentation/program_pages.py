@@ -121,7 +121,7 @@ def experiment_page(pages: Pages, program: Program) -> None:
     experiments = program.entries("experiments")
     text = [
         "# Experiments\n\nEach experiment as `polhode describe` prints it. "
-        "[Scenes and experiments](../tree/experiments/README.md#writing-an-experiment) explains how to write one.\n"
+        "[Experiments](../tree/experiments/running.md#writing-an-experiment) explains how to write one.\n"
     ]
     for (name, about), description in zip(experiments, program.descriptions([name for name, _ in experiments])):
         text += [f"## {escaped(name)}\n", f"{escaped(about)}\n"]

@@ -1,8 +1,8 @@
-"""Puts right what Debian's package of the theme furo 2022.12 lacks when pages are read from the disk.
+"""Fixes Debian's package of the theme furo 2022.12 for pages that are opened from disk.
 
-Its script is an unbundled module, which browsers do not load from files; its style imports normalize.css from a web
-server's root, and has no rule for systems that ask for dark colours. Where a later package has all that, nothing is
-changed.
+Its script is an unbundled module, which browsers do not load from files. Its style imports normalize.css from the
+root of a web server and has no rule for systems that prefer dark colours. Later packages without these bugs are left
+unchanged.
 """
 
 import re
@@ -46,6 +46,6 @@ def _mend(app: Sphinx, fault: Exception | None) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Mends the theme's files after each build."""
+    """Fixes the files of the theme after each build."""
     app.connect("build-finished", _mend)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,16 +1,17 @@
-# Writes OUTPUT, the changelog in Debian's form, from CHANGELOG: of PACKAGE, signed by MAINTAINER. A version there is a
-# line `## VERSION - YEAR-MONTH-DAY`, what changed are the items under it that begin with `- ` and go on indented.
+# Converts CHANGELOG to Debian's format and writes it to OUTPUT, for PACKAGE, signed by MAINTAINER. In CHANGELOG, a
+# version is a line `## VERSION - YEAR-MONTH-DAY`. The changes are the items below it. An item begins with `- `, and
+# its further lines are indented.
 string(ASCII 31 semicolon)
 file(READ ${CHANGELOG} text)
 string(REPLACE ";" "${semicolon}" text "${text}")
-# brackets would keep a list from being parted
+# CMake does not split a list at semicolons between brackets
 string(REPLACE "[" "(" text "${text}")
 string(REPLACE "]" ")" text "${text}")
 string(REPLACE "\n" ";" lines "${text}")
 set(month_names Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec)
 set(day_names Sun Mon Tue Wed Thu Fri Sat)
 
-# what has been read of an item is written in lines as long as Debian has them
+# write_item() writes the text in `item`, wrapped to 78 columns, and clears it.
 set(item "")
 macro(write_item)
   string(REPLACE " " ";" words "${item}")
@@ -43,7 +44,7 @@ foreach(line IN LISTS lines)
     string(REGEX REPLACE "^0" "" month ${month})
     math(EXPR index "${month} - 1")
     list(GET month_names ${index} month_name)
-    # Sakamoto's day of the week
+    # day of the week by Sakamoto's algorithm
     set(shifts 0 3 2 5 0 3 5 1 4 6 2 4)
     list(GET shifts ${index} shift)
     set(counted ${year})

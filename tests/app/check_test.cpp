@@ -193,17 +193,15 @@ TEST_F(Check, TakesColumnsOfAnyName) {
     EXPECT_EQ(run({"check", "spin.json", "engine.csv", "--columns", "time"}).exit_code, 2);
 }
 
-// The commands of the page's section, and each line printed under them: ".." stands for what is left out.
+// The commands of the page and the output printed under them; ".." stands for omitted text.
 struct PrintedSession {
     std::string command, printed;
 };
 std::vector<PrintedSession> worked_example() {
-    std::ifstream page(source_dir() + "/experiments/README.md");
+    std::ifstream page(source_dir() + "/experiments/debug_your_engine/README.md");
     std::vector<PrintedSession> sessions;
-    bool inside = false;
     for (std::string line; std::getline(page, line);) {
-        if (line.starts_with("## ")) inside = line == "## Debug your engine";
-        if (!inside || !line.starts_with("    ")) continue;
+        if (!line.starts_with("    ")) continue;
         if (line.starts_with("    $ "))
             sessions.push_back({line.substr(6), ""});
         else if (!sessions.empty())
@@ -218,7 +216,7 @@ std::string in_one_line(const std::string& text) {
     return line;
 }
 
-// What stands in experiments/README.md is what a user sees who types it.
+// The sessions in experiments/debug_your_engine/README.md are the output of these commands.
 TEST_F(Check, TheWorkedExampleIsToldAsPrinted) {
     fs::create_directory_symlink(source_dir() + "/experiments", directory / "experiments");
     const std::string path = "PATH=" + fs::path(program_path()).parent_path().string() + ":$PATH; ";

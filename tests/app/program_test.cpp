@@ -257,8 +257,8 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
 }
 
 TEST_F(Program, TheReferenceOfKeysColumnsAndConstructsIsTheOneGenerated) {
-    for (const auto& [what, file] :
-         {std::pair("keys", "README.md"), std::pair("columns", "README.md"), std::pair("constructs", "robots.md")}) {
+    for (const auto& [what, file] : {std::pair("keys", "reference.md"), std::pair("columns", "reference.md"),
+                                     std::pair("constructs", "robots.md")}) {
         const std::string page = read(fs::path(source_dir()) / "experiments" / file);
         const Outcome listed = run({"list", what, "--format", "markdown"});
         EXPECT_EQ(listed.exit_code, 0) << listed.err;

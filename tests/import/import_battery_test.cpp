@@ -214,7 +214,7 @@ TEST_P(ImportBattery, MovesAsComputedElsewhere) {
         for (const std::string part : entry["refused_or_omitted"])
             is_named = is_named || contains_ignoring_case(refusal, part);
         EXPECT_TRUE(is_named) << refusal;
-        return record_difference(file, "", "", is_named ? "refused or named as omitted" : "WRONG: " + refusal);
+        return record_difference(file, "", "", is_named ? "refused or reported as omitted" : "WRONG: " + refusal);
     }
     if (!refusal.empty() && entry.contains("may_refuse")) {
         for (const std::string part : entry["may_refuse"])
@@ -260,7 +260,7 @@ TEST_P(ImportBattery, MovesAsComputedElsewhere) {
     }
     record_difference(file, format_difference(largest.position), format_difference(largest.attitude),
                       HasFailure() ? "DIFFERS"
-                      : is_omitted ? "agrees; named as omitted"
+                      : is_omitted ? "agrees; reported as omitted"
                                    : "agrees");
 }
 

@@ -40,7 +40,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
                        "first_impact_error", "impact_time_error_max", "bounce_height_error", "energy_error_max",
                        "attitude_error_max", "steps", "rhs_evaluations", "message"},
                       {}}};
-    NamedFigure figure{"collisions", {"Error of the first impact's time", 2, {}, ""}};
+    NamedFigure figure{"collisions", {"Error in the time of the first impact", 2, {}, ""}};
     for (const PlannedScene& planned : plan.scenes) {
         const Scene& scene = planned.scene;
         const Reference truth = scene.planes.empty() ? Reference{} : reference(scene, samples);

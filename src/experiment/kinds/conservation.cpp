@@ -16,10 +16,11 @@ constexpr double saturation = 1;
 }  // namespace
 
 NamedTable growth_table(const Plan& plan, const std::vector<Result>& results) {
-    std::vector<ColumnChoice> columns{{"scene", "scene"},   {"evaluations_per_revolution", "evaluations a revolution"},
-                                      {"method", "method"}, {"setting_kind", "setting"},
-                                      {"setting", "value"}, {"status", ""},
-                                      {"revolutions", ""},  {"seconds_median", ""}};
+    std::vector<ColumnChoice> columns{
+        {"scene", "scene"},   {"evaluations_per_revolution", "evaluations per revolution"},
+        {"method", "method"}, {"setting_kind", "setting"},
+        {"setting", "value"}, {"status", ""},
+        {"revolutions", ""},  {"seconds_median", ""}};
     for (const std::string quantity : quantities) {
         columns.push_back({quantity + "_error", quantity == "attitude" ? "attitude (rad)" : quantity});
         columns.push_back({quantity + "_exponent", quantity + ", exponent"});

@@ -26,7 +26,7 @@ Cell published_of(const std::string& engine) {
 NamedTable gazebo_table(const Plan& plan, const std::vector<Result>& rows) {
     NamedTable named = headed_table("gazebo_boxes", "Gazebo's box of 10 kg, 10 s at 1/1000 s",
                                     {{"method", "method"},
-                                     {"momentum_error", "worst change of L, of L"},
+                                     {"momentum_error", "largest |dL| / |L|"},
                                      {"published", "published in 2014"},
                                      {"energy_error", "energy"},
                                      {"attitude_error", "attitude (rad)"}});

@@ -101,9 +101,9 @@ NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
 NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"method", "method"}};
     for (const int links : chain_lengths)
-        columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us a step)", links)});
-    columns.insert(columns.end(), {{"exponent", "grows with the power"}, {"message", "message"}});
-    NamedTable named = headed_table("cost", "What a step costs against the number of links", columns);
+        columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us per step)", links)});
+    columns.insert(columns.end(), {{"exponent", "exponent of growth"}, {"message", "message"}});
+    NamedTable named = headed_table("cost", "Time per step against the number of links", columns);
     for (const PlannedCurve& curve : plan.curves) {
         std::vector<Cell> cells{std::string(curve.method->name)};
         std::vector<double> seconds;
@@ -130,14 +130,13 @@ Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows
     Findings findings{{ropes, costs}};
     const std::string step = step_name(sweep_step);
     findings.page = fmt::format(
-        "## Mass ratio\n\nA rope of ten links on ball joints with a ball of 1 to 1000 times a link's mass at its end, "
-        "0.25 s "
-        "at {}: the largest gap of a joint and the largest error of an attitude.\n\n{}\n",
+        "## Mass ratio\n\nA rope of ten links on ball joints carries a ball of 1 to 1000 times a link's mass at its "
+        "end. It is run for 0.25 s at a step of {}. The table lists the largest joint gap and the largest attitude "
+        "error.\n\n{}\n",
         step, markdown(page_of(ropes)));
     findings.page += fmt::format(
-        "## Cost against the number of links\n\nHanging chains of hinges, 0.05 s at {}: the time of a step, and the "
-        "power "
-        "of the number of links with which it grows from 10 to 100.\n\n{}\n",
+        "## Cost against the number of links\n\nHanging chains of hinges are run for 0.05 s at a step of {}. The table "
+        "lists the time per step and the exponent p of its growth as (number of links)^p from 10 to 100 links.\n\n{}\n",
         step, markdown(page_of(costs)));
     return findings;
 }

@@ -103,12 +103,12 @@ std::vector<ColumnChoice> place_columns(bool engines) {
                                       {"joint_turn", "turn (rad)"},
                                       {"energy_error", "energy"},
                                       {"order", "order"},
-                                      {"step_nanoseconds", "ns a step"}};
+                                      {"step_nanoseconds", "ns per step"}};
     if (engines) {
         columns.insert(
             columns.begin(),
             {{"place", "place"}, {"engine", "engine"}, {"setting", "setting"}, {"median_place", "median place"}});
-        columns.push_back({"message", "takes no part"});
+        columns.push_back({"message", "not compared because"});
     } else {
         columns.insert(columns.begin(), {"method", "method"});
     }
@@ -116,8 +116,8 @@ std::vector<ColumnChoice> place_columns(bool engines) {
 }
 
 NamedTable places_table(const std::vector<JointPlace>& places, bool engines) {
-    NamedTable named = engines ? headed_table("leaderboard", "The order of the engines", place_columns(true))
-                               : headed_table("solvers", "Solvers of joints by their sources", place_columns(false));
+    NamedTable named = engines ? headed_table("leaderboard", "Ranking of the engines", place_columns(true))
+                               : headed_table("solvers", "Published joint solvers", place_columns(false));
     for (const JointPlace& p : places) {
         if ((p.engine != nullptr) != engines) continue;
         std::vector<Cell> row{p.scenes,
@@ -151,8 +151,8 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
     for (const double step : steps) columns.push_back({fmt::format("gap_{:.6g}", step), "gap at " + step_name(step)});
     for (const char* name : {"joint_turn", "energy_error", "final_energy_error", "momentum_error"})
         columns.push_back({name, name});
-    columns.insert(columns.end(), {{"step_nanoseconds", "ns a step"}, {"message", "message"}});
-    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    columns.insert(columns.end(), {{"step_nanoseconds", "ns per step"}, {"message", "message"}});
+    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;

@@ -21,7 +21,7 @@ inline constexpr double fine_step = 1e-3;
 inline constexpr double hopeless_attitude = 1;
 
 /// In place of an update's name, where none of the catalogue is ten times nearer to the engine than the truth is.
-inline constexpr const char* no_update = "none of the catalogue";
+inline constexpr const char* no_update = "no known update";
 
 /// What is known of an engine in one setting beside its rows.
 struct EngineFacts {

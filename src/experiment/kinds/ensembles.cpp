@@ -184,19 +184,19 @@ void time_settings(const Ensemble& ensemble, std::vector<Setting>& settings, std
 Findings run_ensembles(const Plan& plan, const RunOptions& options) {
     const int rounds = options.quick ? 2 : plan.experiment.repeats;
     const std::size_t alone = options.quick ? 16 : 128;
-    NamedTable all = headed_table("all", "Members a second on one thread, by tolerance",
+    NamedTable all = headed_table("all", "Members per second on one thread, by tolerance",
                                   {{"ensemble", "ensemble"},
                                    {"tolerance", "tolerance"},
                                    {"way", "solved"},
-                                   {"worst_error", "worst error (rad)"},
-                                   {"rate_median", "a second"},
-                                   {"rate_max", "at best"}});
+                                   {"worst_error", "largest error (rad)"},
+                                   {"rate_median", "members per second"},
+                                   {"rate_max", "best round"}});
     NamedTable table = headed_table("", "",
                                     {{"ensemble", "ensemble"},
-                                     {"error", "worst error (rad)"},
+                                     {"error", "largest error (rad)"},
                                      {"tolerance", "tolerance"},
-                                     {"rate_median", "a second"},
-                                     {"rate_max", "at best"},
+                                     {"rate_median", "members per second"},
+                                     {"rate_max", "best round"},
                                      {"one_by_one", "one by one"},
                                      {"ratio", "factor"}});
     const std::vector<Ensemble> ensembles{of_bodies("free bodies", free_scene(), free_bodies()),

@@ -102,7 +102,7 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
     for (const PlannedScene& scene : plan.scenes)
         for (const double cost : plan.experiment.evaluations_per_revolution) {
             Figure figure;
-            figure.title = fmt::format("{}: {}, {:g} evaluations a revolution, largest error so far",
+            figure.title = fmt::format("{}: {}, {:g} evaluations per revolution, largest error so far",
                                        plan.experiment.name, scene.label, cost);
             figure.columns = 2;
             for (const Quantity& quantity : {energy, momentum, attitude, norm}) {

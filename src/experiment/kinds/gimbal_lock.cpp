@@ -37,7 +37,7 @@ Scene passing_at(double distance) {
     // a free motion run backwards is one of the same body with -w
     scene.initial.angular_velocity = -w;
     const Trajectory back = exactly(scene);
-    if (back.status != Status::ok) throw std::runtime_error("no closed form of a free body: " + back.message);
+    if (back.status != Status::ok) throw std::runtime_error("the closed form of a free body failed: " + back.message);
     scene.duration = duration;
     scene.initial.orientation = back.samples.back().q;
     scene.initial.angular_velocity = -back.samples.back().angular_velocity_B;
@@ -82,17 +82,17 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
     NamedTable table = headed_table("", "",
                                     {{"distance", "distance (rad)"},
                                      {"method", "method"},
-                                     {"setting_kind", "by"},
+                                     {"setting_kind", "setting kind"},
                                      {"setting", "setting"},
                                      {"status", "status"},
                                      {"steps", "steps"},
                                      {"smallest_step", "smallest step (s)"},
-                                     {"largest_angle_rate", "largest rate of an angle (rad/s)"},
+                                     {"largest_angle_rate", "largest angle rate (rad/s)"},
                                      {"nearest", ""},
                                      {"attitude_error_final", ""},
                                      {"attitude_error_max", "largest attitude error (rad)"},
                                      {"message", "message"}});
-    NamedFigure figure{"gimbal_lock", {"Passing gimbal lock at a distance", 2, {}, ""}};
+    NamedFigure figure{"gimbal_lock", {"Motion past gimbal lock at a distance", 2, {}, ""}};
     Panel error{"largest attitude error", "distance (rad)", "attitude error (rad)", true, true, {}};
     Panel cost{"steps", "distance (rad)", "steps", true, true, {}};
     for (const Entry& entry : entries) {
@@ -133,7 +133,7 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
         if (!entry.by_step) cost.curves.push_back(std::move(cost_curve));
     }
     figure.figure.panels = {std::move(error), std::move(cost)};
-    figure.figure.note = "Runs that failed are left out.";
+    figure.figure.note = "Failed runs are omitted.";
     return {{std::move(table)}, {std::move(figure)}};
 }
 

@@ -96,7 +96,7 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
     Findings result;
     NamedTable table = headed_table("", "",
                                     {{"shape", "shape"},
-                                     {"way", "way"},
+                                     {"way", "computed by"},
                                      {"pieces", "points or triangles"},
                                      {"seconds_min", ""},
                                      {"seconds_median", "time (s)"},
@@ -107,7 +107,7 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
                                     *std::min_element(seconds[i].begin(), seconds[i].end()), median(seconds[i]),
                                     relative_error(way.work().inertia, way.truth)});
     }
-    NamedFigure figure{"inertia", {"Inertia summed over pieces of a body", 2, {}, ""}};
+    NamedFigure figure{"inertia", {"Error of the inertia against computing time", 2, {}, ""}};
     for (const auto& [name, shape] : shapes) {
         Panel panel{name, "time (s)", "relative error of the tensor", true, true, {}};
         int place = 0;

@@ -48,7 +48,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
         {{"scene", "shortcut", "angle_of_momentum_to_rate", "turned", "attitude_error_max", "momentum_error_max",
           "energy_error_max", "turned_at_0.01", "turned_at_0.1", "turned_at_1", "status", "message"},
          {}}};
-    NamedFigure figure{"inertia_shortcuts", {"Attitude error of shortcuts in the inertia tensor", 2, {}, ""}};
+    NamedFigure figure{"inertia_shortcuts", {"Attitude error of simplified inertia tensors", 2, {}, ""}};
     for (const PlannedScene& planned : plan.scenes) {
         Scene scene = planned.scene;
         const Problem problem = pose(scene);
@@ -56,13 +56,13 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
         if (rate == 0 || !scene.loads.empty() || scene.pivot) {
             std::vector<Cell> row{planned.label, std::string("all")};
             row.resize(10), row.insert(row.end(), {std::string("unsupported"),
-                                                   std::string("the comparison is of free, turning bodies")});
+                                                   std::string("only free, rotating bodies are compared")});
             table.table.rows.push_back(std::move(row));
             continue;
         }
         scene.duration = turned.back() / rate;
         const Reference truth = reference(scene, samples);
-        Panel panel{planned.label, "turned (rad)", "attitude error (rad)", true, true, {}};
+        Panel panel{planned.label, "rotation (rad)", "attitude error (rad)", true, true, {}};
         int place = 0;
         for (const Shortcut& shortcut : shortcuts) {
             Scene simplified = scene;

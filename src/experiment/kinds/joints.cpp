@@ -63,9 +63,9 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     for (const double step : steps)
         columns.push_back(
             {"energy_error at " + step_name(step), step == steps.front() ? "energy, " + step_name(step) : ""});
-    columns.push_back({"step_nanoseconds", "ns a step"});
+    columns.push_back({"step_nanoseconds", "ns per step"});
     columns.push_back({"message", "remark"});
-    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
@@ -103,12 +103,12 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
                                     {{"method", "method"},
                                      {"step", "step"},
                                      {"scenes", "scenes"},
-                                     {"ended_otherwise", "ended otherwise"},
+                                     {"ended_otherwise", "other outcomes"},
                                      {"attitude_error", "attitude (rad)"},
                                      {"joint_gap", "gap (m)"},
                                      {"worst_joint_gap", "worst gap (m)"},
                                      {"energy_error", "energy"},
-                                     {"step_nanoseconds", "ns a step"}});
+                                     {"step_nanoseconds", "ns per step"}});
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.kind != SettingKind::step) continue;
         for (const double step : curve.settings) {
@@ -146,7 +146,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
     const std::size_t scenes_a_panel = parameter ? parameter->values.size() : 1;
     for (std::size_t first = 0; first < plan.scenes.size(); first += scenes_a_panel)
         for (const auto& [measure, label] :
-             {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest gap of a joint (m)"}}) {
+             {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest joint gap (m)"}}) {
             Panel panel{
                 parameter ? plan.scenes[first].scene.name + ", " + step_name(steps.front()) : plan.scenes[first].label,
                 parameter ? parameter->pointer : "step (s)",

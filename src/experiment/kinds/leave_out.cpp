@@ -59,7 +59,7 @@ std::string left_out(const Needs& needs) {
 }  // namespace
 
 NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
-    NamedTable named = headed_table("gain", "What leaving out is worth",
+    NamedTable named = headed_table("gain", "Gain of the reduced formulation",
                                     {{"scene", "scene"},
                                      {"method", "method"},
                                      {"setting_kind", "setting"},
@@ -70,7 +70,7 @@ NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
                                      {"seconds_reduced", "reduced (s)"},
                                      {"gain", "gain"},
                                      {"error_ratio", "error at equal settings"},
-                                     {"left_out", "left out"}});
+                                     {"left_out", "omitted"}});
     for (const PlannedScene& scene : plan.scenes) {
         const Needs needs = pose(scene.scene).needs;
         for (const PlannedCurve& curve : plan.curves) {

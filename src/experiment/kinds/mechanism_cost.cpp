@@ -100,12 +100,12 @@ Findings run_mechanism_cost(const Plan& plan, const RunOptions& options) {
                                      {"variables", "variables"},
                                      {"microseconds_min", "time (us)"},
                                      {"microseconds_median", "median (us)"},
-                                     {"nanoseconds_per_link", "ns a link"},
+                                     {"nanoseconds_per_link", "ns per link"},
                                      {"median_per_link", ""},
-                                     {"over_100_links", "over that of 100 links"},
+                                     {"over_100_links", "relative to 100 links"},
                                      {"evaluations", ""}});
-    NamedFigure figure{"mechanism_cost", {"Time of a right-hand side, by the links of a chain", 1, {}, ""}};
-    Panel panel{"", "links", "time a link (ns)", true, true, {}};
+    NamedFigure figure{"mechanism_cost", {"Time per evaluation of the right-hand side of a chain", 1, {}, ""}};
+    Panel panel{"", "links", "time per link (ns)", true, true, {}};
     const auto least_of = [](const TimedChain& chain) {
         return *std::min_element(chain.seconds.begin(), chain.seconds.end());
     };

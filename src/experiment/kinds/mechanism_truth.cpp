@@ -85,34 +85,34 @@ Findings run_mechanism_truth(const Plan& plan, const RunOptions& options) {
                                      {{"scene", "scene"},
                                       {"bodies", "bodies"},
                                       {"degrees_of_freedom", "degrees of freedom"},
-                                      {"loop_rows", "equations of loops"},
+                                      {"loop_rows", "loop equations"},
                                       {"redundant_rows", "redundant"},
                                       {"duration", "T (s)"},
-                                      {"digits_asked", "digits asked"},
+                                      {"digits_asked", "digits requested"},
                                       {"digits_agreed", "agreed"},
                                       {"bound", "bound"},
                                       {"digits_proven", "proven"},
                                       {"joint_gap_max", "largest gap (m)"},
                                       {"joint_turn_max", ""},
                                       {"seconds", "time (s)"},
-                                      {"proof_seconds", "of the proof (s)"},
+                                      {"proof_seconds", "time of the proof (s)"},
                                       {"proof", ""},
-                                      {"message", "how"}});
+                                      {"message", "remark"}});
     truths.table.rows.resize(plan.scenes.size());
     // each truth has two threads of its own for most of its time
     parallel_for(plan.scenes.size(), std::max(1, options.jobs / 2), [&](std::size_t i) {
         truths.table.rows[i] =
             truth_row(plan.scenes[i], plan.experiment.samples, options.quick, plan.experiment.seconds_per_run);
     });
-    NamedTable published = headed_table("figures", "Figures that others published, and ours",
+    NamedTable published = headed_table("figures", "Published numbers compared with the truth",
                                         {{"mechanism", "mechanism"},
                                          {"source", "source"},
                                          {"quantity", "quantity"},
                                          {"published", "published"},
-                                         {"ours", "ours"},
+                                         {"ours", "polhode"},
                                          {"difference", "relative difference"},
                                          {"digits_printed", "digits printed"},
-                                         {"digits_right", "right"}});
+                                         {"digits_right", "correct digits"}});
     for (const ComparedFigure& figure : compared_figures(options.quick, plan.experiment.samples))
         published.table.rows.push_back({figure.mechanism, figure.source, figure.quantity, figure.published, figure.ours,
                                         cell_of(figure.difference), cell_of(figure.digits_printed),

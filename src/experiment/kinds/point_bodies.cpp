@@ -230,7 +230,7 @@ Table measure_counts(const Bench& bench, bool quick) {
 
 Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
     Findings result;
-    Figure figure{"A rigid body made of points: attitude error", 2, {}, ""};
+    Figure figure{"Attitude error of a rigid body made of points", 2, {}, ""};
     for (const PlannedScene& planned : plan.scenes) {
         const Bench bench(planned, options.quick);
         Curves by_stiffness, by_time;
@@ -241,14 +241,14 @@ Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
                 {name + suffix, fmt::format("{}: {}", planned.label, title), std::move(table), std::move(choices)});
         };
         add("",
-            "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stable limit, the "
-            "damping ratio that of the slowest vibration",
+            "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stability limit; "
+            "damping ratio of the slowest vibration",
             measure_stiffness(bench, options.quick, by_stiffness));
-        add("stability", "explicit steps around the limit that the fastest vibration sets (h w = 2.83, 2)",
+        add("stability", "explicit steps around the stability limit of the fastest vibration (h w = 2.83, 2)",
             measure_stability(bench, options.quick));
-        add("hard", "hard distances by IDA and by position-based dynamics, beside the rigid body's own equations",
+        add("hard", "hard distances by IDA and by position-based dynamics, and the equations of the rigid body",
             measure_hard_distances(bench, options.quick, by_time));
-        add("counts", "n^3 points of the same mass properties on springs and at hard distances",
+        add("counts", "n^3 points with the same mass properties, on springs and at hard distances",
             measure_counts(bench, options.quick));
         figure.panels.push_back(
             {planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true, true, by_stiffness});

@@ -249,7 +249,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
         FigureComparison squeezer(all, "andrews_squeezer", andrews);
         squeezer.from("IVP Test Set 2.4");
         add_andrews(squeezer, figures::andrews_published);
-        squeezer.from("its equations by extrapolation in 32 digits");
+        squeezer.from("equations of the source, extrapolation in 32 digits");
         add_andrews(squeezer, figures::andrews_recomputed);
 
         const EndOfTruth kane = end_of_truth(find_scene("mechanisms/babyboot"), samples);
@@ -261,7 +261,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
             babyboot.from(source);
             add_babyboot(babyboot, set);
         }
-        babyboot.from("Kane's two equations by Taylor series in 40 digits");
+        babyboot.from("Kane's two equations, Taylor series in 40 digits");
         const JointNow a = babyboot.joint("hinge"), b = babyboot.joint("swivel");
         babyboot.add_angle("q_A (rad)", figures::babyboot_recomputed[0], a.coordinate);
         babyboot.add_angle("q_B (rad)", figures::babyboot_recomputed[1], b.coordinate);
@@ -272,7 +272,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
     FigureComparison four_bar(all, "double_four_bar over 10 s", pendulum);
     four_bar.from("Exudyn");
     add_four_bar(four_bar, figures::double_four_bar_exudyn);
-    four_bar.from("quadrature of the pendulum's equation");
+    four_bar.from("quadrature of the pendulum equation");
     add_four_bar(four_bar, figures::double_four_bar_quadrature);
     return all;
 }

@@ -91,7 +91,7 @@ void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, cons
                 row.emplace_back(runner ? curve_label(*runner->curve) : std::string(otherwise));
                 row.push_back(runner ? Cell(runner->time.median) : Cell());
             };
-            add(own, exact ? "exact does not reach it" : "none of ours reaches it");
+            add(own, exact ? "exact does not reach it" : "no polhode method reaches it");
             add(peer, "no library reaches it");
             const bool both = own && peer;
             row.push_back(both ? Cell(peer->time.median / own->time.median) : Cell());
@@ -180,17 +180,17 @@ Plan long_runs(const Plan& plan) {
 }
 
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows) {
-    NamedTable margins = headed_table("margins", "Factors in time at equal error",
+    NamedTable margins = headed_table("margins", "Run time of polhode and of other libraries at equal error",
                                       {{"scene", "scene"},
                                        {"attitude_error", "error (rad)"},
-                                       {"own", "ours"},
+                                       {"own", "polhode"},
                                        {"own_seconds", "time (s)"},
                                        {"peer", "against"},
                                        {"peer_seconds", "time (s)"},
                                        {"ratio", "factor"},
                                        {"ratio_of_minima", ""}});
     NamedTable smallest{"smallest",
-                        "The smallest error of each method and its time at given errors",
+                        "Smallest error of each method, and its run time at given errors",
                         {{"scene", "method", "setting", "attitude_error_max", "momentum_error_max", "energy_error_max",
                           "seconds_median", "seconds_at_1e-6", "seconds_at_1e-9", "seconds_at_1e-12"},
                          {}}};

@@ -115,10 +115,10 @@ std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step,
 NamedTable measure_discontinuities(bool quick) {
     const Discontinuity cases[] = {
         {"torque jumps", 2 * begins, [](double) { return 0.7; }, true},
-        {"its derivative jumps", duration, [](double after) { return 0.7 * after; }, false},
+        {"torque derivative jumps", duration, [](double after) { return 0.7 * after; }, false},
         {"pulse shorter than a step", begins + 0x1p-10, [](double) { return 700.0; }, true},
     };
-    NamedTable table = headed_table("discontinuities", "What stepping over a discontinuity costs",
+    NamedTable table = headed_table("discontinuities", "Cost of stepping over a discontinuity",
                                     {{"case", "case"},
                                      {"method", "method"},
                                      {"setting_kind", ""},

@@ -112,7 +112,7 @@ std::optional<double> growth_beyond(const LinearCase& c) {
 const char* remark_of(const LinearCase& c) {
     if (c.theory == 0) return c.grows_early ? "grows at 0.1" : "no growth seen at 0.1";
     if (!c.has_limit()) return c.grows_early ? "fails or grows at 100" : "no growth at 100";
-    return c.measured ? "" : "no limit found between a half and four times the theory's";
+    return c.measured ? "" : "no limit found between 0.5 and 4 times the theoretical one";
 }
 
 using Complex = std::complex<double>;
@@ -256,7 +256,7 @@ Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, in
 
 std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes) {
     const std::vector<Spectrum> spectra = spectra_of(scenes);
-    NamedFigure plane{"stability_regions", {"Stable where inside the line: |growth of a step| ≤ 1", 2, {}, ""}};
+    NamedFigure plane{"stability_regions", {"Stability regions: |growth per step| ≤ 1 inside the line", 2, {}, ""}};
     const std::pair<Region, Panel> panels[] = {
         {Region::explicit_short, panel_of("explicit, at most 3 on the real axis", -4.5, 1)},
         {Region::explicit_long, panel_of("explicit, more than 3", -7.5, 2)},
@@ -282,9 +282,8 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
         plane.figure.panels.push_back(std::move(panel));
     }
     plane.figure.note =
-        "The lower half is its mirror image. Markers: eigenvalues of scenes' Jacobians at t = 0 times the step. "
-        "Methods "
-        "with the same growth share a line.";
+        "The lower half plane is symmetric. Markers: eigenvalues of the scenes' Jacobians at t = 0, times the step. "
+        "Methods with the same growth share a line.";
 
     NamedFigure pendulum{"stability_pendulum", {"A damped pendulum: stable below the line", 1, {}, ""}};
     Panel panel{"", "h γ", "h ω", false, false, {}};

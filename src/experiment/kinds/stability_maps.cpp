@@ -92,8 +92,8 @@ StepMap stiffness_map(int jobs, bool quick) {
     StepMap map{"stiffness",
                 "step against stiffness",
                 "drag / moment (1/s)",
-                "A body about a principal axis under drag and the torque that keeps 1 rad/s, from 2 rad/s, 2 s; three "
-                "samples.",
+                "A body rotates about a principal axis for 2 s under drag and a torque that sustains 1 rad/s, starting "
+                "at 2 rad/s. Three samples.",
                 2,
                 1,
                 divisions(10'000, quick ? 1 : 5)};
@@ -120,7 +120,7 @@ StepMap spin_map(int jobs, bool quick) {
     StepMap map{"spin",
                 "step against spin",
                 "spin (rad/s)",
-                "A free body of moments 1, 2, 3, w = (2, 6, 3)/7 of the spin, 2 s; twenty-one samples.",
+                "A free body with moments 1, 2, 3 for 2 s, starting at w = (2, 6, 3)/7 times the spin. 21 samples.",
                 20,
                 0.1,
                 divisions(1000, quick ? 2 : 7)};
@@ -218,7 +218,7 @@ std::optional<Curve> limit_curve(const StepMap& map, const Method& method, const
     const std::optional<double> interval = map.name == "stiffness" ? real_interval(method) : std::nullopt;
     if (!interval || *interval <= 0 || !std::isfinite(*interval)) return {};
     Curve limit;
-    limit.label = "linear theory's limit", limit.color = 1, limit.points = false;
+    limit.label = "limit of linear theory", limit.color = 1, limit.points = false;
     for (const double x : decades(std::log10(outcomes.x.front()), std::log10(outcomes.x.back()), 4))
         if (const double h = *interval / x; h >= outcomes.y.front() && h <= outcomes.y.back())
             limit.x.push_back(x), limit.y.push_back(h);
@@ -243,8 +243,8 @@ void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const st
     const std::size_t pages = (maps.size() + page - 1) / page;
     for (std::size_t p = 0; p < pages; ++p) {
         Figure figure;
-        figure.title = fmt::format("What comes of a run: {}{}", map.title,
-                                   pages > 1 ? fmt::format(" ({} of {})", p + 1, pages) : "");
+        figure.title =
+            fmt::format("Outcome of a run: {}{}", map.title, pages > 1 ? fmt::format(" ({} of {})", p + 1, pages) : "");
         figure.columns = 4, figure.shared_axes = true;
         figure.note = map.note;
         bool theory = false;
@@ -252,7 +252,7 @@ void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const st
             figure.panels.push_back(panel_of(map, maps[k]));
             theory |= !figure.panels.back().curves.empty();
         }
-        if (theory) figure.note += " Without a line the limit is none, or beyond the map.";
+        if (theory) figure.note += " Panels without a line have no limit, or one outside the map.";
         figures.push_back({fmt::format("stability_map_{}{}", map.name, pages > 1 ? fmt::format("_{}", p + 1) : ""),
                            std::move(figure)});
     }
@@ -277,18 +277,18 @@ Found least_turn(const StepMap& map, const MethodMap& m, const Passes& passes) {
 NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& maps) {
     NamedTable named =
         headed_table("gyroscopic",
-                     "What the gyroscopic updates of game engines do to a free body: least step times spin (rad) at "
-                     "which it happens within 2 s",
+                     "Gyroscopic updates of game engines on a free body: smallest step times spin (rad) at which each "
+                     "error occurs within 2 s",
                      {{"method", "method"},
                       {"blows_up_from", "diverges from (rad)"},
                       {"damps_from", "loses 10 % of its energy from (rad)"},
-                      {"energy_left", "energy left there"},
-                      {"momentum_off_there", "direction of L off there (rad)"},
-                      {"gains_from", "gains 10 % from (rad)"},
-                      {"attitude_alone_from", "|L| within 1e-6, attitude 0.1 rad off from (rad)"},
-                      {"momentum_off_then", "direction of L off then (rad)"},
+                      {"energy_left", "remaining energy at this point"},
+                      {"momentum_off_there", "error of the direction of L at this point (rad)"},
+                      {"gains_from", "gains 10 % energy from (rad)"},
+                      {"attitude_alone_from", "|L| within 1e-6 but attitude error above 0.1 rad from (rad)"},
+                      {"momentum_off_then", "error of the direction of L at that point (rad)"},
                       {"attitude_off_then", ""},
-                      {"runs_within_0.1", "share of runs within 0.1 rad"}});
+                      {"runs_within_0.1", "fraction of runs within 0.1 rad"}});
     for (const MethodMap& m : maps) {
         if (m.method->family != Family::engine_update) continue;
         const Found blown = least_turn(map, m, [](const MapCell& c) { return c.outcome == Outcome::diverged; });

@@ -65,15 +65,16 @@ void correct_status(const Experiment& experiment, Result& result, Outcome outcom
     const double attitude = result.errors["attitude"].max.value_or(0);
     if (outcome == Outcome::diverged) {
         result.status = Status::diverged;
-        result.message = fmt::format("rates up to {:.3g} times the true motion's largest off, energy {:.3g} times",
-                                     result.errors["omega"].max.value_or(0), result.errors["energy"].max.value_or(0));
+        result.message =
+            fmt::format("largest errors relative to the true motion: angular velocity {:.3g}, energy {:.3g}",
+                        result.errors["omega"].max.value_or(0), result.errors["energy"].max.value_or(0));
     } else if (attitude > 1) {
         result.status = result.setting_kind == SettingKind::tolerance ? Status::tolerance_not_met : Status::failed;
-        result.message =
-            fmt::format("{}: up to {:.3g} rad off over {} samples", name_of(outcome), attitude, experiment.samples);
+        result.message = fmt::format("{}: largest attitude error over {} samples is {:.3g} rad", name_of(outcome),
+                                     experiment.samples, attitude);
         if (result.floors.float64 && *result.floors.float64 > 0.1)
             result.message +=
-                fmt::format("; rounding of the scene's data alone does {:.2g} rad", *result.floors.float64);
+                fmt::format("; rounding of the scene's data alone causes {:.2g} rad", *result.floors.float64);
     }
 }
 
@@ -174,7 +175,7 @@ class StepSearch {
 Outcome outcome_named(const std::string& name) {
     for (const Outcome outcome : outcomes)
         if (name == name_of(outcome)) return outcome;
-    throw std::invalid_argument("not an outcome");
+    throw std::invalid_argument("unknown outcome");
 }
 
 Table empty_runs_table() {

@@ -139,8 +139,8 @@ Findings run_stability(const Plan& whole, const RunOptions& options) {
     result.tables = {
         {"", "", stability_table(plan, found), {}, true},
         {"limits", "", limits_table(found), {}, true},
-        {"float32_lost", "Scenes that binary32 loses", binary32_table(found)},
-        {"damping", "Damping 10^6 with a constant torque: what 1e-10 rad costs", damping_table(plan, found)},
+        {"float32_lost", "Scenes that binary32 does not solve", binary32_table(found)},
+        {"damping", "Damping 10^6 with a constant torque: cost of 1e-10 rad", damping_table(plan, found)},
     };
     if (result.missing == 0 && options.shard == 1) add_studies(plan, found, options, result);
     result.page = stability_page(plan, found, result.tables);

@@ -57,7 +57,7 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
 }
 
 Findings conclude_tolerance(const Plan& plan, const std::vector<Result>& rows) {
-    return {{{"digits", "Digits gained over the tolerance", digits_table(plan, rows)}}, tolerance_figures(plan, rows)};
+    return {{{"digits", "log10(tolerance / error)", digits_table(plan, rows)}}, tolerance_figures(plan, rows)};
 }
 
 }  // namespace polhode

@@ -16,7 +16,8 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
         for (const double wanted : accuracy_levels) {
             const std::vector<const Result*> best = fastest_first(results, scene.label, wanted);
             if (best.empty()) {
-                table.rows.push_back({scene.label, wanted, std::string("none reaches it"), {}, {}, {}, {}, {}, {}});
+                table.rows.push_back(
+                    {scene.label, wanted, std::string("no method reaches it"), {}, {}, {}, {}, {}, {}});
                 continue;
             }
             const Result& first = *best[0];

@@ -24,7 +24,7 @@ class Unrolled {
     void open() {
         groups_.push_back(0);
         if (groups_.size() > static_cast<std::size_t>(deepest_parentheses) + 1)
-            refuse(fmt::format("its parentheses are nested deeper than {}", deepest_parentheses));
+            refuse(fmt::format("parentheses are nested more than {} deep", deepest_parentheses));
         last_ = 0;
     }
     void close() {
@@ -46,7 +46,7 @@ class Unrolled {
         last_ = characters;
         groups_.back() += characters;
         if (groups_.back() > most_unrolled)
-            refuse(fmt::format("its repetitions make it longer than {} characters", most_unrolled));
+            refuse(fmt::format("it has more than {} characters with its repetitions expanded", most_unrolled));
     }
 
     std::vector<long> groups_{0};  // the open ones, from the outermost
@@ -60,7 +60,7 @@ std::size_t end_of_bracket(const std::string& expression, std::size_t i) {
     const std::size_t first = i;
     for (; i < expression.size() && (i == first || expression[i] != ']'); ++i) {
         if (expression[i] != '[' || i + 1 >= expression.size()) continue;
-        if (expression[i + 1] == '.' || expression[i + 1] == '=') refuse("collating elements are not available");
+        if (expression[i + 1] == '.' || expression[i + 1] == '=') refuse("collating elements are not supported");
         if (expression[i + 1] == ':') i = std::min(expression.find(":]", i + 2), expression.size() - 2) + 1;
     }
     return std::min(i, expression.size() - 1);
@@ -84,13 +84,13 @@ long largest_count(const std::string& expression, std::size_t& i) {
 void require_harmless(const std::string& expression) {
     if (expression.size() > longest_expression)
         refuse(fmt::format("it has more than {} characters", longest_expression));
-    if (expression.find('\0') != std::string::npos) refuse("it holds a zero byte");
+    if (expression.find('\0') != std::string::npos) refuse("it contains a zero byte");
     Unrolled unrolled;
     for (std::size_t i = 0; i < expression.size(); ++i) switch (expression[i]) {
             case '\\':
                 ++i;
                 if (i < expression.size() && std::isdigit(static_cast<unsigned char>(expression[i])) != 0)
-                    refuse("back references are not available");
+                    refuse("back references are not supported");
                 unrolled.character();
                 break;
             case '(':

@@ -40,9 +40,9 @@ long positive_count(const JsonNode& node, long most) {
 std::vector<std::string> strings(const JsonNode& node) {
     std::vector<std::string> result;
     if (node.elements().size() > most_entries)
-        node.fail(node.described(), fmt::format("give {} at the most", most_entries));
+        node.fail(node.described(), fmt::format("give at most {} entries", most_entries));
     for (const JsonNode* element : node.elements()) result.push_back(element->string());
-    if (result.empty()) node.fail("is empty", "at least one name");
+    if (result.empty()) node.fail("is empty", "give at least one name");
     return result;
 }
 
@@ -61,7 +61,7 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
         node.only(keys_of(experiment_keys(), "range"));
         const double from = positive(node.required("from", "the first value"), what);
         const double to = positive(node.required("to", "the last value"), what);
-        const long count = positive_count(node.required("count", "how many values"), most_range_values);
+        const long count = positive_count(node.required("count", "the number of values"), most_range_values);
         // a ratio beyond binary64 is taken in two parts
         const bool in_one = std::isfinite(to / from) && to / from > 0;
         for (long i = 0; i < count; ++i) {
@@ -73,7 +73,7 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
         }
     } else {
         for (const JsonNode* element : node.elements()) values.push_back(positive(*element, what));
-        if (values.empty()) node.fail("is empty", "at least one value, or leave the key out");
+        if (values.empty()) node.fail("is empty", "give at least one value, or remove the key");
     }
     std::sort(values.begin(), values.end(), std::greater<>());
     values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -84,17 +84,17 @@ const ExperimentKind* read_kind(const JsonNode& node) {
     if (const ExperimentKind* kind = find_kind(node.string())) return kind;
     std::vector<std::string> names;
     for (const ExperimentKind& kind : kinds()) names.emplace_back(kind.name);
-    node.fail(node.described(), "one of " + listed(names));
+    node.fail(node.described(), "give one of " + listed(names));
 }
 
 std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
     if (entry.size() < 2 || entry.front() != '/' || entry.back() != '/') return {};
     try {
-        if (entry.size() == 2) throw std::invalid_argument("it is empty");
+        if (entry.size() == 2) throw std::invalid_argument("it must not be empty");
         return Pattern(entry.substr(1, entry.size() - 2));
     } catch (const std::invalid_argument& error) {
-        throw InputError(file, place, "is no regular expression: " + one_line(error.what(), 100),
-                         "a POSIX extended regular expression between slashes");
+        throw InputError(file, place, "is not a valid regular expression: " + one_line(error.what(), 100),
+                         "give a POSIX extended regular expression between slashes");
     }
 }
 
@@ -116,12 +116,13 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
             for (const std::string& name : known)
                 if (pattern->matches(name) && names_engines(name) <= names_engines(entries[i])) add(name), any = true;
             if (!any && names.size() == before)
-                throw InputError(file, place, one_line(entries[i], 80) + " matches nothing", "one of " + listed(known));
+                throw InputError(file, place, one_line(entries[i], 80) + " matches no name",
+                                 "give a pattern that matches one of " + listed(known));
         } else if (paths || std::find(known.begin(), known.end(), entries[i]) != known.end()) {
             add(entries[i]);
         } else {
-            throw InputError(file, place, "there is no " + one_line(entries[i], 80),
-                             did_you_mean(entries[i], known) + " `polhode list " + key + "` names them all");
+            throw InputError(file, place, one_line(entries[i], 80) + " is an unknown name",
+                             did_you_mean(entries[i], known) + " `polhode list " + key + "` prints all names");
         }
     }
     return names;
@@ -184,7 +185,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
             const ordered_json& parent = json.at(place.parent_pointer());
             (place.empty() || parent.is_object() ? json[place] : json.at(place)) = ordered_json::parse(value);
         } catch (const nlohmann::json::exception& error) {
-            throw InputError(file, "/vary", one_line(pointer, 80) + " does not point into " + base.label,
+            throw InputError(file, "/vary", one_line(pointer, 80) + " does not point to a value of " + base.label,
                              one_line(error.what(), 160));
         }
         label += fmt::format("{}{}={}", label.empty() ? "" : ",", pointer, value);
@@ -213,9 +214,9 @@ std::string about_of(const JsonNode& node) {
     const std::string& about = node.string();
     if (about.size() > longest_experiment_about)
         node.fail(fmt::format("has {} bytes", about.size()),
-                  fmt::format("give {} at the most", longest_experiment_about));
+                  fmt::format("give at most {} bytes", longest_experiment_about));
     if (first_unprintable(about) != std::string::npos)
-        node.fail("holds control characters", "give printable characters and ends of lines");
+        node.fail("contains control characters", "use printable characters and line breaks");
     return about;
 }
 
@@ -255,7 +256,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     e.name = root.required("name", "the experiment's name").string();
     if (!names_files(e.name))
         root.find("name")->fail(root.find("name")->described(),
-                                "1 to 64 letters, digits, _ or -, which is not the first");
+                                "give 1 to 64 letters, digits, _ or -; the first must not be -");
     if (const JsonNode* node = root.find("about")) e.about = about_of(*node);
     if (const JsonNode* node = root.find("kind")) e.kind = read_kind(*node);
     std::vector<std::string_view> keys = {"name", "about", "kind"};
@@ -268,8 +269,9 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
         if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
         if (const JsonNode* list = node->find("evaluations_per_revolution")) {
-            if (!e.kind->calibrated) list->fail("belongs to experiments of kind conservation", "steps or tolerances");
-            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations");
+            if (!e.kind->calibrated)
+                list->fail("is a key of experiments of kind conservation", "give steps or tolerances");
+            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations per revolution");
             std::reverse(e.evaluations_per_revolution.begin(), e.evaluations_per_revolution.end());
         }
     }
@@ -277,10 +279,11 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
         const ordered_json raw = ordered_json::parse(text, nullptr, true, true).at("vary");
         for (const JsonNode* member : node->members()) {
             Variation variation{member->key(), {}};
-            if (member->elements().empty()) member->fail("is empty", "at least one value");
+            if (member->elements().empty()) member->fail("is empty", "give at least one value");
             for (const ordered_json& value : raw.at(member->key())) variation.values.push_back(value.dump());
             if (e.vary.size() == most_varied)
-                member->fail("is one more than can be varied", fmt::format("give {} at the most", most_varied));
+                member->fail("exceeds the largest number of JSON pointers",
+                             fmt::format("give at most {} pointers", most_varied));
             e.vary.push_back(std::move(variation));
         }
     }
@@ -289,7 +292,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     if (const JsonNode* node = root.find("seconds_per_run")) {
         e.seconds_per_run = positive(*node, "a time");
         if (e.seconds_per_run > most_seconds_per_run)
-            node->fail(node->described(), fmt::format("give {:.0f} s at the most", most_seconds_per_run));
+            node->fail(node->described(), fmt::format("give at most {:.0f} s", most_seconds_per_run));
     }
     if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node, 1L << 53);
     if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node, 1L << 53);
@@ -303,8 +306,8 @@ Experiment find_experiment(const std::string& name_or_path) {
     // of a link that leads nowhere or in a circle the reader tells the reason
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name_or_path, none)))
         return parse_experiment(read_text(name_or_path), name_or_path);
-    throw InputError(one_line(name_or_path, 200), "experiment", "there is no such experiment or file",
-                     did_you_mean(name_or_path, names) + " `polhode list experiments` names them all");
+    throw InputError(one_line(name_or_path, 200), "experiment", "is neither a built-in experiment nor a file",
+                     did_you_mean(name_or_path, names) + " `polhode list experiments` prints all names");
 }
 
 bool is_described(const Plan& plan) {
@@ -324,7 +327,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
     if (variants > most_variants)
         throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
-                         fmt::format("give {:.0f} at the most: all values are combined with all", most_variants));
+                         fmt::format("give at most {:.0f}; all combinations of values are run", most_variants));
     std::vector<PlannedScene> bases;
     double bytes = 0;
     for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
@@ -336,20 +339,20 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         }
         if (e.kind->one_body && is_mechanism(scene))
             throw InputError(file, "/scenes",
-                             fmt::format("{} is of several bodies, and experiments of kind {} measure one",
+                             fmt::format("{} has several bodies; experiments of kind {} support only one",
                                          one_line(name, 80), e.kind->name),
                              "give scenes of one body, or another kind");
         if (static_cast<double>(e.samples) * static_cast<double>(std::max<std::size_t>(1, scene.bodies.size())) >
             static_cast<double>(most_states))
             throw InputError(
                 file, "/samples",
-                fmt::format("are {} of the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
-                fmt::format("give {} samples times bodies at the most", most_states));
+                fmt::format("is {}, for the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
+                fmt::format("samples times bodies must be at most {}", most_states));
         bases.push_back({scene.name, scene, write_scene(scene)});
         bytes += bytes_of_variants(bases.back(), e.vary, variants);
         if (bytes > largest_plan)
             throw InputError(file, "/vary", fmt::format("makes {:.3g} bytes of scenes and meshes", bytes),
-                             fmt::format("give {:.0f} at the most: fewer values, or smaller meshes", largest_plan));
+                             fmt::format("give fewer values or smaller meshes: at most {:.0f} bytes", largest_plan));
     }
     for (const Method* method : planned_methods(e.methods, file)) {
         const std::string name(method->name);
@@ -372,7 +375,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         if (method->control == Control::none) add(SettingKind::none, {std::nan("")});
         const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
         if (plan.curves.size() == before && named)
-            throw InputError(file, "/settings", name + " has no setting to run at",
+            throw InputError(file, "/settings", "has no setting for " + name,
                              calibrated            ? "give evaluations_per_revolution"
                              : takes_step(*method) ? "give steps"
                                                    : "give tolerances");
@@ -383,7 +386,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     cases = std::max(1.0, cases) * static_cast<double>(bases.size()) * variants;
     if (cases > most_cases)
         throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),
-                         fmt::format("give {:.0f} at the most", most_cases));
+                         fmt::format("give at most {:.0f} cases", most_cases));
     std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
     for (const Variation& variation : e.vary) {
         std::vector<std::vector<std::pair<std::string, std::string>>> next;

@@ -28,7 +28,7 @@ Calibration step_for(const Problem& problem, const Method& method, double revolu
     settings.record = false, settings.samples = 1, settings.step = revolution / steps;
     const Trajectory pilot = solve(problem, method, settings);
     if (pilot.status == Status::unsupported) return {false, 0, pilot.message};
-    if (pilot.steps < 1) return {false, 0, "the pilot run took no step: " + pilot.message};
+    if (pilot.steps < 1) return {false, 0, "the pilot run took no steps: " + pilot.message};
     const double per_step = static_cast<double>(pilot.rhs_evaluations) / static_cast<double>(pilot.steps);
     return {true, revolution * per_step / evaluations, ""};
 }
@@ -50,7 +50,7 @@ Calibration tolerance_for(const Problem& problem, const Method& method, double e
     int exponent = tightest;
     while (exponent <= loosest && !affordable(exponent)) ++exponent;
     if (exponent > loosest)
-        return {false, 0, fmt::format("costs more than {:g} evaluations a revolution at any tolerance", evaluations)};
+        return {false, 0, fmt::format("needs more than {:g} evaluations per revolution at any tolerance", evaluations)};
     if (exponent == tightest) return {true, two_digits(std::pow(10, tightest)), ""};
     double below = -1, above = 0;
     while (above - below > 0.02) {
@@ -68,9 +68,10 @@ double revolution_time(const Scene& scene) {
 }
 
 Calibration calibrate(const Scene& scene, const Method& method, SettingKind kind, double evaluations) {
-    if (is_mechanism(scene)) return {false, 0, "several bodies have no one revolution to count evaluations by"};
+    if (is_mechanism(scene)) return {false, 0, "evaluations per revolution are defined for one body only"};
     const double revolution = revolution_time(scene);
-    if (!std::isfinite(revolution)) return {false, 0, "the body is at rest: it makes no revolution"};
+    if (!std::isfinite(revolution))
+        return {false, 0, "the body is at rest at the start, so evaluations per revolution are undefined"};
     Scene pilot = scene;
     pilot.duration = pilot_revolutions * revolution;
     const Problem problem = pose(pilot);

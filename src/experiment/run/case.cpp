@@ -68,7 +68,7 @@ std::optional<double> revolutions(const Reference& reference) {
 std::string words_of(const Plan& plan, const Case& c) {
     std::string words = fmt::format("{} {} {}", plan.experiment.name, c.scene->label, c.curve->method->name);
     if (c.curve->kind != SettingKind::none) words += fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
-    if (c.curve->calibrated) words += " evaluations a revolution";
+    if (c.curve->calibrated) words += " evaluations per revolution";
     if (c.curve->formulation != Formulation::reduced) words += fmt::format(" {}", name_of(c.curve->formulation));
     return words;
 }
@@ -105,13 +105,13 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
         result.errors["attitude"].final.value_or(0) > 1) {
         result.status = Status::tolerance_not_met;
-        result.message =
-            fmt::format("ends {:.3g} rad off; kappa(T) times the tolerance is {}", *result.errors["attitude"].final,
-                        kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "not known");
+        result.message = fmt::format("attitude error at the end is {:.3g} rad; kappa(T) times the tolerance is {}",
+                                     *result.errors["attitude"].final,
+                                     kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "unknown");
     }
     if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {
         result.status = Status::failed, result.cut = true, result.errors = {};
-        result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
+        result.message = fmt::format("exceeded the limit of {} evaluations", experiment.max_evaluations);
     }
     // how far it came before a limit depends on the machine
     if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};

@@ -31,8 +31,8 @@ void save(const std::filesystem::path& path, std::string_view text) {
     std::error_code fault;
     std::filesystem::create_directories(path.parent_path(), fault);
     if (fault)
-        throw std::runtime_error(
-            fmt::format("{}: cannot be created: {}", one_line(path.parent_path().string(), 500), fault.message()));
+        throw std::runtime_error(fmt::format("{}: cannot create this directory: {}",
+                                             one_line(path.parent_path().string(), 500), fault.message()));
     write_atomically(path.string(), seal(text));
 }
 

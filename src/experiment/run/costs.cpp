@@ -72,10 +72,10 @@ class Measured {
     // and where that is from
     std::pair<double, std::string> expected(const std::vector<std::string>& named_by) const {
         if (const auto known = by_setting_.find(at_setting(named_by)); known != by_setting_.end())
-            return {median(known->second), "as on other scenes"};
+            return {median(known->second), "other scenes at this setting"};
         if (const auto known = by_method_.find(named_by[2]); known != by_method_.end())
-            return {median(known->second), "as its method at other settings"};
-        if (!all_.empty()) return {median(all_), "as the other cases"};
+            return {median(known->second), "this method at other settings"};
+        if (!all_.empty()) return {median(all_), "all other cases"};
         return {assumed_seconds, "assumed"};
     }
 
@@ -100,7 +100,7 @@ Costs::Costs(const Table& table, const std::string& file) {
     for (const std::string& name : names)
         if (std::find(table.columns.begin(), table.columns.end(), name) == table.columns.end())
             throw InputError(file, "line 1", "has no column " + name,
-                             "give a plan that `polhode run --dry-run --plan FILE` wrote");
+                             "give a plan written by `polhode run --dry-run --plan FILE`");
     for (std::size_t r = 0; r < table.rows.size(); ++r) {
         const auto cell = [&](const std::string& name) { return text_of(table.rows[r][column_index(table, name)]); };
         const std::string line = fmt::format("line {}", r + 2);
@@ -111,7 +111,7 @@ Costs::Costs(const Table& table, const std::string& file) {
         std::vector<std::string> key;
         for (std::size_t k = 0; k < 6; ++k) key.push_back(cell(names[k]));
         if (!seconds_.emplace(joined(key), *seconds).second)
-            throw InputError(file, line, "is of a case that stands above", "give each case once");
+            throw InputError(file, line, "repeats a case of an earlier line", "give each case once");
     }
 }
 

@@ -83,9 +83,7 @@ CaseFile kind_of(const std::string& name) {
     return ending == ".seconds" ? CaseFile::seconds : CaseFile::none;
 }
 
-std::string content(const std::string& path) {
-    return read_text(path, largest_case_file, "a readable file of a finished case");
-}
+std::string content(const std::string& path) { return read_text(path, largest_case_file, "a readable case file"); }
 
 bool is_of_time(const std::string& column) {
     return column.starts_with("seconds") || column == "repeats" || column == "machine";
@@ -111,8 +109,8 @@ std::string case_words(const Table& table, std::size_t row) {
 // What two tables of one case say differently, times aside; empty where it is nothing. The whole of it stands in a
 // message of 300 characters, so it is the first cell that differs.
 std::string difference(const Table& a, const Table& b) {
-    if (a.columns != b.columns) return "their columns are not the same";
-    if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} rows", a.rows.size(), b.rows.size());
+    if (a.columns != b.columns) return "the columns differ";
+    if (a.rows.size() != b.rows.size()) return fmt::format("{} rows against {}", a.rows.size(), b.rows.size());
     for (std::size_t r = 0; r < a.rows.size(); ++r) {
         std::string cells;
         long differing = 0;
@@ -120,9 +118,9 @@ std::string difference(const Table& a, const Table& b) {
             const std::string one = text_of(a.rows[r][c]), other = text_of(b.rows[r][c]);
             if (is_of_time(a.columns[c]) || one == other) continue;
             if (++differing == 1)
-                cells = fmt::format("{} is {} and {}", a.columns[c], one_line(one, 32), one_line(other, 32));
+                cells = fmt::format("{} is {} against {}", a.columns[c], one_line(one, 32), one_line(other, 32));
         }
-        if (differing > 1) cells += fmt::format(", and {} more", differing - 1);
+        if (differing > 1) cells += fmt::format(" ({} more columns differ)", differing - 1);
         if (differing > 0) return fmt::format("{}: {}", one_line(case_words(a, r), 60), cells);
     }
     return "";
@@ -137,13 +135,12 @@ bool is_better(const std::string& path, const std::string& other) {
         try {
             *table = parse_csv(unseal(*text).value_or(""));
         } catch (const std::invalid_argument& fault) {
-            throw InputError(*from, "", one_line(fault.what(), 200), "remove it, and the case is run again");
+            throw InputError(*from, "", one_line(fault.what(), 200), "remove the file to run the case again");
         }
     }
     if (const std::string differs = difference(first, second); !differs.empty())
-        throw InputError(path, "",
-                         fmt::format("is of the same case as {} and differs: {}", one_line(other, 60), differs),
-                         "find out which is right, and remove the other");
+        throw InputError(path, "", fmt::format("disagrees with {} on the same case: {}", one_line(other, 60), differs),
+                         "find out which file is correct and remove the other");
     const double least_a = least_seconds(first), least_b = least_seconds(second);
     return least_a != least_b ? least_a < least_b : a < b;
 }
@@ -163,12 +160,12 @@ void read_records(const std::string& directory, Records& records) {
         Record record = read_record(path);
         const std::string experiment = name.substr(0, name.size() - std::string_view(record_ending).size());
         if (record.program != running_program_key())
-            throw InputError(path, "/program", "is another build of polhode than this",
-                             "merge by the program that ran the cases, or run them again");
+            throw InputError(path, "/program", "was written by another build of polhode",
+                             "merge with the program that ran the cases, or run them again");
         const auto [known, is_new] = records.try_emplace(experiment, std::pair(record, path));
         if (!is_new && known->second.first != record)
-            throw InputError(path, "", "is another experiment, or another part of it, than " + known->second.second,
-                             "merge folders of one experiment, all quick or none, run from one file");
+            throw InputError(path, "", "does not record the same experiment as " + known->second.second,
+                             "merge directories of one experiment file, either all or none with --quick");
     }
 }
 
@@ -254,12 +251,12 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
     std::vector<std::string> sources;
     for (const std::string& directory : directories) {
         if (!fs::is_directory(directory))
-            throw InputError(one_line(directory, 300), "", "is no folder",
-                             "give folders that `polhode run` has written");
+            throw InputError(one_line(directory, 300), "", "is not a directory",
+                             "give directories written by `polhode run`");
         std::error_code none;
         if (fs::equivalent(directory, output, none)) continue;
         if (!has_results(directory)) {
-            merged.remarks.push_back(one_line(directory, 300) + " holds no results yet");
+            merged.remarks.push_back(one_line(directory, 300) + " contains no results yet");
             continue;
         }
         sources.push_back(directory);
@@ -267,8 +264,8 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
     }
     if (fs::is_directory(output)) read_records(output, records);
     if (records.empty())
-        throw InputError(one_line(directories.front(), 300), "", "holds no results, and no other folder does",
-                         "give folders that `polhode run` has written");
+        throw InputError(one_line(directories.front(), 300), "", "contains no results, nor does any other directory",
+                         "give directories written by `polhode run`");
     std::vector<Plan> plans;
     for (const auto& [name, known] : records) {
         const Record& record = known.first;

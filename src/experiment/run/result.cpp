@@ -34,7 +34,7 @@ template <class Enumeration>
 Enumeration named(const std::string& name, std::initializer_list<Enumeration> all) {
     for (const Enumeration one : all)
         if (name == name_of(one)) return one;
-    throw std::invalid_argument(one_line(name, 60) + " is not a known name");
+    throw std::invalid_argument(one_line(name, 60) + " is an unknown name");
 }
 
 std::optional<double> error_over_tolerance(const Result& r) {
@@ -126,7 +126,7 @@ void append_errors(std::vector<ResultColumn>& all, const std::vector<std::size_t
             all.push_back(std::move(one));
         };
         if (measure.tabled_at_end) append("_final", "at T", &ErrorOfRun::final);
-        append("_max", "the largest over all samples", &ErrorOfRun::max);
+        append("_max", "maximum over all samples", &ErrorOfRun::max);
     }
 }
 
@@ -139,12 +139,13 @@ std::vector<ResultColumn> make_columns() {
          [](const std::string& text, Result& r) { r.setting = number<double>(text).value_or(0); }, "", "setting", 5},
         column("status", &Result::status),
         column("seconds_min", &Result::seconds_min,
-               "Wall clock of the integration alone, the shortest of the repeats, s", "seconds_min"),
+               "Wall clock time of the integration alone, minimum of the repeats, s", "seconds_min"),
         column("seconds_median", &Result::seconds_median,
-               "Wall clock of the integration alone, the median of the repeats, s", "seconds"),
+               "Wall clock time of the integration alone, median of the repeats, s", "seconds"),
         column("repeats", &Result::repeats),
-        column("steps", &Result::steps, "Steps taken", "steps", 7),
-        column("rhs_evaluations", &Result::rhs_evaluations, "Evaluations of the right-hand side", "evaluations", 7)};
+        column("steps", &Result::steps, "Number of steps", "steps", 7),
+        column("rhs_evaluations", &Result::rhs_evaluations, "Number of evaluations of the right-hand side",
+               "evaluations", 7)};
     append_errors(all, standard_indices());
     all.insert(all.end(), {column("message", &Result::message),
                            column("step_taken", &Result::step_taken),
@@ -303,8 +304,8 @@ ErrorSeries series_of(const Table& table) {
         std::vector<double>& values = column.values(s);
         for (std::size_t k = 0; k < table.rows.size(); ++k) {
             const auto value = number<double>(text_of(table.rows[k][index]));
-            if (!value && &values == &s.t) throw std::invalid_argument("a sample without its time");
-            if (value && values.size() < k) throw std::invalid_argument("an error behind a gap");
+            if (!value && &values == &s.t) throw std::invalid_argument("a sample has no time");
+            if (value && values.size() < k) throw std::invalid_argument("a column has a gap before a value");
             if (value) values.push_back(*value);
         }
     }

@@ -111,7 +111,7 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
     }
     if (done || (options.shard > 1 && !kind.resumable)) {
         if (!options.quiet)
-            fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
+            fmt::print(stderr, "{}: {}\n", name, done ? "already complete" : "runs in the first shard only");
         return 0;
     }
     Findings findings;
@@ -123,12 +123,12 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
         seconds = stopwatch.seconds();
     }
     if (Interruption::is_wanted() || (kind.resumable && sweep_interrupted())) {
-        fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
+        fmt::print(stderr, "polhode: {} interrupted; run again to continue\n", name);
         return {};
     }
     const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
     write_and_tell(plan, findings, options, command_line,
-                   fmt::format("{} tables, {} pictures in {}, {:.3g} s", findings.tables.size(),
+                   fmt::format("{} tables and {} figures in {}, {:.3g} s", findings.tables.size(),
                                findings.figures.size(), options.directory, seconds));
     if (!options.only_gather) save_duration(options.directory, name, seconds);
     // the first shard also makes what is no search's
@@ -158,7 +158,7 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
     SweepCount count;
     for (const Plan& part : with_sequel(plan)) count.run += run_sweep(part, options).run;
     if (sweep_interrupted()) {
-        fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to go on\n", plan.experiment.name,
+        fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to continue\n", plan.experiment.name,
                    count.run);
         return false;
     }

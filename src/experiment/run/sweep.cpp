@@ -245,7 +245,7 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         begin = end;
     }
     // truths take the longest: all of them first, side by side
-    progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
+    progress.say(fmt::format("{}: computing {} truths", plan.experiment.name, scenes.size()));
     parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
         const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
         if (interrupted) return;

@@ -25,7 +25,7 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
         {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
         {"MPFR", mpfr_get_version()},
         {"GMP", gmp_version},
-        {"Arb", arb.empty() ? "none (no certified truth)" : arb},
+        {"Arb", arb.empty() ? "not available (no certified truth)" : arb},
         {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
         {"JSON for Modern C++", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                             NLOHMANN_JSON_VERSION_PATCH)},

@@ -24,7 +24,7 @@ TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
         errors[key] = std::stod(text_of(row[column("error_at_finest")]));
     }
     for (const char* method : {"odeint_rk4", "munthe_kaas4"}) {
-        for (const char* what : {"torque jumps", "its derivative jumps", "pulse shorter than a step"})
+        for (const char* what : {"torque jumps", "torque derivative jumps", "pulse shorter than a step"})
             EXPECT_NEAR(orders.at(std::string(what) + "/" + method + "/onto"), 4, 0.3) << what;
         EXPECT_NEAR(orders.at(std::string("torque jumps/") + method + "/over"), 1, 0.15);
         // the pulse is missed at every step: nothing converges
@@ -33,7 +33,7 @@ TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
         EXPECT_FALSE(orders.contains(missed));
     }
     EXPECT_NEAR(orders.at("torque jumps/odeint_fehlberg78/over"), 1, 0.3);
-    EXPECT_NEAR(orders.at("its derivative jumps/odeint_fehlberg78/over"), 2, 0.3);
+    EXPECT_NEAR(orders.at("torque derivative jumps/odeint_fehlberg78/over"), 2, 0.3);
     for (const char* method : {"dop853", "extrapolation", "cvode_adams"}) {
         EXPECT_LT(errors.at(std::string("pulse shorter than a step/") + method + "/onto"), 1e-6);
         EXPECT_LT(errors.at(std::string("torque jumps/") + method + "/onto"), 1e-6);

@@ -51,7 +51,7 @@ TEST(Calibrate, SaysWhatCannotBe) {
     const Calibration dear =
         calibrate(find_scene("symmetric"), *find_method("odeint_dopri5"), SettingKind::tolerance, 3);
     EXPECT_FALSE(dear.found);
-    EXPECT_NE(dear.message.find("evaluations a revolution at any tolerance"), std::string::npos) << dear.message;
+    EXPECT_NE(dear.message.find("evaluations per revolution at any tolerance"), std::string::npos) << dear.message;
     Scene rest = find_scene("symmetric");
     rest.initial.angular_velocity = {};
     const Calibration still = calibrate(rest, *find_method("odeint_rk4"), SettingKind::step, 100);

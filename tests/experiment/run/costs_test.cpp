@@ -71,9 +71,9 @@ TEST(Costs, WhatWasMeasuredIsTakenAndWhatWasNotIsLikeItsMethod) {
                                                                                   text_of(row[7])};
     using Cost = std::pair<double, std::string>;
     EXPECT_EQ(found["free_asymmetric{/duration=1} odeint_rk4 0.1"], Cost(5, "measured"));
-    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.1"], Cost(5, "as on other scenes"));
-    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.05"], Cost(5, "as its method at other settings"));
-    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_dopri5 1e-08"], Cost(5, "as the other cases"));
+    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.1"], Cost(5, "other scenes at this setting"));
+    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.05"], Cost(5, "this method at other settings"));
+    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_dopri5 1e-08"], Cost(5, "all other cases"));
     EXPECT_EQ(found["free_asymmetric{/duration=1} truth "], Cost(7, "measured"));
     EXPECT_EQ(found["free_asymmetric{/duration=3} truth "].first, 7);
     fs::remove_all(directory);
@@ -150,7 +150,7 @@ TEST(Costs, AWrongPlanIsRefusedByItsLine) {
         EXPECT_NE(refused(head + "e,s,m,,,," + seconds + ",x\n").find("plan.csv: line 2: expected_seconds"),
                   std::string::npos)
             << seconds;
-    EXPECT_NE(refused(head + "e,s,m,,,,1,x\ne,s,m,,,,2,x\n").find("line 3: is of a case that stands above"),
+    EXPECT_NE(refused(head + "e,s,m,,,,1,x\ne,s,m,,,,2,x\n").find("line 3: repeats a case of an earlier line"),
               std::string::npos);
 }
 

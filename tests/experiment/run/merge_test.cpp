@@ -172,12 +172,12 @@ TEST_F(Merge, RefusesRowsOfOneCaseThatDifferAndShowsBoth) {
 
 TEST_F(Merge, RefusesWhatIsNotOfOneExperiment) {
     const std::vector<std::string> folders = run_shards(1);
-    EXPECT_NE(refusal({folders[0], "/nowhere"}).find("is no folder"), std::string::npos);
+    EXPECT_NE(refusal({folders[0], "/nowhere"}).find("is not a directory"), std::string::npos);
     fs::create_directories(directory_ / "empty");
-    EXPECT_NE(refusal({(directory_ / "empty").string()}).find("holds no results"), std::string::npos);
+    EXPECT_NE(refusal({(directory_ / "empty").string()}).find("contains no results"), std::string::npos);
     RunOptions other = options("other");
     run_experiment(plan(R"(, "about": "another")"), other, "test");
-    EXPECT_NE(refusal({folders[0], other.directory}).find("is another experiment"), std::string::npos);
+    EXPECT_NE(refusal({folders[0], other.directory}).find("does not record the same experiment"), std::string::npos);
     const fs::path record = fs::path(other.directory) / ".cases" / "t.experiment.json";
     std::string text = content(record);
     text.replace(text.find(running_program_key()), 4, "beef");

@@ -25,11 +25,12 @@ std::string sentence_of_accuracy(const EnginePlace& place) {
     std::string text;
     for (int i = 0; i < 3; ++i) {
         if (!place.within[i]) continue;
-        text += fmt::format("{}{:g} rad at {}", text.empty() ? "" : ", ", accuracies[i], step_name(*place.within[i]));
+        text += fmt::format("{}{:g} rad at steps up to {}", text.empty() ? "" : ", ", accuracies[i],
+                            step_name(*place.within[i]));
     }
     if (text.empty()) return "No step tested keeps the attitude error below 0.1 rad on at least half of the scenes.";
-    text = "Largest steps that keep the attitude error on at least half of the scenes within a bound: " + text;
-    if (!place.within[2]) text += fmt::format("; no step reaches {:g} rad", place.within[1] ? 0.001 : 0.01);
+    text = "The attitude error on at least half of the scenes is within " + text;
+    if (!place.within[2]) text += fmt::format("; no step tested reaches {:g} rad", place.within[1] ? 0.001 : 0.01);
     return text + ".";
 }
 

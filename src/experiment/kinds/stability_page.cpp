@@ -77,7 +77,7 @@ class MethodPage {
     bool empty() const { return findings_.empty(); }
 
     std::string text() const {
-        std::string page = fmt::format("Solves {} of {} scenes.", findings_.size(), found_.scenes.size());
+        std::string page = fmt::format("Supports {} of {} scenes.", findings_.size(), found_.scenes.size());
         return page + (curve_.kind == SettingKind::step ? step_text() : run_text() + stiffness_text());
     }
 

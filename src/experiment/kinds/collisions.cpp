@@ -56,7 +56,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
                 if (planned_curve.kind == SettingKind::tolerance) settings.tolerance = setting;
                 settings.seconds_limit = plan.experiment.seconds_per_run;
                 Trajectory run = scene.planes.empty() ? Trajectory{} : solve(scene, *planned_curve.method, settings);
-                if (scene.planes.empty()) run.status = Status::unsupported, run.message = "no planes";
+                if (scene.planes.empty()) run.status = Status::unsupported, run.message = "the scene has no planes";
                 std::vector<Cell> row{planned.label,
                                       std::string(planned_curve.method->name),
                                       std::string(name_of(planned_curve.kind)),

@@ -96,9 +96,9 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
 std::vector<ColumnChoice> place_columns(bool engines) {
     std::vector<ColumnChoice> columns{{"scenes", "scenes"},
                                       {"attitude_error", "attitude at 1/60 s (rad)"},
-                                      {"fine_attitude_error", "at 1/1000 s"},
+                                      {"fine_attitude_error", "attitude at 1/1000 s (rad)"},
                                       {"joint_gap", "gap at 1/60 s (m)"},
-                                      {"fine_joint_gap", "at 1/1000 s"},
+                                      {"fine_joint_gap", "gap at 1/1000 s (m)"},
                                       {"worst_joint_gap", "worst gap (m)"},
                                       {"joint_turn", "turn (rad)"},
                                       {"energy_error", "energy"},

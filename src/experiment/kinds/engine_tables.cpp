@@ -130,7 +130,7 @@ NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
                                      {"median_place", "median place"},
                                      {"scenes", "scenes"},
                                      {"attitude_error", "attitude at 1/60 s (rad)"},
-                                     {"fine_attitude_error", "at 1/1000 s (rad)"},
+                                     {"fine_attitude_error", "attitude at 1/1000 s (rad)"},
                                      {"momentum_error", "momentum"},
                                      {"energy_error", "energy"},
                                      {"order", "order"},
@@ -162,7 +162,7 @@ NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows
         columns.push_back({"attitude_error at " + name, name + " (rad)"});
     }
     for (const ColumnChoice& more : {ColumnChoice{"order", "order"},
-                                     {"attitude_error_final", "at the end, 1/60 s"},
+                                     {"attitude_error_final", "at the end, 1/60 s (rad)"},
                                      {"position_error", "position"},
                                      {"momentum_error", "momentum"},
                                      {"energy_error", "energy"},
@@ -214,7 +214,7 @@ NamedTable identity_table(const std::vector<EngineFacts>& facts) {
                                      {"about", "description"},
                                      {"gyroscopic_term", "gyroscopic term"},
                                      {"follows", "matching update"},
-                                     {"follows_to", "to (rad)"},
+                                     {"follows_to", "difference (rad)"},
                                      {"readback_difference", "difference on readback"},
                                      {"repeats", "reproducible"},
                                      {"message", "not compared because"}});

@@ -145,7 +145,7 @@ NamedTable keys() {
             });
         };
         add_angles("euler_angles in (-180, 180]", wrapped);
-        add_angles("euler_angles, full turns counted", unwrapped);
+        add_angles("euler_angles, unwrapped", unwrapped);
         add("slerp", std::nullopt, [&](std::size_t k, double t) {
             return slerp(motion(static_cast<double>(k)), motion(static_cast<double>(k + 1)), t);
         });

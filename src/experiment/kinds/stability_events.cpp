@@ -126,7 +126,7 @@ NamedTable measure_discontinuities(bool quick) {
                                      {"claimed_order", "claimed order"},
                                      {"observed_order", "observed order"},
                                      {"finest_setting", "finest step (s) or tolerance"},
-                                     {"error_at_finest", "attitude error there (rad)"},
+                                     {"error_at_finest", "attitude error at the finest (rad)"},
                                      {"steps", "steps"},
                                      {"rhs_evaluations", ""},
                                      {"rejected_steps", "rejected"},

@@ -110,8 +110,8 @@ std::optional<double> growth_beyond(const LinearCase& c) {
 }
 
 const char* remark_of(const LinearCase& c) {
-    if (c.theory == 0) return c.grows_early ? "grows at 0.1" : "no growth seen at 0.1";
-    if (!c.has_limit()) return c.grows_early ? "fails or grows at 100" : "no growth at 100";
+    if (c.theory == 0) return c.grows_early ? "grows at h |lambda| = 0.1" : "no growth observed at h |lambda| = 0.1";
+    if (!c.has_limit()) return c.grows_early ? "fails or grows at h |lambda| = 100" : "no growth at h |lambda| = 100";
     return c.measured ? "" : "no limit found between 0.5 and 4 times the theoretical one";
 }
 
@@ -259,8 +259,8 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
     NamedFigure plane{"stability_regions", {"Stability regions: |growth per step| ≤ 1 inside the line", 2, {}, ""}};
     const std::pair<Region, Panel> panels[] = {
         {Region::explicit_short, panel_of("explicit, at most 3 on the real axis", -4.5, 1)},
-        {Region::explicit_long, panel_of("explicit, more than 3", -7.5, 2)},
-        {Region::multistep, panel_of("Adams, predicted and corrected once", -1.6, 0.6)},
+        {Region::explicit_long, panel_of("explicit, more than 3 on the real axis", -7.5, 2)},
+        {Region::multistep, panel_of("Adams predictor-corrector, one correction", -1.6, 0.6)},
         {Region::implicit, panel_of("implicit: stable outside the line", -12, 36)},
     };
     for (const auto& [family, empty] : panels) {

@@ -85,7 +85,7 @@ std::string shortened(const std::string& text, std::size_t most) {
 std::string run_table(const std::vector<Result>& results, const RunTable& table) {
     if (!offers_a_choice(results)) return "";
     using Row = std::array<std::string, 7>;
-    const Row head{"scene", "error (rad)", "fastest", "setting", "time", "runner-up", "times"};
+    const Row head{"scene", "error (rad)", "fastest", "setting", "time", "runner-up", "ratio"};
     std::vector<Row> rows;
     for (const std::string& scene : scenes_of(results)) {
         bool first = true;

@@ -59,7 +59,7 @@ TEST_F(OrientationStudy, AnglesBetweenKeysAreWorseTheNearerToLock) {
         const double error = real(t, row, "attitude_error");
         if (way == "slerp") {
             EXPECT_LT(error, 1e-14);
-        } else if (way == "euler_angles, full turns counted") {
+        } else if (way == "euler_angles, unwrapped") {
             EXPECT_GT(error, before);
             before = error;
         } else {

@@ -42,7 +42,7 @@ class StabilityStudy : public ::testing::Test {
 const StabilityFinding& finding(const StabilityFindings& found, const std::string& method, SettingKind kind) {
     for (const StabilityFinding& f : found.findings)
         if (f.method->name == method && f.kind == kind) return f;
-    throw std::logic_error("no finding of " + method);
+    throw std::logic_error("no finding for " + method);
 }
 
 TEST_F(StabilityStudy, FindsThePublishedLimitsOnDrag) {
@@ -116,7 +116,7 @@ TEST_F(StabilityStudy, GoesOnWhereItWasInterrupted) {
     const long before = static_cast<long>(first.findings[0].runs.size());
     EXPECT_EQ(csv(stability_table(plan, first)), csv({all.columns, {all.rows.begin(), all.rows.begin() + before}}));
     // the maps take the longest, and have a test of their own
-    if (!optimised_build) GTEST_SKIP() << "the whole study takes minutes where nothing is optimised";
+    if (!optimised_build) GTEST_SKIP() << "the whole study takes minutes in an unoptimised build";
     RunOptions quick = options;
     quick.quick = true;
     const Findings result = find_kind("stability")->make(plan, quick);

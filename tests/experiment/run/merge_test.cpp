@@ -74,7 +74,7 @@ class Merge : public ::testing::Test {
         try {
             merge(folders, "refused");
         } catch (const InputError& error) {
-            EXPECT_FALSE(fs::exists(directory_ / "refused")) << "something was written";
+            EXPECT_FALSE(fs::exists(directory_ / "refused")) << "merge_results() refused but wrote files";
             return error.what();
         }
         return "not refused";

@@ -42,7 +42,8 @@ TimedRun time_told(Told& told, double expected, int rounds) {
 TEST(Timing, IsOfManyRunsWhereTheFirstGuessWasACold) {
     Told told{{2e-3, 3e-7}};
     const TimedRun run = time_told(told, 5e-3, 3);
-    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 334, 334, 334})) << "two pilots: the first is cold as well";
+    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 334, 334, 334}))
+        << "two pilot runs, because the first one is cold too";
     EXPECT_EQ(run.seconds.size(), 3u);
     EXPECT_EQ(run.median(), 3e-7);
 }

@@ -99,7 +99,7 @@ std::optional<Pattern> pattern_of(const std::string& entry, const std::string& f
 }
 
 // The remedy for an unknown name of `polhode list KEY`.
-std::string suggested(const std::string& name, const std::vector<std::string>& known, const char* key) {
+std::string suggest_names(const std::string& name, const std::vector<std::string>& known, const char* key) {
     const std::string near = did_you_mean(name, known);
     return fmt::format("{}{}`polhode list {}` prints all names", near, near.empty() ? "" : " ", key);
 }
@@ -128,7 +128,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
             add(entries[i]);
         } else {
             throw InputError(file, place, one_line(entries[i], 80) + " is an unknown name",
-                             suggested(entries[i], known, key));
+                             suggest_names(entries[i], known, key));
         }
     }
     return names;
@@ -313,7 +313,7 @@ Experiment find_experiment(const std::string& name_or_path) {
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name_or_path, none)))
         return parse_experiment(read_text(name_or_path), name_or_path);
     throw InputError(one_line(name_or_path, 200), "experiment", "is neither a built-in experiment nor a file",
-                     suggested(name_or_path, names, "experiments"));
+                     suggest_names(name_or_path, names, "experiments"));
 }
 
 bool is_described(const Plan& plan) {

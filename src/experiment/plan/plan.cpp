@@ -28,7 +28,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// some tens of milliseconds
+// takes some tens of milliseconds
 constexpr long quick_evaluations = 100000;
 
 long positive_count(const JsonNode& node, long most) {
@@ -46,7 +46,7 @@ std::vector<std::string> strings(const JsonNode& node) {
     return result;
 }
 
-// To 12 digits, so that decades are decades.
+// Rounds to 12 digits, so that decades of a range are exact powers of ten.
 double tidy(double value) {
     const std::string decimal = fmt::format("{:.12g}", value);
     double rounded = value;
@@ -54,7 +54,7 @@ double tidy(double value) {
     return rounded;
 }
 
-// A list, or {"from", "to", "count"} with logarithmic spacing; from coarse to fine either way.
+// Parses a list, or {"from", "to", "count"} with logarithmic spacing. Returns the values from coarse to fine.
 std::vector<double> settings_list(const JsonNode& node, const char* what) {
     std::vector<double> values;
     if (node.is_object()) {
@@ -62,7 +62,7 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
         const double from = positive(node.required("from", "the first value"), what);
         const double to = positive(node.required("to", "the last value"), what);
         const long count = positive_count(node.required("count", "the number of values"), most_range_values);
-        // a ratio beyond binary64 is taken in two parts
+        // if the ratio overflows or underflows binary64, use two powers
         const bool in_one = std::isfinite(to / from) && to / from > 0;
         for (long i = 0; i < count; ++i) {
             const double along = count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(count - 1);
@@ -104,7 +104,7 @@ std::string suggest_names(const std::string& name, const std::vector<std::string
     return fmt::format("{}{}`polhode list {}` prints all names", near, near.empty() ? "" : " ", key);
 }
 
-// The name of an engine in one of its settings has a colon, and so has a pattern of such names.
+// Whether an entry is a name ENGINE:SETTING, or a pattern for such names.
 bool names_engines(const std::string& entry) { return entry.find(':') != std::string::npos; }
 
 std::vector<std::string> resolved(const std::vector<std::string>& entries, const std::vector<std::string>& known,
@@ -115,7 +115,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
     };
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::string place = fmt::format("/{}/{}", key, i);
-        // a path may begin and end with a slash only if it is a directory, which no scene is
+        // /../ cannot be the path of a scene, because a path that ends in a slash is a directory
         if (const auto pattern = pattern_of(entries[i], file, place)) {
             const std::size_t before = names.size();
             bool any = false;
@@ -134,7 +134,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
     return names;
 }
 
-// Methods by their names and patterns; engines, which are other programs, only where an entry has their colon.
+// Resolves names and patterns of methods. Engines, which run other programs, are included only if an entry has a colon.
 std::vector<const Method*> planned_methods(const std::vector<std::string>& entries, const std::string& file) {
     std::vector<const Method*> known(methods().begin(), methods().end());
     if (std::ranges::any_of(entries, names_engines))
@@ -147,15 +147,15 @@ std::vector<const Method*> planned_methods(const std::vector<std::string>& entri
     return planned;
 }
 
-// A scene's name in tables and on terminals: what another would take for more than signs is escaped, and one that is
-// too long keeps its beginning, and a hash that tells it from others.
+// A scene's name for tables and terminals: control characters are escaped. A name that is too long is shortened, and a
+// hash is appended to keep it unique.
 std::string shown_label(const std::string& label) {
     std::string shown = one_line(label, 6 * label.size() + 16);
     if (shown.size() <= longest_label) return shown;
     return fmt::format("{}{{{}}}", one_line(shown, longest_label - 20), content_hash(label).substr(0, 16));
 }
 
-// What a scene holds in memory, about, without its text.
+// Approximate memory of the meshes of a body, in bytes.
 std::size_t bytes_of_meshes(const BodySource& source) {
     if (const auto* mesh = std::get_if<MeshBody>(&source.made_of))
         return mesh->mesh.vertices.size() * sizeof(Vector3<double>) + mesh->mesh.triangles.size() * 3 * sizeof(int);
@@ -165,7 +165,7 @@ std::size_t bytes_of_meshes(const BodySource& source) {
     return bytes;
 }
 
-// All variants of a scene, their texts and meshes.
+// Approximate memory of the texts and meshes of all variants of a scene, in bytes.
 double bytes_of_variants(const PlannedScene& base, const std::vector<Variation>& vary, double variants) {
     std::size_t bytes = base.canonical.size();
     if (base.scene.body.source) bytes += bytes_of_meshes(*base.scene.body.source);
@@ -186,7 +186,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     std::string label;
     for (const auto& [pointer, value] : changes) {
         try {
-            // a key may be added to an object that is there; nothing else may
+            // may add a key to an existing object, but not an element to a list
             const ordered_json::json_pointer place(pointer);
             const ordered_json& parent = json.at(place.parent_pointer());
             (place.empty() || parent.is_object() ? json[place] : json.at(place)) = ordered_json::parse(value);
@@ -207,7 +207,8 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     return scene;
 }
 
-// 1 to 64 letters, digits, _ or -, which does not come first: a file's name would be taken for an option
+// Whether a name is 1 to 64 letters, digits, _ or -. It must not start with -, because it names files that commands
+// would take for options.
 bool names_files(const std::string& name) {
     return !name.empty() && name.size() <= 64 && name.front() != '-' &&
            std::all_of(name.begin(), name.end(), [](char c) {
@@ -226,8 +227,8 @@ std::string about_of(const JsonNode& node) {
     return about;
 }
 
-// A scene of the catalogue, or a file: where the experiment's own file lies or, as ever, by the working directory; not
-// outside the folder of the experiment's file, unless that is allowed.
+// Reads a built-in scene or a scene file. A relative path is resolved against the directory of the experiment's file,
+// then against the working directory. Files outside the directory of the experiment's file are refused by default.
 Scene planned_scene(const std::string& name, const std::string& file, NamedFiles which) {
     if (!builtin_scene_text(name).empty() || which == NamedFiles::anywhere) return find_scene(name);
     const std::size_t slash = file.rfind('/');
@@ -235,7 +236,7 @@ Scene planned_scene(const std::string& name, const std::string& file, NamedFiles
     std::error_code none;
     const std::string beside = path_in(folder, name);
     const bool is_beside = !folder.empty() && std::filesystem::exists(beside, none);
-    if (!is_beside && !std::filesystem::exists(name, none)) return find_scene(name);  // says what was meant
+    if (!is_beside && !std::filesystem::exists(name, none)) return find_scene(name);  // throws with suggestions
     const std::string path = is_beside ? beside : name;
     require_inside(folder, path);
     return read_scene(path);
@@ -309,7 +310,7 @@ Experiment find_experiment(const std::string& name_or_path) {
     const std::vector<std::string> names = builtin_experiment_names();
     if (const std::string_view text = builtin_experiment_text(name_or_path); !text.empty())
         return parse_experiment(text, name_or_path);
-    // of a link that leads nowhere or in a circle the reader tells the reason
+    // symlink_status: for a dangling or cyclic link read_text() reports the reason
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name_or_path, none)))
         return parse_experiment(read_text(name_or_path), name_or_path);
     throw InputError(one_line(name_or_path, 200), "experiment", "is neither a built-in experiment nor a file",
@@ -388,7 +389,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     }
     double cases = 0;
     for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
-    // a scene is read and posed where nothing is run of it as well
+    // at least one case per scene, because every scene is read and posed
     cases = std::max(1.0, cases) * static_cast<double>(bases.size()) * variants;
     if (cases > most_cases)
         throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),

@@ -13,7 +13,7 @@ namespace {
 constexpr double pilot_revolutions = 50;
 constexpr int loosest = -1, tightest = -15;  // decades of tolerance
 
-// right-hand sides a revolution; infinite for a run that fails
+// evaluations per revolution; infinite for a failed run
 double cost(const Problem& problem, const Method& method, const Settings& settings) {
     const Trajectory trajectory = solve(problem, method, settings);
     if (trajectory.status != Status::ok) return std::numeric_limits<double>::infinity();
@@ -33,12 +33,12 @@ Calibration step_for(const Problem& problem, const Method& method, double revolu
     return {true, revolution * per_step / evaluations, ""};
 }
 
-// The tightest affordable decade, then a bisection to the next one. Runs that fail are passed over: a tolerance may be
-// too loose for a method as well as too tight.
+// Finds the tightest affordable decade, then bisects towards the next one. Failed runs are skipped, because a tolerance
+// can be too loose for a method as well as too tight.
 Calibration tolerance_for(const Problem& problem, const Method& method, double evaluations) {
     Settings settings;
     settings.record = false, settings.samples = 1;
-    // a step costs an evaluation at least: one that takes more is not affordable
+    // a step needs at least one evaluation, so a run with more steps than evaluations is not affordable
     settings.max_steps = static_cast<long>(std::min(pilot_revolutions * evaluations, 1e15)) + 1;
     const auto affordable = [&](int exponent, double further = 0) {
         settings.tolerance = std::pow(10, exponent + further);

@@ -28,7 +28,7 @@ std::string setting_text(const PlannedCurve& curve, std::size_t rank) {
                                                                                : shortest_decimal(curve.settings[rank]);
 }
 
-// the cells that name a case; a cell holds no line feed that another could begin with
+// the cells that identify a case
 std::vector<std::string> named_by(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve,
                                   std::size_t rank) {
     return {plan.experiment.name,
@@ -39,7 +39,7 @@ std::vector<std::string> named_by(const Plan& plan, const PlannedScene& scene, c
             setting_text(curve, rank)};
 }
 
-// by which the time is kept that a scene's truth took
+// the description under which the time for a scene's truth is stored
 std::string truth_words(const Plan& plan, const PlannedScene& scene) {
     return fmt::format("{} {} {}", plan.experiment.name, scene.label, truth_method);
 }
@@ -61,7 +61,7 @@ std::optional<double> seconds_of(const std::string& text) {
     return value;
 }
 
-// What is known of how long things took, by setting and by method.
+// Measured times, by setting and by method.
 class Measured {
   public:
     void add(const std::vector<std::string>& named_by, double seconds) {
@@ -69,7 +69,7 @@ class Measured {
         by_method_[named_by[2]].push_back(seconds);
         if (named_by[2] != truth_method) all_.push_back(seconds);
     }
-    // and where that is from
+    // the expected seconds and their source
     std::pair<double, std::string> expected(const std::vector<std::string>& named_by) const {
         if (const auto known = by_setting_.find(at_setting(named_by)); known != by_setting_.end())
             return {median(known->second), "other scenes at this setting"};
@@ -191,7 +191,7 @@ std::vector<std::vector<int>> deal_out(const Plan& plan, const Costs& costs, int
     for (std::size_t s = 0; s < scenes.size(); ++s) {
         const SceneCost& cost = scenes[s];
         std::size_t count = 1;
-        // each part costs the truth again: where that alone fills a share, more parts would not help
+        // each part needs the truth: if the truth alone exceeds a share, more parts do not help
         if (cost.truth + cost.curves > share)
             count = static_cast<std::size_t>(std::ceil(std::clamp(cost.curves / std::max(share - cost.truth, share / 4),
                                                                   1.0, static_cast<double>(plan.curves.size()))));

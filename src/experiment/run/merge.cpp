@@ -58,7 +58,7 @@ Record read_record(const std::string& path) {
 
 std::string cases_folder(const std::string& directory) { return (fs::path(directory) / ".cases").string(); }
 
-// names of the files in the folder, in order
+// sorted names of the files in DIRECTORY/.cases
 std::vector<std::string> files_in(const std::string& directory) {
     std::error_code none;
     std::vector<std::string> names = names_in(cases_folder(directory), none);
@@ -74,7 +74,7 @@ bool is_key(std::string_view text) {
 
 enum class CaseFile { none, table, seconds };
 
-// rows, series and searches are tables; what marks a whole as done is taken with its tables
+// Rows, series and searches are tables. take_whole() copies the marks of finished studies with their tables.
 CaseFile kind_of(const std::string& name) {
     const std::size_t dot = name.find('.');
     if (dot == name.npos || !is_key(std::string_view(name).substr(0, dot))) return CaseFile::none;
@@ -106,8 +106,8 @@ std::string case_words(const Table& table, std::size_t row) {
     return words;
 }
 
-// What two tables of one case say differently, times aside; empty where it is nothing. The whole of it stands in a
-// message of 300 characters, so it is the first cell that differs.
+// The first cell in which two tables of one case differ, apart from times; empty if they agree. One cell only, because
+// a message has 300 characters.
 std::string difference(const Table& a, const Table& b) {
     if (a.columns != b.columns) return "the columns differ";
     if (a.rows.size() != b.rows.size()) return fmt::format("{} rows against {}", a.rows.size(), b.rows.size());
@@ -126,7 +126,7 @@ std::string difference(const Table& a, const Table& b) {
     return "";
 }
 
-// Of two files of one case, that which stands: by what is in them, never by where they lie.
+// Whether the file at `path` replaces `other`, which is a file of the same case. Depends on contents, not on paths.
 bool is_better(const std::string& path, const std::string& other) {
     const std::string a = content(path), b = content(other);
     if (a == b) return false;
@@ -151,7 +151,7 @@ double seconds_in(const std::string& path) {
     return parse_decimal(text).value_or(0);
 }
 
-using Records = std::map<std::string, std::pair<Record, std::string>>;  // by name; and where it stands
+using Records = std::map<std::string, std::pair<Record, std::string>>;  // by name: the record and its path
 
 void read_records(const std::string& directory, Records& records) {
     for (const std::string& name : files_in(directory)) {
@@ -171,11 +171,11 @@ void read_records(const std::string& directory, Records& records) {
 
 struct Source {
     std::string path;
-    bool is_there = false;  // in the output already
+    bool is_there = false;  // already in the output directory
 };
 
 struct Gathering {
-    std::map<std::string, Source> chosen;  // by the name of the file
+    std::map<std::string, Source> chosen;  // by file name
     long repeated = 0;
 };
 
@@ -184,7 +184,7 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
         const CaseFile kind = kind_of(name);
         if (kind == CaseFile::none) continue;
         const std::string path = (fs::path(cases_folder(directory)) / name).string();
-        // what is damaged counts as missing, and so does the row of a damaged series
+        // corrupted files are treated as missing, and so are rows whose series is corrupted
         const std::string series = path.substr(0, path.find(".csv", path.size() - 4)) + ".series.csv";
         if (!read_sealed(path) || (fs::exists(series) && !read_sealed(series))) continue;
         const auto [known, is_new] = gathering.chosen.try_emplace(name, Source{path, is_output});
@@ -197,9 +197,9 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
     }
 }
 
-// Tables and pictures of what is made as a whole, by the shard that made it. False where none did.
+// Copies tables and figures of a study that one shard computed as a whole. Returns false if no shard has finished it.
 bool take_whole(const Plan& plan, const std::vector<std::string>& directories, const std::string& output) {
-    // of several the one with the least content: any would do, but not by the order in which they are given
+    // if several shards have it, take the smallest content, so that the result does not depend on their order
     std::optional<std::pair<std::map<std::string, std::string>, std::string>> least;
     for (const std::string& directory : directories) {
         if (!is_whole_done(plan, directory)) continue;
@@ -222,7 +222,7 @@ bool take_whole(const Plan& plan, const std::vector<std::string>& directories, c
 void record_experiment(const Plan& plan, const std::string& directory) {
     if (plan.experiment.text.empty()) return;
     std::error_code none;
-    // a file is found from wherever the folders are gathered
+    // store an absolute path, since the merge may run in another working directory
     const bool is_file = fs::exists(plan.file, none);
     const Record record{is_file ? fs::absolute(plan.file, none).string() : plan.file, plan.experiment.text,
                         running_program_key(), plan.quick};
@@ -230,7 +230,7 @@ void record_experiment(const Plan& plan, const std::string& directory) {
     try {
         if (read_record(path) == record) return;
     } catch (const InputError&) {
-        // none there yet, or not a whole one
+        // missing or incomplete
     }
     fs::create_directories(cases_folder(directory));
     write_atomically(path, record_text(record));

@@ -19,7 +19,7 @@ bool has_column(const Table& table, const std::string& column) {
     return std::find(table.columns.begin(), table.columns.end(), column) != table.columns.end();
 }
 
-// nothing of an empty cell
+// parses a number; returns nothing for an empty cell
 template <class Number>
 std::optional<Number> number(const std::string& text) {
     if (text.empty()) return {};
@@ -43,7 +43,7 @@ std::optional<double> error_over_tolerance(const Result& r) {
     return *attitude / r.setting;
 }
 
-// the measures of the standard columns, in their order; further measures have columns at the end of a table
+// measures with standard columns, in order; the columns of other measures are at the end of a table
 const char* const standard_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
 
 std::vector<std::size_t> standard_indices() {
@@ -98,7 +98,7 @@ void read(const std::string& text, Formulation& value) {
     value = named(text, {Formulation::reduced, Formulation::full_principal, Formulation::full});
 }
 
-// a column of one member: a pointer to it, or a function that finds it
+// a column of one member, given by a pointer to it or by a function that returns it
 template <class At>
 ResultColumn column(std::string name, At at, std::string meaning = "", std::string page_name = "",
                     int page_digits = 0) {
@@ -110,7 +110,7 @@ ResultColumn column(std::string name, At at, std::string meaning = "", std::stri
             page_digits};
 }
 
-// the columns of a measure's errors; the report's document has those that every table has
+// appends the error columns of measures; the report's document has those that are in every table
 void append_errors(std::vector<ResultColumn>& all, const std::vector<std::size_t>& these) {
     for (const std::size_t m : these) {
         const Measure& measure = measures()[m];
@@ -272,7 +272,7 @@ Table series_table(const ErrorSeries& series, SeriesOf which) {
     return table;
 }
 
-// the series of those results that have it
+// the series of the results that satisfy has()
 template <class Has>
 Table drift_table(const std::string& experiment, const std::vector<Result>& results, SeriesOf which, const Has& has) {
     Table table{{"scene", "method", "setting"}, {}};

@@ -38,7 +38,7 @@ std::string processor_name() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);)
         if (line.starts_with("model name") && line.find(": ") != line.npos) return line.substr(line.find(": ") + 2);
-    // without /proc, and on processors that give themselves no name
+    // without /proc, or on processors without a model name
     struct utsname machine {};
     if (::uname(&machine) != 0) return "unknown";
     return fmt::format("{}, {} processors, {} {}", machine.machine, std::thread::hardware_concurrency(),

@@ -1,4 +1,4 @@
-// How errors grow over a long run.
+// The kind `conservation`: growth of errors over a long run.
 #include <algorithm>
 
 #include "experiment/kinds/curves.h"
@@ -10,7 +10,7 @@ namespace polhode {
 namespace {
 
 const char* const quantities[] = {"energy", "momentum", "attitude", "norm"};
-// an attitude beyond about 1 rad is lost: it cannot exceed pi
+// rad; an attitude error above this no longer grows freely, because it cannot exceed pi
 constexpr double saturation = 1;
 
 }  // namespace
@@ -44,7 +44,7 @@ NamedTable growth_table(const Plan& plan, const std::vector<Result>& results) {
                     const std::vector<double>& values = r.series[quantity];
                     const auto growth = error_growth(r.series.t, values, saturation);
                     std::optional<double> largest, exponent, uncertainty;
-                    // an attitude that is lost at the end says nothing against energy and momentum
+                    // energy and momentum are still meaningful if the attitude is wrong at the end
                     const bool whole = r.status == Status::ok || r.status == Status::tolerance_not_met;
                     if (whole && !values.empty()) largest = *std::max_element(values.begin(), values.end());
                     if (largest && growth) exponent = growth->exponent, uncertainty = growth->uncertainty;

@@ -1,4 +1,4 @@
-// The joints of engines among each other: places, gaps and errors scene by scene.
+// The kind `engine_joints`: ranking of engines by their joints, and gaps and errors for each scene.
 #include "experiment/kinds/engine_joints.h"
 
 #include <fmt/format.h>
@@ -36,11 +36,11 @@ std::optional<double> order_in(const std::vector<const Result*>& rows, const cha
         if (const auto e = largest_error(*row, measure); e && *e > 1e-12)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*e);
     const auto observed = observed_order(step, error, lost);
-    // what does not converge has no order
+    // errors that do not converge have no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-// "cannon_es: it does not support universal joints" without the name
+// the message without the engine's name: "cannon_es: it does not support universal joints"
 std::string reason_of(const Result& row) {
     const std::size_t colon = row.message.find(": ");
     return colon == std::string::npos ? row.message : row.message.substr(colon + 2);
@@ -69,7 +69,7 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                 gather(fine_attitude, largest_error(*row, "attitude")),
                     gather(fine_gap, largest_error(*row, "joint_gap"));
             }
-            // of a tolerance the loosest is what counts
+            // for runs by tolerance use the loosest one
             if (by_step ? !is_step(*row, usual_step) : row != own.front()) continue;
             if (row->status != Status::ok) {
                 if (row->status != Status::unsupported) place.lost.push_back(scene.label);
@@ -142,7 +142,7 @@ NamedTable places_table(const std::vector<JointPlace>& places, bool engines) {
     return named;
 }
 
-// Of each scene and method: errors at each step, and what joints do at the usual one.
+// For each scene and method: errors at each step, and joint, energy and momentum errors at the usual step.
 NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
     const std::vector<double>& steps = plan.experiment.steps;
@@ -183,7 +183,7 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
     return named;
 }
 
-// Energy over time at the usual step: a picture of some scenes, of each engine its best setting.
+// Energy error over time at the usual step: one panel per scene, each engine with its setting "best" or else "default".
 std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Result>& rows) {
     Figure figure;
     figure.title = fmt::format("{}: energy error against time at {}", plan.experiment.name, step_name(usual_step));
@@ -203,7 +203,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
                      return one && one->engine == engine->engine && one->setting == "best";
                  }));
             if (!is_chosen) continue;
-            // all engines are of one family: what tells them apart here is a colour each
+            // all engines belong to one family, so here each one has its own colour
             const PlainStyle style = plain_style(place++);
             for (const Result* row : rows_of(rows, scene, planned)) {
                 if (!is_step(*row, usual_step) || row->series.t.empty()) continue;

@@ -1,4 +1,4 @@
-// What the rows of the kind `engine_joints` say, in words.
+// The page of the kind `engine_joints`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ std::string amount_of(const std::optional<double>& value, const char* unit) {
     return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
 
-// What the joints of a setting do, in one sentence.
+// Describes the joint, attitude and energy errors of one setting.
 std::string sentence_of_joints(const JointPlace& place) {
     if (place.scenes == 0) return " No scene was completed.";
     std::string text;

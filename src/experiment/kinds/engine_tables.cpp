@@ -1,4 +1,4 @@
-// Engines among each other: places, and errors scene by scene.
+// The kind `engines`: ranking of the engines, and errors for each scene.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,11 +28,12 @@ std::optional<double> order_of(const std::vector<const Result*>& rows) {
         if (row->status == Status::ok && row->errors["attitude"].max)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*row->errors["attitude"].max);
     const auto observed = observed_order(step, error, hopeless_attitude);
-    // what does not converge has no order
+    // errors that do not converge have no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-// The largest step that keeps the error on half of the scenes at least, as every smaller one does.
+// The largest step such that, at it and at every smaller step, the error is within `accuracy` on at least half of the
+// scenes.
 std::optional<double> step_within(const std::map<double, std::vector<double>>& errors, double accuracy,
                                   std::size_t scenes) {
     std::optional<double> largest;

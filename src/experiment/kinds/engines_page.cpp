@@ -1,4 +1,4 @@
-// What the rows of the kind `engines` say, in words.
+// The page of the kind `engines`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 std::string in_words(const std::optional<double>& value, const char* unit = "") {
     return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
-// Beyond 1 rad all errors are alike.
+// Does not distinguish errors above 1 rad.
 std::string attitude_in_words(const std::optional<double>& angle) {
     return angle && *angle >= 1 ? "1 rad or more" : in_words(angle, " rad");
 }
@@ -52,7 +52,7 @@ std::string sentence_of_term(const EngineFacts& facts) {
     return text + ".";
 }
 
-// What its user can do about it: the best of its settings against the default.
+// Recommends the engine's most accurate setting if it is better than the default.
 std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
     const EnginePlace *first = own.front(), *best = own.front();
     for (const EnginePlace* place : own)
@@ -92,7 +92,7 @@ std::string paragraph(const std::string& engine, const std::vector<const EngineP
     return text;
 }
 
-// Of each engine one curve, so that a picture can be read: its best setting, or the first.
+// Keeps one curve per engine, so that figures are legible: the given setting, or "default" if the engine lacks it.
 Plan with_one_setting(const Plan& plan, const char* setting) {
     Plan part = plan;
     std::erase_if(part.curves, [&](const PlannedCurve& curve) {
@@ -103,8 +103,8 @@ Plan with_one_setting(const Plan& plan, const char* setting) {
                 if (one->setting == setting) return engine->setting != setting;
         return engine->setting != "default";
     });
-    // all engines are of one family: what tells them apart here is a colour each. The methods beside them, far below,
-    // keep their own.
+    // All engines belong to one family, so here each one has its own colour. Other methods, whose curves are far below,
+    // keep theirs.
     int place = -1;
     const Method* before = nullptr;
     for (PlannedCurve& curve : part.curves) {

@@ -1,5 +1,5 @@
-// The truth of scenes of several bodies: how it was made, in how many digits its two formulations agree, and how many
-// are proven. And the figures of mechanisms that others published, beside ours.
+// The kind `mechanism_truth`: the truth of scenes of several bodies, with the digits to which its two formulations
+// agree and the proven digits; and published numbers of mechanisms compared with the truth.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,10 +20,10 @@ namespace polhode {
 namespace {
 
 constexpr int digits_asked = 25;
-// of --quick, and where the whole motion takes longer than allowed: this part of it
+// fraction of the duration with --quick, and if the whole motion exceeds the time limit
 constexpr double part = 1.0 / 64;
-constexpr double quick_seconds = 1;    // allowed then
-constexpr double part_of_proof = 0.2;  // of the time allowed
+constexpr double quick_seconds = 1;    // time limit with --quick
+constexpr double part_of_proof = 0.2;  // time limit of the proof, relative to that of the truth
 
 struct Counted {
     long freedoms = 0, rows = 0, redundant = 0;
@@ -36,7 +36,7 @@ Counted counted(const Scene& scene) {
     return {tree.links().rates - independent, rows, rows - independent};
 }
 
-// The largest gap and turn of all joints and loops over the samples of the truth itself.
+// The largest gap and turn of all joints and loops over the samples of the truth.
 JointViolations<Wide> largest_violations(const Scene& scene, const Reference& truth) {
     const MechanismMeasure<Wide> measure(scene);
     JointViolations<Wide> largest;
@@ -99,7 +99,7 @@ Findings run_mechanism_truth(const Plan& plan, const RunOptions& options) {
                                       {"proof", ""},
                                       {"message", "remark"}});
     truths.table.rows.resize(plan.scenes.size());
-    // each truth has two threads of its own for most of its time
+    // each truth uses two threads most of the time
     parallel_for(plan.scenes.size(), std::max(1, options.jobs / 2), [&](std::size_t i) {
         truths.table.rows[i] =
             truth_row(plan.scenes[i], plan.experiment.samples, options.quick, plan.experiment.seconds_per_run);

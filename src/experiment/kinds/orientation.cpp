@@ -1,5 +1,5 @@
-// Orientation as D. Fleck's slides tell it, each claim with its number: interpolated angles, the order of angles and of
-// matrices, reflections, vertices turned on from where they are, the inertia summed over world points.
+// The kind `orientation`: measures the claims about orientation in D. Fleck's slides. Interpolated angles, the order of
+// angles and of matrices, reflections, vertices that are rotated incrementally, inertia summed over world points.
 #include "body/orientation.h"
 
 #include <algorithm>
@@ -29,14 +29,14 @@ Quaternion<double> from_degrees(const EulerAngles& a) {
 
 std::string words(const EulerAngles& a) { return text_of(a[0]) + " " + text_of(a[1]) + " " + text_of(a[2]); }
 
-// Between two orientations
+// Interpolation between two orientations
 
 constexpr int pieces = 1000;
 
-/// A way from one orientation to another in `pieces` steps of equal time: how long it is and how evenly it is run.
+/// Length and speed of a path from one orientation to another, in `pieces` steps of equal time.
 struct Route {
     double length = 0;                                                      ///< rad
-    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad in a piece
+    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad per step
 };
 template <class At>
 Route way_of(const At& at) {
@@ -92,8 +92,9 @@ NamedTable interpolation() {
     return table;
 }
 
-/// A body turned at a constant rate about a horizontal axis but for `distance`, which carries its nose past the
-/// vertical at that distance; known at keys every 9 degrees and interpolated between.
+/// A body rotates at a constant rate about an axis that is inclined to the horizontal by `distance`, so that its nose
+/// passes the vertical at this distance. Its orientation is given at keys every 9 degrees and interpolated between
+/// them.
 NamedTable keys() {
     constexpr int count = 20;
     NamedTable table = headed_table("keys", "Interpolation between 21 keys of half a revolution past gimbal lock",
@@ -103,7 +104,7 @@ NamedTable keys() {
                                      {"attitude_error", "largest attitude error (rad)"},
                                      {"largest_jump", "largest rotation in 1/50 of a key interval (rad)"}});
     for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
-        // yaw goes from 100 to 280 degrees: across 180 for certain, not by a rounding error
+        // yaw goes from 100 to 280 degrees, so it passes 180 degrees regardless of rounding
         const Quaternion<double> start = quaternion_from_euler(yaw_pitch_roll, {100 * degree, 0, distance});
         const auto motion = [&](double t) {  // t in keys
             return start * quaternion_from_axis_angle({{0, 1, 0}, t * std::numbers::pi / count});
@@ -113,7 +114,7 @@ NamedTable keys() {
             const EulerAngles a = euler_from_quaternion(yaw_pitch_roll, motion(k));
             wrapped.push_back(a);
             unwrapped.push_back(a);
-            // the turn count nearest to the key before
+            // unwrap: the angle nearest to that of the previous key
             if (k > 0)
                 for (std::size_t i = 0; i < 3; ++i) {
                     const double full = 2 * std::numbers::pi, before = unwrapped[unwrapped.size() - 2][i];
@@ -153,9 +154,9 @@ NamedTable keys() {
     return table;
 }
 
-// In which order
+// Order of rotations
 
-/// X = 20, Y = 5, Z = 15 degrees, as on the slide, in each order of three different axes.
+/// The slide's angles, X = 20, Y = 5, Z = 15 degrees, in each order of three different axes.
 NamedTable angle_order() {
     const double about[] = {20 * degree, 5 * degree, 15 * degree};
     const auto turned = [&](EulerSequence sequence) {
@@ -179,7 +180,8 @@ NamedTable angle_order() {
     return table;
 }
 
-/// "To combine rotations A*B = N, rotating first by A then B is the same as just multiplying by N", beside A*V = V'.
+/// Measures the slide's claim "To combine rotations A*B = N, rotating first by A then B is the same as just multiplying
+/// by N", with its convention A*V = V'.
 NamedTable matrix_order() {
     const Matrix3<double> A = rotation_matrix(quaternion_from_axis_angle({{1, 0, 0}, 20 * degree})),
                           B = rotation_matrix(quaternion_from_axis_angle({{0, 0, 1}, 15 * degree}));
@@ -210,7 +212,7 @@ NamedTable matrix_order() {
     return table;
 }
 
-// What is a rotation
+// Rotations and reflections
 
 NamedTable reflection() {
     const Matrix3<double> R = rotation_matrix(from_degrees({40, 20, -30}));
@@ -246,10 +248,10 @@ NamedTable reflection() {
 
 // Vertices
 
-/// Three vertices at the axes' unit points, turned by one and the same R a step.
+/// Three vertices at unit distance on the axes, rotated by the same R in each step.
 template <class S>
 void turn_vertices(const char* scalar, long most, Table& table) {
-    // 1/64 rad a step about (1, -2, 2)/3
+    // 1/64 rad per step about (1, -2, 2)/3
     const Quaternion<double> turn = quaternion_from_axis_angle({{1, -2, 2}, 1.0 / 64});
     const Quaternion<S> step = cast<S>(turn);
     const Matrix3<S> R = rotation_matrix(step);
@@ -264,7 +266,7 @@ void turn_vertices(const char* scalar, long most, Table& table) {
         }
         const auto add = [&](const char* way, const Matrix3<S>& A) {
             const Matrix3<double> columns = cast<double>(A);
-            // n/128 is a binary64 number: no turn is lost in reducing it
+            // n/128, the half angle, is exact in binary64
             const Quaternion<double> truth = quaternion_from_axis_angle({{1, -2, 2}, static_cast<double>(n) / 64});
             const double error = rotation_angle_between(quaternion_from_rotation(nearest_rotation(columns)), truth);
             table.rows.push_back({std::string(scalar), std::string(way), n, orthogonality_defect(columns), error});
@@ -290,8 +292,8 @@ NamedTable vertices(bool quick) {
 
 // The inertia in world axes
 
-/// n^3 equal masses on a grid along the principal axes, stretched so that the sum is the tensor of the moments exactly:
-/// places 2 k - (n - 1), k = 0 .. n - 1, have the mean square (n^2 - 1)/3.
+/// n^3 equal masses on a grid along the principal axes, scaled so that the sum equals the tensor of the moments. The
+/// positions 2 k - (n - 1), k = 0 .. n - 1, have the mean square (n^2 - 1)/3.
 template <class S>
 std::vector<PointMass<S>> grid_body(int n, const Vector3<double>& moments, double mass) {
     Vector3<double> scale;
@@ -332,7 +334,7 @@ void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
     const Matrix3<Wide> truth = exact * diagonal(cast<Wide>(moments)) * transposed(exact);
     const Matrix3<S> I = diagonal(cast<S>(moments));
     const auto measure = [&](const char* way, std::optional<long> points, const auto& tensor) {
-        // frames turn a little each, so that no compiler takes the sum out of the loop
+        // the orientation changes slightly in each frame, so that no compiler hoists the sum out of the loop
         Quaternion<S> turned = cast<S>(q);
         Summing summing{scalar, way, points, relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
         S kept = S(0);

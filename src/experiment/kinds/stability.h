@@ -2,8 +2,8 @@
 //
 // For each scene and fixed-step method a search halves the step until the attitude is within 1e-3 rad, then bisects the
 // limits of stability and accuracy (stability_runs.cpp). Tables and the page summarise these runs
-// (stability_tables.cpp, stability_page.cpp). Three studies of their own follow: linear theory beside measured limits
-// (stability_linear.cpp), maps of outcomes over step x stiffness and step x spin (stability_maps.cpp), and
+// (stability_tables.cpp, stability_page.cpp). Three separate studies follow: linear theory compared with measured
+// limits (stability_linear.cpp), maps of outcomes over step x stiffness and step x spin (stability_maps.cpp), and
 // discontinuous torques (stability_events.cpp).
 #pragma once
 
@@ -31,7 +31,7 @@ struct StabilityRun {
 struct StabilityScene {
     std::string label;
     std::string family;               ///< scene/scene_family.h
-    std::optional<double> parameter;  ///< of a family that has one
+    std::optional<double> parameter;  ///< of the family, if it has one
     double duration = 0;              ///< s
     double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
     std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
@@ -59,7 +59,7 @@ struct StabilityFinding {
 struct StabilityFindings {
     std::vector<StabilityScene> scenes;  ///< in the plan's order
     std::vector<StabilityFinding> findings;
-    long missing = 0;  ///< not run: filtered, other shards', interrupted
+    long missing = 0;  ///< searches not run: filtered, of other shards, or interrupted
 };
 
 /// False where the method does not support the scene, or where the search is missing.
@@ -109,7 +109,7 @@ Findings run_step_maps(std::span<const Method* const> methods, int jobs, bool qu
 /// steps and tolerances only.
 NamedTable measure_discontinuities(bool quick);
 
-/// The page: for each method in plain words what it is safe for. `tables`: those that the page shows.
+/// The page: tables, and for each method its limits on the families of scenes. `tables`: those that the page shows.
 std::string stability_page(const Plan& plan, const StabilityFindings& found, const std::vector<NamedTable>& tables);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// Maps of outcomes: each fixed-step method on a grid of step x stiffness and on one of step x spin.
+// Maps of outcomes for the kind `stability`: each fixed-step method on grids of step x stiffness and step x spin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -86,8 +86,8 @@ std::vector<long> divisions(long finest, int per_decade) {
     return found;
 }
 
-/// Drag c about a principal axis of a body of three moments, and the torque that keeps 1 rad/s: from 2 rad/s on the
-/// motion has turned by about 2 rad at its end, however stiff.
+/// Drag about a principal axis of a body with three moments, and a torque that sustains 1 rad/s. Starting at 2 rad/s,
+/// the body rotates by about 2 rad for any stiffness.
 StepMap stiffness_map(int jobs, bool quick) {
     StepMap map{"stiffness",
                 "step against stiffness",
@@ -115,7 +115,7 @@ StepMap stiffness_map(int jobs, bool quick) {
     return map;
 }
 
-/// A free body of three moments, spun about no axis of its own.
+/// A free body with three moments that does not spin about a principal axis.
 StepMap spin_map(int jobs, bool quick) {
     StepMap map{"spin",
                 "step against spin",
@@ -139,7 +139,7 @@ StepMap spin_map(int jobs, bool quick) {
 MapCell run_cell(const StepMap& map, const MapColumn& column, const Method& method, std::size_t row) {
     Settings settings;
     settings.step = map.step(row), settings.samples = map.samples;
-    // a run stays far below both; a method whose step never ends is `failed`
+    // no correct run reaches these limits; a method whose step does not end is `failed`
     settings.max_steps = 10 * map.samples * map.divisions.front();
     settings.seconds_limit = 2;
     const Trajectory run = solve(column.problem, method, settings);
@@ -167,7 +167,7 @@ std::vector<MethodMap> run_map(const StepMap& map, std::span<const Method* const
         MethodMap& own = maps[task / columns];
         const std::size_t i = task % columns;
         if (!map.columns[i].truth.available) return;
-        // from the coarsest on: what is refused is refused at every step
+        // start with the coarsest step: an unsupported scene is unsupported at every step
         for (std::size_t row = rows; row-- > 0;) {
             own.cells[row * columns + i] = run_cell(map, map.columns[i], *own.method, row);
             if (own.cells[row * columns + i].outcome == Outcome::unsupported) return;
@@ -197,7 +197,7 @@ void add_rows(Table& table, const StepMap& map, const std::vector<MethodMap>& ma
             }
 }
 
-// the classes of the pictures, from good to bad
+// the classes of the figures, from best to worst
 constexpr std::array shown{Outcome::accurate,       Outcome::close,    Outcome::wrong_but_bounded,
                            Outcome::damped_to_rest, Outcome::diverged, Outcome::failed};
 
@@ -207,7 +207,7 @@ std::vector<MapClass> map_classes() {
 }
 
 int class_of(Outcome outcome) {
-    // implicit methods report so where a fixed step's equations have no solution
+    // implicit methods report this if the equations of a fixed step have no solution
     if (outcome == Outcome::tolerance_not_met) outcome = Outcome::failed;
     const auto at = std::find(shown.begin(), shown.end(), outcome);
     return at == shown.end() ? -1 : static_cast<int>(at - shown.begin());

@@ -1,4 +1,4 @@
-// The findings in plain words, each sentence from the runs.
+// The page of the kind `stability`. Each sentence is generated from the runs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,8 @@ double tenth_percentile(std::vector<double> values) {
     return values[values.size() / 10];
 }
 
-// At least three members of one duration with positive parameters, with which the fastest rate rises a thousandfold.
+// Whether a family has at least three members with positive parameters, all with the same duration, and its fastest
+// rate increases by a factor of 1000 from the smallest to the largest parameter.
 bool is_stiff(const StabilityFindings& found, const std::string& family) {
     std::vector<const StabilityScene*> members;
     for (const StabilityScene& scene : found.scenes)
@@ -40,10 +41,10 @@ bool is_stiff(const StabilityFindings& found, const std::string& family) {
 /// The cost of stiffness to one method at one tolerance.
 struct StiffnessCost {
     std::optional<double> exponent;  ///< p of evaluations ~ parameter^p, least squares over the stiffer half
-    std::optional<double> lost_at;   ///< the smallest parameter from which on no run is `ok`
+    std::optional<double> lost_at;   ///< the smallest parameter from which no run is `ok`
 };
 
-// `members` by rising parameter
+// `members` must be sorted by parameter
 StiffnessCost stiffness_cost(const Members& members, double tolerance) {
     StiffnessCost cost;
     std::vector<std::pair<double, double>> points;
@@ -59,13 +60,13 @@ StiffnessCost stiffness_cost(const Members& members, double tolerance) {
         if (const long evaluations = run->result.rhs_evaluations.value_or(0); ok && evaluations > 0)
             points.emplace_back(std::log(*f->scene->parameter), std::log(static_cast<double>(evaluations)));
     }
-    // where stiffness is small the motion itself sets the step
+    // at small stiffness the motion itself determines the step
     points.erase(points.begin(), points.begin() + static_cast<long>(points.size() / 2));
     if (points.size() >= 2) cost.exponent = least_squares_line(points).slope;
     return cost;
 }
 
-/// The text about one method with one kind of setting.
+/// The text for one method with one kind of setting.
 class MethodPage {
   public:
     MethodPage(const Plan& plan, const PlannedCurve& curve, const StabilityFindings& found)
@@ -82,7 +83,7 @@ class MethodPage {
     }
 
   private:
-    // the families of whose members all, or none, satisfy a condition
+    // the families in which all members, or no member, satisfy a condition
     std::vector<std::string> families_where(bool all,
                                             const std::function<bool(const StabilityFinding*)>& satisfies) const {
         std::vector<std::string> names;

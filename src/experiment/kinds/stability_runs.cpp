@@ -19,7 +19,7 @@
 namespace polhode {
 namespace {
 
-/// A scene posed, with its truth.
+/// A posed scene and its truth.
 struct Posed {
     Problem problem;
     Reference truth;
@@ -50,7 +50,7 @@ void describe_scene(const Posed& posed, StabilityScene& scene) {
     }
 }
 
-// within a limit of steps that is the same on every machine
+// computes the conditioning with a limit on steps, which gives the same result on every machine
 void find_conditioning(const Problem& problem, long samples, StabilityScene& scene) {
     ConditioningSettings settings;
     settings.max_steps = 200'000;
@@ -59,7 +59,7 @@ void find_conditioning(const Problem& problem, long samples, StabilityScene& sce
     if (c.available) scene.kappa = c.attitude.back();
 }
 
-// Gives runs that the sweep calls `ok` but whose motion is useless their status and message.
+// Corrects status and message of runs that the sweep reports as `ok` although their motion is wrong.
 void correct_status(const Experiment& experiment, Result& result, Outcome outcome) {
     if (result.status != Status::ok) return;
     const double attitude = result.errors["attitude"].max.value_or(0);
@@ -78,7 +78,7 @@ void correct_status(const Experiment& experiment, Result& result, Outcome outcom
     }
 }
 
-/// All runs of one method on one scene by one kind of setting.
+/// All runs of one method on one scene with one kind of setting.
 class StepSearch {
   public:
     StepSearch(const Experiment& experiment, const PlannedScene& planned, const Posed& posed,
@@ -109,9 +109,9 @@ class StepSearch {
         Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, c, scene_.kappa);
         Result& result = *c.result;
         result.floors = scene_.floors;
-        // runs share the machine: one wall clock each, and nothing to compare by
+        // runs share the machine: one time each, not meant for comparisons
         result.seconds_median = result.seconds_min, result.repeats = 1;
-        // a tolerance-driven run that ends far off is none of those that are ok
+        // a tolerance-driven run with a large error at T is not `ok`
         trajectory.status = result.status;
         const Outcome outcome = outcome_of(trajectory, result.errors, posed_.truth);
         correct_status(experiment_, result, outcome);
@@ -129,7 +129,8 @@ class StepSearch {
         return try_setting(h);
     }
 
-    // whole steps for one sample interval, doubled until two in a row are accurate or a limit is met
+    // Doubles the number of steps per sample interval until two runs in a row are accurate or a limit is reached.
+    // Returns these numbers.
     std::vector<long> descend() {
         std::vector<long> ladder;
         int accurate = 0;
@@ -145,11 +146,11 @@ class StepSearch {
     }
 
     // Bisects between the smallest step of the ladder whose outcome is worse than `worst` and the next smaller one,
-    // until their ratio is `ratio`. Does nothing where the smallest step of all is worse, or the largest is not.
+    // until their ratio is `ratio`. Does nothing if the smallest step is worse than `worst` or the largest is not.
     void bisect(const std::vector<long>& ladder, Outcome worst, double ratio) {
         const auto passes = [&](long k) { return try_steps(k).outcome <= worst; };
         std::size_t at = ladder.size();
-        // a run that was cut gives no outcome of its step
+        // the outcome of a run that was cut is not meaningful
         while (at > 0 && try_steps(ladder[at - 1]).result.cut) --at;
         const std::size_t finest = at;
         while (at > 0 && passes(ladder[at - 1])) --at;
@@ -194,7 +195,7 @@ void append_runs(Table& table, const std::string& experiment, const StabilitySce
     }
 }
 
-// throws std::invalid_argument where a cell cannot be read
+// throws std::invalid_argument if a cell cannot be read
 std::vector<StabilityRun> runs_of(const Table& table) {
     std::vector<StabilityRun> runs;
     const std::size_t outcome = column_index(table, "outcome");
@@ -203,7 +204,7 @@ std::vector<StabilityRun> runs_of(const Table& table) {
     return runs;
 }
 
-// a varied scene, NAME{..}, is of the family that it was varied from
+// a varied scene, NAME{..}, belongs to the family of the scene NAME
 StabilityScene scene_of(const PlannedScene& planned) {
     StabilityScene scene;
     scene.label = planned.label, scene.duration = planned.scene.duration;
@@ -213,7 +214,7 @@ StabilityScene scene_of(const PlannedScene& planned) {
     return scene;
 }
 
-// the largest step that, with all smaller ones, ends no worse than `worst`
+// the largest step such that it and all smaller ones have an outcome not worse than `worst`
 const StabilityRun* largest_step(const std::vector<StabilityRun>& runs, Outcome worst) {
     const StabilityRun* found = nullptr;
     for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
@@ -229,7 +230,7 @@ void find_limits(StabilityFinding& finding) {
     finding.stable = largest_step(finding.runs, Outcome::damped_to_rest);
     finding.close = largest_step(finding.runs, Outcome::close);
     finding.accurate = largest_step(finding.runs, Outcome::accurate);
-    // the next coarser step of the ladder: the last bisections are too near the limit to show what lies beyond it
+    // the next larger step of the ladder: steps of the last bisections are too close to the limit
     for (const StabilityRun& run : finding.runs) {
         if (run.outcome <= Outcome::damped_to_rest || run.outcome == Outcome::unsupported || run.result.cut) continue;
         if (!finding.stable || run.result.setting > 1.2 * finding.stable->result.setting) finding.beyond = &run;
@@ -274,7 +275,7 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
         });
     for (std::size_t i = 0; i < searches.size(); ++i) {
         StabilityFinding& finding = found.findings[i];
-        // an interrupted search says nothing
+        // ignore interrupted searches
         if (!searches[i].rows) ++found.missing, finding.runs.clear();
         if (!finding.runs.empty()) found.scenes[searches[i].scene].floors = finding.runs.front().result.floors;
         find_limits(finding);

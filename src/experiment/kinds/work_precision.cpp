@@ -1,4 +1,4 @@
-// Error against run time, and the fastest at each accuracy.
+// The kind `sweep`: error against run time, and the fastest method at each accuracy.
 #include <algorithm>
 
 #include "experiment/kinds/curves.h"
@@ -40,7 +40,7 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
 }
 
 Findings conclude_sweep(const Plan& plan, const std::vector<Result>& rows) {
-    // one run of each method is no curve, and of one method nothing is the fastest: the table says it all
+    // methods without a setting have one run each, so there are no curves to draw or compare
     if (std::all_of(plan.curves.begin(), plan.curves.end(),
                     [](const PlannedCurve& c) { return c.kind == SettingKind::none; }))
         return {};

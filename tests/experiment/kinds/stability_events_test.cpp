@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-// A step across a jump errs by h times the jump, across a jump of the derivative by h^2, and that is the order left of
-// a higher one. A symmetric place in the step, or a scheme that sees part of it, may gain.
+// The error of a step across a jump is proportional to h, across a jump of the derivative to h^2. This limits the order
+// of a method of higher order. A jump at a symmetric point of the step may cause a smaller error.
 TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
     const Table table = measure_discontinuities(true).table;
     const auto column = [&](const char* name) { return column_index(table, name); };
@@ -27,7 +27,7 @@ TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
         for (const char* what : {"torque jumps", "torque derivative jumps", "pulse shorter than a step"})
             EXPECT_NEAR(orders.at(std::string(what) + "/" + method + "/onto"), 4, 0.3) << what;
         EXPECT_NEAR(orders.at(std::string("torque jumps/") + method + "/over"), 1, 0.15);
-        // the pulse is missed at every step: nothing converges
+        // every step misses the pulse, so the error does not converge
         const std::string missed = std::string("pulse shorter than a step/") + method + "/over";
         EXPECT_GT(errors.at(missed), 0.1);
         EXPECT_FALSE(orders.contains(missed));

@@ -33,7 +33,7 @@ TEST(Calibrate, StepsAndTolerancesSpendWhatWasAskedFor) {
                                            {"cvode_adams", SettingKind::tolerance}}) {
             const Calibration found = calibrate(scene, *find_method(method), kind, evaluations);
             ASSERT_TRUE(found.found) << method << ": " << found.message;
-            // the start-up of a multistep method weighs more in the short pilot run
+            // the start-up of a multistep method has a larger share of the short pilot run
             const double ratio = spent(scene, method, kind, found.setting) / evaluations;
             EXPECT_LT(ratio, 1.1) << method;
             EXPECT_GT(ratio, 0.75) << method;

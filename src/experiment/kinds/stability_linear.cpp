@@ -25,15 +25,15 @@ struct LinearCase {
     std::complex<double> lambda;
     double theory;                     ///< largest h |lambda| without growth, by linear_stability.h
     std::optional<double> measured{};  ///< measured limit; empty if it was not found
-    bool grows_early = false;          ///< where theory gives no finite limit: whether the motion grows at probe_of()
+    bool grows_early = false;          ///< if theory gives no finite limit: whether the motion grows at probe_of()
 
     bool has_limit() const { return std::isfinite(theory) && theory > 0; }
 };
 
-// Whether at h |lambda| = z the rate over |lambda| or the angle turned exceeds ten times the first rate over |lambda|
-// within `steps`. A bounded oscillation near the limit of a symplectic step stays below, except in the last 0.5 %;
-// growth ends the test before the spring's force becomes nonlinear. The angle, because two half kicks may cancel in the
-// rate.
+// Whether at h |lambda| = z the rate over |lambda| or the angle of rotation exceeds ten times the first rate over
+// |lambda| within `steps`. A bounded oscillation near the limit of a symplectic step stays below, except in the last
+// 0.5 %; growth ends the test before the spring's force becomes nonlinear. The angle is tested too, because two half
+// kicks may cancel in the rate.
 bool grows(const LinearCase& c, long steps, double z) {
     constexpr double growth = 10;
     const double rate = std::abs(c.lambda), h = z / rate;

@@ -53,7 +53,8 @@ struct StepMap {
     double step(std::size_t row) const { return interval / static_cast<double>(divisions[row]); }
 };
 
-/// The result of one run. The last three compare its end with the truth's; NaN where the run did not reach it.
+/// The result of one run. The last three values compare its end with that of the truth; NaN if the run did not reach
+/// it.
 struct MapCell {
     static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     Outcome outcome = Outcome::unsupported;

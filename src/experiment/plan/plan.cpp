@@ -1,3 +1,6 @@
+// Reads experiment files and makes plans. parse_experiment() checks each key of the file. make_plan() resolves names
+// and patterns of scenes and methods, applies all combinations of `vary` to the canonical JSON of each scene, and lists
+// the curves. Limits (plan_limits.h) are checked before the variants are made.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Costs of plans. Expected times come from stored durations of earlier runs (case_store.h). deal_out() distributes the
+// work by Graham's rule: longest first, each to the shard with the least work.
 #include "experiment/run/costs.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Merges result directories. Case files have the key of the case as name, so that files of different directories with
+// the same name are of the same case and are compared. Tables are then written from the merged cases as by a run.
 #include "experiment/run/merge.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Rows of results as tables and back. make_columns() lists all columns; writing and reading use this list only.
 #include "experiment/run/result.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,6 @@
+// Runs experiments. Kinds with `conclude`: a sweep, then tables from the finished cases in the directory. Kinds with
+// `make`: the kind computes its tables, under a claim and the machine's lock. Locks make one process at a time write
+// the tables.
 #include "experiment/run/run_experiment.h"
 
 #include <fmt/format.h>

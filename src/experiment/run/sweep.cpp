@@ -1,3 +1,6 @@
+// Runs sweeps. First the truths of all scenes are computed in parallel. Then, scene by scene and setting by setting
+// from coarse to fine, the errors of all methods are measured in parallel and their runs are timed in turn. Each case
+// is claimed before it is run and stored when it is finished, so that several processes can share a directory.
 #include "experiment/run/sweep.h"
 
 #include <fmt/format.h>

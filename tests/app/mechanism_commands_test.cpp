@@ -200,7 +200,7 @@ TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {
     const std::string experiment =
         write("e.json", R"({"name": "e", "about": "", "kind": "conservation", "methods": ["taylor"], "scenes": [")" +
                             resting + R"("], "settings": {"evaluations_per_revolution": [100]}})");
-    expect_refused({"run", experiment, "--dry-run"}, "experiments of kind conservation measure one");
+    expect_refused({"run", experiment, "--dry-run"}, "experiments of kind conservation support only one");
 }
 
 TEST_F(Mechanisms, DescribeDrawsTheTree) {

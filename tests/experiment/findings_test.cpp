@@ -1,4 +1,4 @@
-// The tables that are made of finished rows, from rows whose answer is known.
+// Tables from finished rows, computed from rows with known results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +33,7 @@ double number(const Table& table, std::size_t row, const char* column) {
 TEST(GainTable, ComparesTimesAtTheSameError) {
     const Plan plan = plan_of("leave_out", R"({"tolerances": [1e-6, 1e-8, 1e-10]})");
     std::vector<Result> results;
-    // seconds = cost error^(-1/5); the full motion costs 3 times as much and is twice as accurate at each tolerance
+    // seconds = cost error^(-1/5); the full formulation costs 3 times as much and has half the error at each tolerance
     for (const PlannedCurve& curve : plan.curves)
         for (const double tolerance : curve.settings) {
             const bool reduced = curve.formulation == Formulation::reduced;
@@ -74,7 +74,7 @@ TEST(DigitsTable, CountsFromTheToleranceAndKeepsTheWorst) {
     EXPECT_NEAR(number(table, 1, "1e-08"), -3, 1e-12);
     EXPECT_NEAR(number(table, 2, "1e-08"), -3, 1e-12);
     EXPECT_NEAR(number(table, 3, "0.0001"), 1, 1e-12);
-    EXPECT_EQ(text_of(table.rows[3][3]), "");  // did not do what it was asked
+    EXPECT_EQ(text_of(table.rows[3][3]), "");  // the run is not `ok`
 }
 
 }  // namespace

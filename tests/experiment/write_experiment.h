@@ -1,4 +1,4 @@
-// An experiment as a file that reads back to it.
+// Writes an experiment as JSON that parse_experiment() reads back.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -131,7 +131,7 @@ TEST_F(Folder, NamesTheCellThatCannotBeRead) {
     write("b.csv", header + row("taylor", 0.1, 1e-3, 2e-6, "fine"));
     const ResultFolder folder = read_folder(path, 100);
     EXPECT_EQ(folder.rows.size(), 1u);
-    EXPECT_EQ(folder.remarks, std::vector<std::string>{"b.csv is left out: column status: fine is not a known name."});
+    EXPECT_EQ(folder.remarks, std::vector<std::string>{"b.csv is left out: column status: fine is an unknown name."});
 }
 
 TEST_F(Folder, KeepsAsManyRowsOfATableAsAreWanted) {

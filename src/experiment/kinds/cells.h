@@ -1,4 +1,4 @@
-// Groups of rows, and cells that summarise many values; a cell of no values is empty.
+// Groups of rows, and cells that summarise values. The cell of an empty list is empty.
 #pragma once
 
 #include <fmt/format.h>
@@ -22,13 +22,13 @@ inline Cell least(const std::vector<double>& values) {
 inline Cell most(const std::vector<double>& values) {
     return values.empty() ? Cell() : Cell(*std::max_element(values.begin(), values.end()));
 }
-/// The median; nothing of no values.
+/// The median, or nothing for an empty list.
 inline std::optional<double> median_of(const std::vector<double>& values) {
     return values.empty() ? std::nullopt : std::optional(median(values));
 }
 inline Cell middle(const std::vector<double>& values) { return values.empty() ? Cell() : Cell(median(values)); }
 
-/// The elements that share a key, in their order; groups in the order of their first elements.
+/// Groups elements by key. Groups are in the order of their first elements; elements keep their order.
 template <class T, class GetKey>
 auto group_by(const std::vector<T>& elements, const GetKey& get_key) {
     std::vector<std::pair<std::decay_t<std::invoke_result_t<GetKey, const T&>>, std::vector<T>>> groups;
@@ -41,7 +41,7 @@ auto group_by(const std::vector<T>& elements, const GetKey& get_key) {
     return groups;
 }
 
-/// "3 diverged, 1 damped to rest"
+/// Formats counts: "3 diverged, 1 damped to rest".
 inline std::string listed_counts(const std::map<std::string, long>& counts) {
     std::string list;
     for (const auto& [name, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, name);

@@ -1,4 +1,4 @@
-// Impacts on planes: when each method finds them, how high the body rises afterwards, what becomes of the energy.
+// The kind `collisions`: errors of impact times, bounce height and energy for impacts on planes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 Vector3<double> high(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 
-// The largest height (m) over the scene's first plane after one time and up to another, over the samples there.
+// The largest height (m) above the scene's first plane over the samples with from < t <= until.
 template <class Samples, class Position>
 std::optional<double> apex(const Scene& scene, const Samples& samples, double from, double until,
                            const Position& position) {
@@ -40,7 +40,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
                        "first_impact_error", "impact_time_error_max", "bounce_height_error", "energy_error_max",
                        "attitude_error_max", "steps", "rhs_evaluations", "message"},
                       {}}};
-    NamedFigure figure{"collisions", {"Error of the first impact's time", 2, {}, ""}};
+    NamedFigure figure{"collisions", {"Error in the time of the first impact", 2, {}, ""}};
     for (const PlannedScene& planned : plan.scenes) {
         const Scene& scene = planned.scene;
         const Reference truth = scene.planes.empty() ? Reference{} : reference(scene, samples);
@@ -56,7 +56,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
                 if (planned_curve.kind == SettingKind::tolerance) settings.tolerance = setting;
                 settings.seconds_limit = plan.experiment.seconds_per_run;
                 Trajectory run = scene.planes.empty() ? Trajectory{} : solve(scene, *planned_curve.method, settings);
-                if (scene.planes.empty()) run.status = Status::unsupported, run.message = "no planes";
+                if (scene.planes.empty()) run.status = Status::unsupported, run.message = "the scene has no planes";
                 std::vector<Cell> row{planned.label,
                                       std::string(planned_curve.method->name),
                                       std::string(name_of(planned_curve.kind)),
@@ -78,7 +78,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
                         first = std::abs((found[0] - right[0].high) - right[0].low);
                         curve.x.push_back(static_cast<double>(run.rhs_evaluations));
                         curve.y.push_back(std::get<double>(first));
-                        // a box's next corner follows at once: the greatest height of all that comes after
+                        // the next corner of a box may hit at once, so take the largest height of the whole rest
                         const double until = run.samples.back().t;
                         const auto rise = apex(scene, run.samples, right[0].high, until,
                                                [](const Sample& s) { return s.position_W; });
@@ -86,7 +86,7 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
                                                     [](const ReferenceSample& s) { return high(s.position_W); });
                         if (rise && true_rise) height = std::abs(*rise - *true_rise);
                     }
-                    // impacts are compared one by one only where there are as many
+                    // compare all impacts only if their numbers are equal
                     if (found.size() == right.size() && both > 0) worst = late;
                     if (run.status == Status::ok) {
                         const Errors e = errors(error_series(scene, run, truth), run, truth);

@@ -1,4 +1,4 @@
-// How errors grow over a long run.
+// The kind `conservation`: growth of errors over a long run.
 #include <algorithm>
 
 #include "experiment/kinds/curves.h"
@@ -10,16 +10,17 @@ namespace polhode {
 namespace {
 
 const char* const quantities[] = {"energy", "momentum", "attitude", "norm"};
-// an attitude beyond about 1 rad is lost: it cannot exceed pi
+// rad; an attitude error above this no longer grows freely, because it cannot exceed pi
 constexpr double saturation = 1;
 
 }  // namespace
 
 NamedTable growth_table(const Plan& plan, const std::vector<Result>& results) {
-    std::vector<ColumnChoice> columns{{"scene", "scene"},   {"evaluations_per_revolution", "evaluations a revolution"},
-                                      {"method", "method"}, {"setting_kind", "setting"},
-                                      {"setting", "value"}, {"status", ""},
-                                      {"revolutions", ""},  {"seconds_median", ""}};
+    std::vector<ColumnChoice> columns{
+        {"scene", "scene"},   {"evaluations_per_revolution", "evaluations per revolution"},
+        {"method", "method"}, {"setting_kind", "setting"},
+        {"setting", "value"}, {"status", ""},
+        {"revolutions", ""},  {"seconds_median", ""}};
     for (const std::string quantity : quantities) {
         columns.push_back({quantity + "_error", quantity == "attitude" ? "attitude (rad)" : quantity});
         columns.push_back({quantity + "_exponent", quantity + ", exponent"});
@@ -43,7 +44,7 @@ NamedTable growth_table(const Plan& plan, const std::vector<Result>& results) {
                     const std::vector<double>& values = r.series[quantity];
                     const auto growth = error_growth(r.series.t, values, saturation);
                     std::optional<double> largest, exponent, uncertainty;
-                    // an attitude that is lost at the end says nothing against energy and momentum
+                    // energy and momentum are still meaningful if the attitude is wrong at the end
                     const bool whole = r.status == Status::ok || r.status == Status::tolerance_not_met;
                     if (whole && !values.empty()) largest = *std::max_element(values.begin(), values.end());
                     if (largest && growth) exponent = growth->exponent, uncertainty = growth->uncertainty;

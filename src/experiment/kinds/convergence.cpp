@@ -1,4 +1,4 @@
-// Observed orders.
+// The kind `convergence`: observed orders.
 #include <algorithm>
 
 #include "experiment/kinds/curves.h"
@@ -15,7 +15,7 @@ Table order_table(const Plan& plan, const std::vector<Result>& results) {
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             std::vector<double> setting, error;
-            std::optional<double> floor;  // at the end, as the errors
+            std::optional<double> floor;  // at T, as the errors
             for (const Result* row : rows_of(results, scene, curve)) {
                 if (row->status != Status::ok || !row->errors["attitude"].final) continue;
                 setting.push_back(row->step_taken.value_or(row->setting));

@@ -1,4 +1,4 @@
-// Curves of rows, and the pictures that several kinds make of them.
+// Curves and figures from rows, shared by several kinds.
 #pragma once
 
 #include <optional>
@@ -14,39 +14,39 @@ namespace polhode {
 std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
                                    const PlannedCurve& curve);
 
-/// A curve's name in legends: the method's, and how it is controlled where it can be in two ways.
+/// The name of a curve in legends: the method, and the kind of setting if the method takes steps and tolerances.
 std::string curve_label(const PlannedCurve& curve);
 
-/// The curve of that label, begun in the next colour where there is none yet.
+/// The curve with that label. Appends one in the next colour if there is none.
 Curve& curve_named(std::vector<Curve>& curves, const std::string& label);
 
-/// What pictures call them, as the columns of the table are called.
+/// Labels of the floors in figures, equal to the headings of their columns.
 inline constexpr const char *float64_floor_label = "float64 floor", *float32_floor_label = "float32 floor";
 
-/// The errors that rounding of the start alone causes, in binary64 and binary32: levels in a panel of the attitude's
-/// error. From the scene's first row that knows them.
+/// Levels of the attitude error that rounding of the start alone causes, in binary64 and binary32. Taken from the
+/// scene's first row that has them.
 std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
                                 std::optional<double> Floors::*float64, std::optional<double> Floors::*float32);
 
-/// Gives a curve the look of its method, and its family for a group.
+/// Sets the style of a curve from its method, and its group from the method's family.
 void look_as(Curve& curve, const PlannedCurve& planned);
 
-/// Notes what the reader of a picture must know: why a curve was cut, a SUNDIALS compiled without optimisation.
+/// Adds notes to a figure: why curves are cut, and that SUNDIALS is unoptimised.
 void tell(Figure& figure, const Plan& plan);
 
-/// Error against run time, a panel a scene, a curve a method and kind of setting.
+/// Attitude error against run time: one panel per scene, one curve per method and kind of setting.
 std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results);
 
-/// Error against step, and against tolerance.
+/// Attitude error at T against step, and against tolerance.
 std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector<Result>& results);
 
-/// Attitude, momentum and energy error against time, a picture a scene.
+/// Attitude, momentum and energy error against time: one figure per scene.
 std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Result>& results);
 
-/// The largest attitude error against the tolerance asked for.
+/// Largest attitude error against tolerance.
 std::vector<NamedFigure> tolerance_figures(const Plan& plan, const std::vector<Result>& results);
 
-/// Energy, momentum, attitude and norm error against time, both logarithmic, a picture a scene and cost.
+/// Energy, momentum, attitude and norm error against time on logarithmic axes: one figure per scene and cost.
 std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vector<Result>& results);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// Errors over time.
+// The kind `drift`: errors over time.
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/kinds.h"
 

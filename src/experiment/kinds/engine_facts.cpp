@@ -1,4 +1,4 @@
-// What engines say of themselves, and what they do with a body whose motion is known.
+// Engines: what they report about themselves, and how they move a free body whose motion is known.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-/// A free body with three different moments, for so long that every update has gone its own way.
+/// A free body with three different moments. Choose the duration so long that all known updates differ.
 Scene probe_scene(double duration) {
     Scene scene;
     scene.name = "probe", scene.duration = duration;
@@ -26,7 +26,8 @@ Trajectory probe(const Method& method, const Scene& scene, double step) {
     return solve(scene, method, settings);
 }
 
-// The change of w in body axes after a tenth of a second: its part along the true one.
+// The projection of the change of w (body axes, 0.1 s) on the true change, relative to it: 1 if the gyroscopic term
+// acts, 0 if not.
 std::optional<double> turning_of(const Method& method) {
     const Scene scene = probe_scene(0.1);
     const Trajectory own = probe(method, scene, 1e-3), truth = solve(scene, *find_method("exact"), {});

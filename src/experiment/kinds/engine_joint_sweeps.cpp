@@ -1,4 +1,5 @@
-// What a heavy body at the end of a rope does to joints, and what a link more costs.
+// The sequel of the kind `engine_joints`: joint errors of a rope with a heavy end, and time per step against the number
+// of links.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ PlannedScene relabelled(Scene scene, const std::string& label) {
     return {label, scene, write_scene(scene)};
 }
 
-// mechanisms/rope_mass_ratio with a ball of so many times a link's mass
+// mechanisms/rope_mass_ratio with a ball of `ratio` times a link's mass
 PlannedScene heavy_rope(int ratio) {
     Scene scene = find_scene("mechanisms/rope_mass_ratio");
     Body& ball = scene.bodies.back().body;
@@ -34,18 +35,18 @@ PlannedScene heavy_rope(int ratio) {
     ball.mass = mass;
     for (int i = 0; i < 3; ++i) ball.inertia_B[i] = factor * ball.inertia_B[i];
     ball.source = nullptr;
-    // light links turn fast between heavy ends: a second of it costs the truth an hour
+    // light links rotate fast between heavy ends: the truth of one second takes an hour
     scene.duration = 0.25;
     return relabelled(std::move(scene), rope_label(ratio));
 }
 
-// mechanisms/chain_10 with more links, let go a little out of the plumb line
+// mechanisms/chain_10 with more links, released near the vertical
 PlannedScene hanging_chain(int links) {
     const Scene ten = find_scene("mechanisms/chain_10");
     Scene scene = ten;
     scene.bodies.clear(), scene.joints.clear();
     std::erase_if(scene.loads, [](const Load& load) { return std::holds_alternative<Impulse>(load); });
-    // of which only the cost is told
+    // short, because only the cost is measured
     scene.duration = 0.05;
     for (int i = 0; i < links; ++i) {
         const std::size_t like = static_cast<std::size_t>(i % 2);
@@ -101,9 +102,9 @@ NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
 NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"method", "method"}};
     for (const int links : chain_lengths)
-        columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us a step)", links)});
-    columns.insert(columns.end(), {{"exponent", "grows with the power"}, {"message", "message"}});
-    NamedTable named = headed_table("cost", "What a step costs against the number of links", columns);
+        columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us per step)", links)});
+    columns.insert(columns.end(), {{"exponent", "exponent of growth"}, {"message", "message"}});
+    NamedTable named = headed_table("cost", "Time per step against the number of links", columns);
     for (const PlannedCurve& curve : plan.curves) {
         std::vector<Cell> cells{std::string(curve.method->name)};
         std::vector<double> seconds;
@@ -130,14 +131,13 @@ Findings conclude_joint_sweeps(const Plan& plan, const std::vector<Result>& rows
     Findings findings{{ropes, costs}};
     const std::string step = step_name(sweep_step);
     findings.page = fmt::format(
-        "## Mass ratio\n\nA rope of ten links on ball joints with a ball of 1 to 1000 times a link's mass at its end, "
-        "0.25 s "
-        "at {}: the largest gap of a joint and the largest error of an attitude.\n\n{}\n",
+        "## Mass ratio\n\nA rope of ten links on ball joints carries a ball of 1 to 1000 times a link's mass at its "
+        "end. It is run for 0.25 s at a step of {}. The table lists the largest joint gap and the largest attitude "
+        "error.\n\n{}\n",
         step, markdown(page_of(ropes)));
     findings.page += fmt::format(
-        "## Cost against the number of links\n\nHanging chains of hinges, 0.05 s at {}: the time of a step, and the "
-        "power "
-        "of the number of links with which it grows from 10 to 100.\n\n{}\n",
+        "## Cost against the number of links\n\nHanging chains of hinges are run for 0.05 s at a step of {}. The table "
+        "lists the time per step and the exponent p of its growth as (number of links)^p from 10 to 100 links.\n\n{}\n",
         step, markdown(page_of(costs)));
     return findings;
 }
@@ -148,7 +148,7 @@ Plan joint_sweeps(const Plan& plan) {
     static const ExperimentKind kind{.name = "engine_joints", .reads = {}, .conclude = conclude_joint_sweeps};
     Plan sweeps{plan.experiment, {}, {}, plan.quick};
     sweeps.experiment.kind = &kind, sweeps.experiment.samples = 6;
-    // the least of several: other work on the machine only ever adds
+    // several repeats, since the minimum is used: other work on the machine only adds time
     sweeps.experiment.repeats = plan.quick ? 3 : 9;
     for (const int ratio : mass_ratios) sweeps.scenes.push_back(heavy_rope(ratio));
     for (const int links : chain_lengths) sweeps.scenes.push_back(hanging_chain(links));

@@ -1,4 +1,4 @@
-// The joints of engines among each other: places, gaps and errors scene by scene.
+// The kind `engine_joints`: ranking of engines by their joints, and gaps and errors for each scene.
 #include "experiment/kinds/engine_joints.h"
 
 #include <fmt/format.h>
@@ -36,11 +36,11 @@ std::optional<double> order_in(const std::vector<const Result*>& rows, const cha
         if (const auto e = largest_error(*row, measure); e && *e > 1e-12)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*e);
     const auto observed = observed_order(step, error, lost);
-    // what does not converge has no order
+    // errors that do not converge have no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-// "cannon_es: it does not support universal joints" without the name
+// the message without the engine's name: "cannon_es: it does not support universal joints"
 std::string reason_of(const Result& row) {
     const std::size_t colon = row.message.find(": ");
     return colon == std::string::npos ? row.message : row.message.substr(colon + 2);
@@ -69,7 +69,7 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                 gather(fine_attitude, largest_error(*row, "attitude")),
                     gather(fine_gap, largest_error(*row, "joint_gap"));
             }
-            // of a tolerance the loosest is what counts
+            // for runs by tolerance use the loosest one
             if (by_step ? !is_step(*row, usual_step) : row != own.front()) continue;
             if (row->status != Status::ok) {
                 if (row->status != Status::unsupported) place.lost.push_back(scene.label);
@@ -96,19 +96,19 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
 std::vector<ColumnChoice> place_columns(bool engines) {
     std::vector<ColumnChoice> columns{{"scenes", "scenes"},
                                       {"attitude_error", "attitude at 1/60 s (rad)"},
-                                      {"fine_attitude_error", "at 1/1000 s"},
+                                      {"fine_attitude_error", "attitude at 1/1000 s (rad)"},
                                       {"joint_gap", "gap at 1/60 s (m)"},
-                                      {"fine_joint_gap", "at 1/1000 s"},
+                                      {"fine_joint_gap", "gap at 1/1000 s (m)"},
                                       {"worst_joint_gap", "worst gap (m)"},
                                       {"joint_turn", "turn (rad)"},
                                       {"energy_error", "energy"},
                                       {"order", "order"},
-                                      {"step_nanoseconds", "ns a step"}};
+                                      {"step_nanoseconds", "ns per step"}};
     if (engines) {
         columns.insert(
             columns.begin(),
             {{"place", "place"}, {"engine", "engine"}, {"setting", "setting"}, {"median_place", "median place"}});
-        columns.push_back({"message", "takes no part"});
+        columns.push_back({"message", "not compared because"});
     } else {
         columns.insert(columns.begin(), {"method", "method"});
     }
@@ -116,8 +116,8 @@ std::vector<ColumnChoice> place_columns(bool engines) {
 }
 
 NamedTable places_table(const std::vector<JointPlace>& places, bool engines) {
-    NamedTable named = engines ? headed_table("leaderboard", "The order of the engines", place_columns(true))
-                               : headed_table("solvers", "Solvers of joints by their sources", place_columns(false));
+    NamedTable named = engines ? headed_table("leaderboard", "Ranking of the engines", place_columns(true))
+                               : headed_table("solvers", "Published joint solvers", place_columns(false));
     for (const JointPlace& p : places) {
         if ((p.engine != nullptr) != engines) continue;
         std::vector<Cell> row{p.scenes,
@@ -142,7 +142,7 @@ NamedTable places_table(const std::vector<JointPlace>& places, bool engines) {
     return named;
 }
 
-// Of each scene and method: errors at each step, and what joints do at the usual one.
+// For each scene and method: errors at each step, and joint, energy and momentum errors at the usual step.
 NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
     const std::vector<double>& steps = plan.experiment.steps;
@@ -151,8 +151,8 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
     for (const double step : steps) columns.push_back({fmt::format("gap_{:.6g}", step), "gap at " + step_name(step)});
     for (const char* name : {"joint_turn", "energy_error", "final_energy_error", "momentum_error"})
         columns.push_back({name, name});
-    columns.insert(columns.end(), {{"step_nanoseconds", "ns a step"}, {"message", "message"}});
-    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    columns.insert(columns.end(), {{"step_nanoseconds", "ns per step"}, {"message", "message"}});
+    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
@@ -183,7 +183,7 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
     return named;
 }
 
-// Energy over time at the usual step: a picture of some scenes, of each engine its best setting.
+// Energy error over time at the usual step: one panel per scene, each engine with its setting "best" or else "default".
 std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Result>& rows) {
     Figure figure;
     figure.title = fmt::format("{}: energy error against time at {}", plan.experiment.name, step_name(usual_step));
@@ -203,7 +203,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
                      return one && one->engine == engine->engine && one->setting == "best";
                  }));
             if (!is_chosen) continue;
-            // all engines are of one family: what tells them apart here is a colour each
+            // all engines belong to one family, so here each one has its own colour
             const PlainStyle style = plain_style(place++);
             for (const Result* row : rows_of(rows, scene, planned)) {
                 if (!is_step(*row, usual_step) || row->series.t.empty()) continue;

@@ -1,4 +1,4 @@
-// What the kind `engine_joints` is made of: the joints of physics engines beside the truth.
+// The kind `engine_joints`: the joints of physics engines compared with the truth.
 #pragma once
 
 #include <optional>
@@ -9,38 +9,38 @@
 
 namespace polhode {
 
-/// What a method's joints come to over the scenes of a plan.
+/// Summary of a method's joint errors over the scenes of a plan, and its place in the ranking.
 struct JointPlace {
     const PlannedCurve* curve = nullptr;
-    const EngineMethod* engine = nullptr;  ///< nullptr of a method of this program
-    EngineReport report;                   ///< of an engine
-    std::string about_setting;             ///< of an engine, in its driver's words
+    const EngineMethod* engine = nullptr;  ///< null for methods of polhode
+    EngineReport report;                   ///< engines only
+    std::string about_setting;             ///< engines only: the driver's description of the setting
     double median_place = 0, mean_place = 0;
-    long place = 0;   ///< among engines; 0 of others, and where it is not here
-    long scenes = 0;  ///< run to the end at the usual step
-    /// Medians over those scenes, the largest errors of each.
+    long place = 0;   ///< among the engines; 0 for other methods and for engines that are not available
+    long scenes = 0;  ///< number of scenes completed at the usual step
+    /// Medians over these scenes of the largest errors of a run.
     std::optional<double> attitude, gap, turn, energy;
-    std::optional<double> fine_attitude, fine_gap;  ///< the same at the fine step
-    std::optional<double> order;                    ///< median of the observed orders of the attitude
-    std::optional<double> gap_order;                ///< and of the gaps
+    std::optional<double> fine_attitude, fine_gap;  ///< medians of the largest errors at the fine step
+    std::optional<double> order;                    ///< median of the observed orders of the attitude error
+    std::optional<double> gap_order;                ///< median of the observed orders of the gap
     std::optional<double> step_seconds;             ///< median over all runs
     std::optional<double> worst_gap;                ///< m, at the usual step
-    std::string worst_gap_scene;                    ///< where that is
-    std::vector<std::string> refused;               ///< why scenes are left out, each reason once
-    std::vector<std::string> lost;                  ///< scenes not run to the end at the usual step
+    std::string worst_gap_scene;                    ///< the scene with the largest gap
+    std::vector<std::string> refused;               ///< reasons for unsupported scenes, without repetitions
+    std::vector<std::string> lost;                  ///< scenes not completed at the usual step
     bool is_here() const { return report.fault.empty(); }
-    /// Without a gap but for round-off, as joint coordinates leave it.
+    /// Whether all gaps are round-off, as with joint coordinates.
     bool closes() const { return gap && *gap < 1e-9 && worst_gap && *worst_gap < 1e-9; }
 };
 
-/// All that have rows: engines by their places, the best first, then the others in the plan's order.
+/// The methods that have rows: engines by place, best first, then other methods in the plan's order.
 std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>& rows);
 
-/// The page: rule, tables, and a paragraph for each engine.
+/// The page: ranking rule, tables, and a paragraph for each engine.
 std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& places, const Findings& findings);
 
-/// The sequel of `engine_joints`: a rope with a ball of 1 to 1000 times a link's mass, and hanging chains of 10 to 100
-/// links, at one step.
+/// The sequel of `engine_joints` at one step: a rope with a ball of 1 to 1000 times a link's mass, and hanging chains
+/// of 10 to 100 links.
 Plan joint_sweeps(const Plan& plan);
 
 }  // namespace polhode

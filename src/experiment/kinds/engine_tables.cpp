@@ -1,4 +1,4 @@
-// Engines among each other: places, and errors scene by scene.
+// The kind `engines`: ranking of the engines, and errors for each scene.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,11 +28,12 @@ std::optional<double> order_of(const std::vector<const Result*>& rows) {
         if (row->status == Status::ok && row->errors["attitude"].max)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*row->errors["attitude"].max);
     const auto observed = observed_order(step, error, hopeless_attitude);
-    // what does not converge has no order
+    // errors that do not converge have no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
 
-// The largest step that keeps the error on half of the scenes at least, as every smaller one does.
+// The largest step such that, at it and at every smaller step, the error is within `accuracy` on at least half of the
+// scenes.
 std::optional<double> step_within(const std::map<double, std::vector<double>>& errors, double accuracy,
                                   std::size_t scenes) {
     std::optional<double> largest;
@@ -47,10 +48,10 @@ std::optional<double> step_within(const std::map<double, std::vector<double>>& e
 }  // namespace
 
 const char* const leaderboard_rule =
-    "On each scene and at each step all engines, in all their settings, are put in the order of their largest attitude "
-    "error over the run. Errors within a tenth of each other share a place, and so do all beyond 1 rad; a run that did "
-    "not come to its end, and a scene that the engine cannot represent, stand behind all others. The order over all is "
-    "that of the median of these places over all scenes and steps, then of their mean: no single scene decides it.";
+    "On each scene and at each step, all engines with all their settings are ranked by their largest attitude error "
+    "over the run. Errors within a factor of 1.1 share a place, and so do all errors above 1 rad. Incomplete runs and "
+    "unsupported scenes rank last. The overall ranking is by the median of these places over all scenes and steps, "
+    "then by their mean, so that no single scene decides it.";
 
 double standing_of(const Result& row) {
     if (row.status != Status::ok || !row.errors["attitude"].max) return std::numeric_limits<double>::infinity();
@@ -123,22 +124,22 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
 }
 
 NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
-    NamedTable named = headed_table("leaderboard", "The order of the engines",
+    NamedTable named = headed_table("leaderboard", "Ranking of the engines",
                                     {{"place", "place"},
                                      {"engine", "engine"},
                                      {"setting", "setting"},
                                      {"median_place", "median place"},
                                      {"scenes", "scenes"},
                                      {"attitude_error", "attitude at 1/60 s (rad)"},
-                                     {"fine_attitude_error", "at 1/1000 s (rad)"},
+                                     {"fine_attitude_error", "attitude at 1/1000 s (rad)"},
                                      {"momentum_error", "momentum"},
                                      {"energy_error", "energy"},
                                      {"order", "order"},
-                                     {"step_nanoseconds", "ns a step"},
-                                     {"within_0.1", "0.1 rad from"},
-                                     {"within_0.01", "0.01 rad from"},
-                                     {"within_0.001", "0.001 rad from"},
-                                     {"message", "takes no part"}});
+                                     {"step_nanoseconds", "ns per step"},
+                                     {"within_0.1", "largest step for 0.1 rad"},
+                                     {"within_0.01", "largest step for 0.01 rad"},
+                                     {"within_0.001", "largest step for 0.001 rad"},
+                                     {"message", "not compared because"}});
     named.table.columns.insert(named.table.columns.begin() + 4, "mean_place");
     for (const EnginePlace& p : places) {
         const auto step = [&](int i) { return p.within[i] ? Cell(step_name(*p.within[i])) : Cell(); };
@@ -162,15 +163,15 @@ NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows
         columns.push_back({"attitude_error at " + name, name + " (rad)"});
     }
     for (const ColumnChoice& more : {ColumnChoice{"order", "order"},
-                                     {"attitude_error_final", "at the end, 1/60 s"},
+                                     {"attitude_error_final", "at the end, 1/60 s (rad)"},
                                      {"position_error", "position"},
                                      {"momentum_error", "momentum"},
                                      {"energy_error", "energy"},
-                                     {"step_nanoseconds", "ns a step"},
-                                     {"float32_floor", "binary32's floor (rad)"},
+                                     {"step_nanoseconds", "ns per step"},
+                                     {"float32_floor", "float32 floor (rad)"},
                                      {"message", "remark"}})
         columns.push_back(more);
-    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
@@ -206,18 +207,18 @@ NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows
 }
 
 NamedTable identity_table(const std::vector<EngineFacts>& facts) {
-    NamedTable named = headed_table("identity", "Who was asked",
+    NamedTable named = headed_table("identity", "Engines, versions and settings",
                                     {{"engine", "engine"},
                                      {"setting", "setting"},
                                      {"version", "version"},
                                      {"precision", "precision"},
-                                     {"about", "what the setting is"},
+                                     {"about", "description"},
                                      {"gyroscopic_term", "gyroscopic term"},
-                                     {"follows", "its motion follows"},
-                                     {"follows_to", "to (rad)"},
-                                     {"readback_difference", "read back, off by"},
-                                     {"repeats", "numbers repeat"},
-                                     {"message", "takes no part"}});
+                                     {"follows", "matching update"},
+                                     {"follows_to", "difference (rad)"},
+                                     {"readback_difference", "difference on readback"},
+                                     {"repeats", "reproducible"},
+                                     {"message", "not compared because"}});
     for (const EngineFacts& f : facts) {
         const bool here = f.is_here();
         const std::string term = !f.turning          ? ""

@@ -1,4 +1,4 @@
-// What the rows of the kind `engines` say, in words.
+// The page of the kind `engines`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 std::string in_words(const std::optional<double>& value, const char* unit = "") {
     return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
-// Beyond 1 rad all errors are alike.
+// Does not distinguish errors above 1 rad.
 std::string attitude_in_words(const std::optional<double>& angle) {
     return angle && *angle >= 1 ? "1 rad or more" : in_words(angle, " rad");
 }
@@ -25,12 +25,12 @@ std::string sentence_of_accuracy(const EnginePlace& place) {
     std::string text;
     for (int i = 0; i < 3; ++i) {
         if (!place.within[i]) continue;
-        text +=
-            fmt::format("{}{:g} rad from {} on", text.empty() ? "" : ", ", accuracies[i], step_name(*place.within[i]));
+        text += fmt::format("{}{:g} rad at steps up to {}", text.empty() ? "" : ", ", accuracies[i],
+                            step_name(*place.within[i]));
     }
-    if (text.empty()) return "On half of the scenes it is more than 0.1 rad off at every step tried.";
-    text = "On half of the scenes at least it stays within " + text;
-    if (!place.within[2]) text += fmt::format("; {:g} rad it does not reach", place.within[1] ? 0.001 : 0.01);
+    if (text.empty()) return "No step tested keeps the attitude error below 0.1 rad on at least half of the scenes.";
+    text = "The attitude error on at least half of the scenes is within " + text;
+    if (!place.within[2]) text += fmt::format("; no step tested reaches {:g} rad", place.within[1] ? 0.001 : 0.01);
     return text + ".";
 }
 
@@ -43,16 +43,16 @@ std::string sentence_of_term(const EngineFacts& facts) {
         text = " The gyroscopic term acts with the wrong sign";
     else
         text =
-            " The gyroscopic term does not act: a free body that is no ball keeps turning about an axis that it should "
-            "leave, at any step";
+            " The gyroscopic term does not act: at any step, a free body with unequal moments keeps rotating about an "
+            "axis that it should leave";
     if (facts.follows == no_update)
-        text += "; the motion is that of none of the catalogue's updates";
+        text += ". The motion matches no update of polhode";
     else if (!facts.follows.empty())
-        text += fmt::format("; the motion is that of `{}` to {:.1g} rad", facts.follows, facts.follows_to);
+        text += fmt::format(". The motion matches `{}` to {:.1g} rad", facts.follows, facts.follows_to);
     return text + ".";
 }
 
-// What its user can do about it: the best of its settings against the default.
+// Recommends the engine's most accurate setting if it is better than the default.
 std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
     const EnginePlace *first = own.front(), *best = own.front();
     for (const EnginePlace* place : own)
@@ -60,7 +60,7 @@ std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
     for (const EnginePlace* place : own)
         if (place->attitude && (!best->attitude || *place->attitude < *best->attitude)) best = place;
     if (best == first || !first->attitude || !best->attitude || *best->attitude > 0.9 * *first->attitude) return "";
-    return fmt::format("The setting to change is `{}`{}: the median error at {} goes from {:.2g} to {:.2g} rad.",
+    return fmt::format("Use the setting `{}`{}: at {} the median error decreases from {:.2g} to {:.2g} rad.",
                        best->facts->engine->setting, in_brackets(best->facts->about_setting), step_name(usual_step),
                        *first->attitude, *best->attitude);
 }
@@ -69,30 +69,30 @@ std::string paragraph(const std::string& engine, const std::vector<const EngineP
     const EngineFacts& first = *own.front()->facts;
     std::string text = fmt::format("### {}{}{}\n\n", engine, first.report.hello.version.empty() ? "" : " ",
                                    first.report.hello.version);
-    if (!first.is_here()) return text + fmt::format("It takes no part: {}.\n", first.report.fault);
+    if (!first.is_here()) return text + fmt::format("Not compared: {}.\n", first.report.fault);
     for (const EnginePlace* place : own) {
         const EngineFacts& facts = *place->facts;
         text +=
             fmt::format("- `{}`{}: place {}.", facts.engine->setting, in_brackets(facts.about_setting), place->place);
         if (place->scenes == 0) {
-            text += " No scene was run to its end.\n";
+            text += " No scene was completed.\n";
             continue;
         }
         text += fmt::format(
-            " At {} the attitude is {} off in the median of {} scene{}, the angular momentum {}, the energy {}{}. {}{}",
-            step_name(usual_step), attitude_in_words(place->attitude), place->scenes, place->scenes == 1 ? "" : "s",
+            " At {} the median errors of {} scene{} are {} (attitude), {} (angular momentum) and {} (energy). {} {}{}",
+            step_name(usual_step), place->scenes, place->scenes == 1 ? "" : "s", attitude_in_words(place->attitude),
             in_words(place->momentum), in_words(place->energy),
-            place->order ? fmt::format("; smaller steps help with order {:.1f}", *place->order)
-                         : "; smaller steps show no order",
+            place->order ? fmt::format("The observed order of the attitude error is {:.1f}.", *place->order)
+                         : "The attitude error shows no order.",
             sentence_of_accuracy(*place), sentence_of_term(facts));
-        if (!facts.repeats) text += " Its numbers do not repeat.";
+        if (!facts.repeats) text += " A second run gives different numbers.";
         text += "\n";
     }
     if (const std::string remedy = sentence_of_remedy(own); !remedy.empty()) text += "\n" + remedy + "\n";
     return text;
 }
 
-// Of each engine one curve, so that a picture can be read: its best setting, or the first.
+// Keeps one curve per engine, so that figures are legible: the given setting, or "default" if the engine lacks it.
 Plan with_one_setting(const Plan& plan, const char* setting) {
     Plan part = plan;
     std::erase_if(part.curves, [&](const PlannedCurve& curve) {
@@ -103,8 +103,8 @@ Plan with_one_setting(const Plan& plan, const char* setting) {
                 if (one->setting == setting) return engine->setting != setting;
         return engine->setting != "default";
     });
-    // all engines are of one family: what tells them apart here is a colour each. The methods beside them, far below,
-    // keep their own.
+    // All engines belong to one family, so here each one has its own colour. Other methods, whose curves are far below,
+    // keep theirs.
     int place = -1;
     const Method* before = nullptr;
     for (PlannedCurve& curve : part.curves) {
@@ -123,19 +123,19 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
     const std::vector<NamedTable>& tables = findings.tables;
     std::string text = "# Physics engines against the truth\n\n";
     if (!plan.experiment.about.empty()) text += markdown_text(plan.experiment.about) + ".\n\n";
-    text += "The second page, [of their joints](engine_joints.md), has them on mechanisms.\n\n";
-    text += fmt::format("How the order is made. {}\n\n", leaderboard_rule);
+    text += "[Joints](engine_joints.md) is the corresponding page for mechanisms.\n\n";
+    text += fmt::format("Ranking. {}\n\n", leaderboard_rule);
     text +=
-        "Errors are the largest over a run; attitude is the rotation angle to the truth, momentum and energy are "
-        "relative to the motion's own. A step's time is that of the stepping alone, the process and its start left "
-        "out; engines in WebAssembly pay for that.\n\n";
+        "Errors are the largest over a run. *Attitude* is the rotation angle to the truth. *Momentum* and *energy* are "
+        "relative to those of the motion. The time per step covers the stepping alone, without the process and its "
+        "start. For engines compiled to WebAssembly it includes the overhead of WebAssembly.\n\n";
     for (const NamedTable& named : tables)
         if (named.name == "leaderboard" || named.name == "identity")
             text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
     if (!findings.figures.empty()) text += "## Error against run time\n\n";
     for (const NamedFigure& named : findings.figures)
         text += fmt::format("![{}]({}.svg)\n\n", named.figure.title, named.name);
-    text += "## Engine by engine\n\n";
+    text += "## Details for each engine\n\n";
     std::vector<std::string> told;
     for (const EngineFacts& one : facts) {
         const std::string& engine = one.engine->engine;
@@ -150,21 +150,19 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
     for (const NamedTable& named : tables)
         if (named.name == "gazebo_boxes")
             text += fmt::format(
-                "## {}\n\nThe angular momentum of a free box is to stay what it is. The published numbers (S. Peters "
-                "and J. Hsu 2014) are of the engines of then as Gazebo set them up, at every step, and tell no "
-                "attitude; "
-                "ours are over the samples, and a little less. ODE's 1.31 % are those of `gyroscopic_explicit`; the "
-                "ODE "
-                "asked here has `gyroscopic_linearly_implicit`. Bullet's 1.25 % are those of `gyroscopic_implicit`, "
-                "which it still has. Simbody's 0.64 % are those of its second semi-explicit Euler integrator, which "
-                "takes two half steps and which Gazebo chooses: here the setting `gazebo`; with its own default it "
-                "keeps "
-                "the momentum. DART was far off then, and is `gyroscopic_explicit` now.\n\n{}\n",
+                "## {}\n\nThe angular momentum of a free box is constant. The published numbers (S. Peters and J. Hsu "
+                "2014) are the largest errors over all steps, for the engine versions and settings that Gazebo used "
+                "then. They do not include the attitude. polhode's numbers are the largest over the samples and "
+                "therefore slightly smaller. ODE's 1.31 % match `gyroscopic_explicit`; the ODE compared here uses "
+                "`gyroscopic_linearly_implicit`. Bullet's 1.25 % match `gyroscopic_implicit`, which it still uses. "
+                "Simbody's 0.64 % match its second semi-explicit Euler integrator, which takes two half steps. Gazebo "
+                "selects this integrator; here it is the setting `gazebo`. Simbody's default integrator conserves the "
+                "momentum. DART's error was large in 2014; it now matches `gyroscopic_explicit`.\n\n{}\n",
                 named.title, markdown(page_of(named)));
     for (const NamedTable& named : tables)
         if (named.name == "scenes")
-            text += fmt::format("## {}\n\nEvery error of every engine on every scene: [the table]({}).\n", named.title,
-                                plan.experiment.name + "_scenes.md");
+            text += fmt::format("## {}\n\n[This table]({}) lists all errors of all engines on all scenes.\n",
+                                named.title, plan.experiment.name + "_scenes.md");
     return text;
 }
 
@@ -177,7 +175,7 @@ Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows) {
     for (const char* setting : {"default", "best"})
         for (NamedFigure& named : work_precision_figures(with_one_setting(plan, setting), rows)) {
             named.name += std::string("_") + setting;
-            named.figure.title += fmt::format(", engines in their setting \"{}\"", setting);
+            named.figure.title += fmt::format(", engines with the setting \"{}\"", setting);
             findings.figures.push_back(std::move(named));
         }
     findings.page = engines_page(plan, places, facts, findings);

@@ -1,5 +1,5 @@
-// Bodies a second that an ensemble solves on one thread, against the worst error among them, beside what solving the
-// same motions one by one takes.
+// The kind `ensembles`: bodies per second of an ensemble on one thread, against the largest error among its bodies,
+// compared with solving the same motions one by one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,8 @@ constexpr double duration = 10;
 constexpr double tolerances[] = {1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 5e-11, 1e-11, 1e-12, 1e-13};
 constexpr double error_levels[] = {1e-6, 1e-9, 1e-12};
 
-/// The same numbers on every machine: multiples of irrational steps (H. Weyl 1916, Mathematische Annalen 77, 313).
+/// Quasi-random numbers that are the same on every machine: multiples of irrational steps modulo 1 (H. Weyl 1916,
+/// Mathematische Annalen 77, 313).
 class Draw {
   public:
     double uniform(double from, double to) {
@@ -43,11 +44,11 @@ class Draw {
     std::size_t count_ = 0;
 };
 
-/// One motion to be solved many times, each a little different.
+/// Many variants of one motion.
 struct Ensemble {
     std::string name;
-    std::vector<Scene> scenes;  ///< of its members, each by itself
-    /// The ends of all, attitude by attitude; none of a member that failed.
+    std::vector<Scene> scenes;  ///< one per member
+    /// Returns the final samples of each member, one per body; empty for a failed member.
     std::function<std::vector<std::vector<Sample>>(double tolerance)> solve;
 };
 
@@ -56,7 +57,7 @@ Scene free_scene() {
     scene.name = "ensemble", scene.duration = duration;
     return scene;
 }
-/// About the pivot I = (1, 1, 0.5) and m g l = 5.
+/// A top with I = (1, 1, 0.5) about its pivot and m g l = 5.
 Scene top_scene() {
     Scene scene = free_scene();
     scene.body.center_of_mass = {0, 0, 0.5};
@@ -75,7 +76,7 @@ std::vector<EnsembleBody> free_bodies() {
     }
     return bodies;
 }
-/// Each about a tenth off in mass and moments, tilted and spinning at 17 to 23 rad/s.
+/// Tops with masses and moments that vary by about 10 %, tilted and spinning at 17 to 23 rad/s.
 std::vector<EnsembleBody> tops(bool symmetric) {
     Draw draw;
     std::vector<EnsembleBody> bodies(members);
@@ -109,7 +110,7 @@ Ensemble of_bodies(std::string name, const Scene& scene, const std::vector<Ensem
     return ensemble;
 }
 
-/// Of the catalogue's double pendulum, each bar within a radian of hanging.
+/// The built-in scene mechanisms/double_pendulum, with each bar within 1 rad of the downward vertical.
 Ensemble of_pendulums() {
     const Scene scene = find_scene("mechanisms/double_pendulum");
     MechanismTable table;
@@ -131,9 +132,9 @@ Ensemble of_pendulums() {
 /// One way to solve all members, timed round by round.
 struct Setting {
     double tolerance;
-    bool together;  ///< as an ensemble, or posed and solved one by one by the method `auto`
+    bool together;  ///< true: as an ensemble; false: posed and solved one by one with the method `auto`
     double worst_error = 0;
-    std::vector<double> rates{};  ///< members a second
+    std::vector<double> rates{};  ///< members per second
 };
 
 std::vector<Sample> end_of(const Scene& scene, const char* method, double tolerance) {
@@ -147,7 +148,7 @@ std::vector<Sample> end_of(const Scene& scene, const char* method, double tolera
     return {run.samples.end() - static_cast<std::ptrdiff_t>(run.samples.size() / 2), run.samples.end()};
 }
 
-/// The worst attitude of all bodies, rad; infinite where one has no end.
+/// The largest attitude error of all bodies, rad; infinite if a member failed.
 double worst_of(const std::vector<std::vector<Sample>>& ends, const std::vector<std::vector<Sample>>& exact) {
     double worst = 0;
     for (std::size_t k = 0; k < ends.size(); ++k) {
@@ -184,19 +185,19 @@ void time_settings(const Ensemble& ensemble, std::vector<Setting>& settings, std
 Findings run_ensembles(const Plan& plan, const RunOptions& options) {
     const int rounds = options.quick ? 2 : plan.experiment.repeats;
     const std::size_t alone = options.quick ? 16 : 128;
-    NamedTable all = headed_table("all", "Members a second on one thread, by tolerance",
+    NamedTable all = headed_table("all", "Members per second on one thread, by tolerance",
                                   {{"ensemble", "ensemble"},
                                    {"tolerance", "tolerance"},
                                    {"way", "solved"},
-                                   {"worst_error", "worst error (rad)"},
-                                   {"rate_median", "a second"},
-                                   {"rate_max", "at best"}});
+                                   {"worst_error", "largest error (rad)"},
+                                   {"rate_median", "members per second"},
+                                   {"rate_max", "best round"}});
     NamedTable table = headed_table("", "",
                                     {{"ensemble", "ensemble"},
-                                     {"error", "worst error (rad)"},
+                                     {"error", "largest error (rad)"},
                                      {"tolerance", "tolerance"},
-                                     {"rate_median", "a second"},
-                                     {"rate_max", "at best"},
+                                     {"rate_median", "members per second"},
+                                     {"rate_max", "best round"},
                                      {"one_by_one", "one by one"},
                                      {"ratio", "factor"}});
     const std::vector<Ensemble> ensembles{of_bodies("free bodies", free_scene(), free_bodies()),

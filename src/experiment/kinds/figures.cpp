@@ -27,7 +27,7 @@ Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, co
     return curve;
 }
 
-// A picture of more panels than a page holds becomes several: NAME_1, NAME_2, ..
+// Splits a figure with more panels than a page has into several: NAME_1, NAME_2, ..
 std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const Figure& whole) {
     constexpr std::size_t page = 12;
     std::vector<NamedFigure> pages;
@@ -48,7 +48,7 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
     std::optional<double> ErrorOfRun::*const error = at_end ? &ErrorOfRun::final : &ErrorOfRun::max;
     Figure figure;
     figure.title = fmt::format("{}: attitude error against {}", plan.experiment.name, step ? "step" : "tolerance");
-    // at one tolerance the more accurate is the better: it has kept its promise
+    // at equal tolerance the more accurate method is the better one
     figure.best = step ? Best::greatest_x : Best::lowest_end;
     figure.columns = 2;
     for (const PlannedScene& scene : plan.scenes) {
@@ -82,7 +82,7 @@ std::vector<const Result*> rows_of(const std::vector<Result>& results, const Pla
 }
 
 std::string curve_label(const PlannedCurve& curve) {
-    // a method with both kinds of setting has two curves
+    // a method that takes steps and tolerances has two curves
     if (curve.method->control != Control::fixed_step_or_tolerance) return std::string(curve.method->name);
     return fmt::format("{} ({})", curve.method->name, curve.kind == SettingKind::step ? "fixed step" : "controlled");
 }
@@ -112,7 +112,7 @@ void look_as(Curve& curve, const PlannedCurve& planned) {
 
 void tell(Figure& figure, const Plan& plan) {
     figure.note_of_cut =
-        fmt::format("Arrow: the curve was cut, a run takes more than {} s{}.", plan.experiment.seconds_per_run,
+        fmt::format("Arrow: the curve was cut because a run took more than {} s{}.", plan.experiment.seconds_per_run,
                     plan.experiment.max_evaluations < std::numeric_limits<long>::max()
                         ? fmt::format(" or {:g} evaluations", static_cast<double>(plan.experiment.max_evaluations))
                         : "");

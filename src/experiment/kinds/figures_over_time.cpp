@@ -1,4 +1,4 @@
-// Pictures of errors against time.
+// Figures of errors against time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-// EXPERIMENT_SCENE; variations of one scene share its name: they are numbered
+// EXPERIMENT_SCENE, with a number for further variations of the same scene
 std::string figure_name(const Plan& plan, const PlannedScene& scene) {
     const auto same = std::count_if(plan.scenes.data(), &scene,
                                     [&](const PlannedScene& other) { return other.scene.name == scene.scene.name; });
@@ -34,7 +34,7 @@ const Quantity momentum{"momentum", "|L - L_ref| / max |L_ref|"};
 const Quantity energy{"energy", "|E - E_ref| / max E"};
 const Quantity norm{"norm", "||q| - 1|"};
 
-// The floors over time, of a panel of the attitude's error; `shaped` makes a curve of t and the values.
+// The floors over time for a panel of the attitude error; `shaped` makes a guide from a label, times and values.
 template <class Shaped>
 std::vector<Guide> floors_over_time(const std::vector<Result>& results, const PlannedScene& scene, Shaped shaped) {
     for (const Result& r : results) {
@@ -66,7 +66,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                     results, scene, [](const char* label, const std::vector<double>& t, const std::vector<double>& y) {
                         return Guide{label, t, y};
                     });
-            std::map<const Method*, int> dashes;  // one for each setting of a method, steps and tolerances alike
+            std::map<const Method*, int> dashes;  // number of settings so far; each setting has its own dash
             for (const PlannedCurve& planned : plan.curves) {
                 for (const Result* row : rows_of(results, scene, planned)) {
                     Curve curve;
@@ -78,7 +78,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                                                     planned.kind == SettingKind::step ? " s" : "");
                     look_as(curve, planned);
                     curve.dash = dashes[planned.method]++;
-                    // lines that cross often: marks only where colours do not tell them apart
+                    // curves cross often, so marks are drawn only if another method has the same colour
                     curve.points = std::ranges::any_of(plan.curves, [&](const PlannedCurve& other) {
                         return other.method != planned.method && other.style.color == planned.style.color;
                     });
@@ -102,7 +102,7 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
     for (const PlannedScene& scene : plan.scenes)
         for (const double cost : plan.experiment.evaluations_per_revolution) {
             Figure figure;
-            figure.title = fmt::format("{}: {}, {:g} evaluations a revolution, largest error so far",
+            figure.title = fmt::format("{}: {}, {:g} evaluations per revolution, largest error so far",
                                        plan.experiment.name, scene.label, cost);
             figure.columns = 2;
             for (const Quantity& quantity : {energy, momentum, attitude, norm}) {

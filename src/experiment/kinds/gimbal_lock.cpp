@@ -1,8 +1,8 @@
-// What gimbal lock does to Euler angles as integrated state, and not to quaternions.
+// The kind `gimbal_lock`: effect of gimbal lock on Euler angles as integrated state, compared with quaternions.
 //
-// A free body, I = (1, 2, 3), whose nose (the x axis of its body) comes to within d of the vertical half-way, at t = 2
-// s of 4: there roll, pitch and yaw are atan2(w_y, w_z), 90 deg - d and 0, so that dpitch/dt = w_y cos(roll) - w_z
-// sin(roll) = 0, and w = (0.4, 1, 1.5) rad/s. The start is that motion run backwards in closed form.
+// The nose (x axis) of a free body, I = (1, 2, 3), comes within d of the vertical at t = 2 s of 4 s. There roll, pitch
+// and yaw are atan2(w_y, w_z), 90 deg - d and 0, so that dpitch/dt = w_y cos(roll) - w_z sin(roll) = 0, and
+// w = (0.4, 1, 1.5) rad/s. The initial state is computed by running this motion backwards in closed form.
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -34,10 +34,10 @@ Scene passing_at(double distance) {
     scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
     scene.initial.orientation =
         quaternion_from_euler(EulerSequence::zyx, {0, std::numbers::pi / 2 - distance, std::atan2(w[1], w[2])});
-    // a free motion run backwards is one of the same body with -w
+    // the reverse of a free motion is the free motion with -w
     scene.initial.angular_velocity = -w;
     const Trajectory back = exactly(scene);
-    if (back.status != Status::ok) throw std::runtime_error("no closed form of a free body: " + back.message);
+    if (back.status != Status::ok) throw std::runtime_error("the closed form of a free body failed: " + back.message);
     scene.duration = duration;
     scene.initial.orientation = back.samples.back().q;
     scene.initial.angular_velocity = -back.samples.back().angular_velocity_B;
@@ -58,7 +58,7 @@ Trajectory solve_fleck_quaternion(const Problem& problem, const Settings& settin
     return trajectory;
 }
 
-// the largest and the last of the attitude's distances from the closed form
+// the largest and the last attitude error, relative to the closed form
 std::pair<double, double> attitude_errors(const Trajectory& trajectory, const Trajectory& truth) {
     double most = 0, last = 0;
     for (std::size_t k = 0; k < trajectory.samples.size(); ++k) {
@@ -82,17 +82,17 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
     NamedTable table = headed_table("", "",
                                     {{"distance", "distance (rad)"},
                                      {"method", "method"},
-                                     {"setting_kind", "by"},
+                                     {"setting_kind", "setting kind"},
                                      {"setting", "setting"},
                                      {"status", "status"},
                                      {"steps", "steps"},
                                      {"smallest_step", "smallest step (s)"},
-                                     {"largest_angle_rate", "largest rate of an angle (rad/s)"},
+                                     {"largest_angle_rate", "largest angle rate (rad/s)"},
                                      {"nearest", ""},
                                      {"attitude_error_final", ""},
                                      {"attitude_error_max", "largest attitude error (rad)"},
                                      {"message", "message"}});
-    NamedFigure figure{"gimbal_lock", {"Passing gimbal lock at a distance", 2, {}, ""}};
+    NamedFigure figure{"gimbal_lock", {"Motion past gimbal lock at a distance", 2, {}, ""}};
     Panel error{"largest attitude error", "distance (rad)", "attitude error (rad)", true, true, {}};
     Panel cost{"steps", "distance (rad)", "steps", true, true, {}};
     for (const Entry& entry : entries) {
@@ -133,7 +133,7 @@ Findings run_gimbal_lock(const Plan&, const RunOptions& options) {
         if (!entry.by_step) cost.curves.push_back(std::move(cost_curve));
     }
     figure.figure.panels = {std::move(error), std::move(cost)};
-    figure.figure.note = "Runs that failed are left out.";
+    figure.figure.note = "Failed runs are omitted.";
     return {{std::move(table)}, {std::move(figure)}};
 }
 

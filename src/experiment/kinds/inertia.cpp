@@ -1,4 +1,5 @@
-// What it costs to sum a body's inertia over point masses, beside its closed form and its surface.
+// The kind `inertia`: error and computing time of inertia tensors as sums over point masses, compared with closed forms
+// and surface integrals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ struct Way {
     Matrix3<Wide> truth;
 };
 
-// the sum itself, over points that are there: sum m (r^2 1 - r r^T) about their centre of mass
+// sum m (r^2 1 - r r^T) over the points, about their centre of mass
 Properties summed(const std::vector<PointMass<double>>& points) {
     double total = 0;
     Vector3<double> moment;
@@ -85,7 +86,7 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
             for (int n = 8; n <= (options.quick ? 64 : 256); n *= 2) surface(tessellated(*torus, n));
     }
 
-    // in turn, so that what disturbs the machine disturbs all alike
+    // timed in turn, so that disturbances of the machine affect all alike
     std::vector<std::vector<double>> seconds(ways.size());
     double kept = 0;
     for (int round = 0; round < std::min(plan.experiment.repeats, options.quick ? 3 : 1000); ++round)
@@ -96,7 +97,7 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
     Findings result;
     NamedTable table = headed_table("", "",
                                     {{"shape", "shape"},
-                                     {"way", "way"},
+                                     {"way", "computed by"},
                                      {"pieces", "points or triangles"},
                                      {"seconds_min", ""},
                                      {"seconds_median", "time (s)"},
@@ -107,7 +108,7 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
                                     *std::min_element(seconds[i].begin(), seconds[i].end()), median(seconds[i]),
                                     relative_error(way.work().inertia, way.truth)});
     }
-    NamedFigure figure{"inertia", {"Inertia summed over pieces of a body", 2, {}, ""}};
+    NamedFigure figure{"inertia", {"Error of the inertia against computing time", 2, {}, ""}};
     for (const auto& [name, shape] : shapes) {
         Panel panel{name, "time (s)", "relative error of the tensor", true, true, {}};
         int place = 0;
@@ -118,7 +119,7 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
             for (const auto& row : table.table.rows)
                 if (text_of(row[0]) == name && text_of(row[1]) == way) {
                     curve.x.push_back(std::get<double>(row[4]));
-                    // a logarithmic axis has no zero: the last bit stands for it
+                    // zero cannot be drawn on a logarithmic axis
                     curve.y.push_back(std::max(std::get<double>(row[5]), 0x1p-54));
                 }
             if (!curve.x.empty()) panel.curves.push_back(std::move(curve));

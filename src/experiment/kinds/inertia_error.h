@@ -1,4 +1,4 @@
-// How wrong an inertia tensor is, and how long it takes to find one.
+// Error and computing time of inertia tensors.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@
 
 namespace polhode {
 
-/// Frobenius norm of the difference over that of the true tensor, in 128 bits.
+/// Frobenius norm of the difference divided by that of the true tensor, computed in 128 bits.
 inline double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>& truth) {
     Wide difference = 0, size = 0;
     for (int i = 0; i < 3; ++i)
@@ -18,7 +18,7 @@ inline double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>
     return double(square_root(difference / size));
 }
 
-/// Seconds of one piece of work, which is repeated inside one timing until it lasts 20 microseconds.
+/// Seconds per call of work(). Repeats the call within one timing until it lasts 20 microseconds.
 template <class Work>
 double seconds_of(const Work& work) {
     using Clock = std::chrono::steady_clock;

@@ -1,5 +1,5 @@
-// What a game engine's shortcuts in the inertia tensor do to a free body's motion: three floats (the products of
-// inertia dropped), one float (a third of the trace).
+// The kind `inertia_shortcuts`: effect of simplified inertia tensors of game engines on a free body's motion. Three
+// floats: the products of inertia are dropped. One float: a third of the trace.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ Quaternion<double> high(const Quaternion<Pair>& q) { return {q.w.high, q.x.high,
 }  // namespace
 
 Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
-    // error over the first so many radians of turning
+    // errors are evaluated over the first 0.1, 1, 10 and 100 rad of rotation
     const std::vector<double> turned = {0.1, 1, 10, 100};
     const long samples = options.quick ? 500 : 4000;
     Findings result;
@@ -48,7 +48,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
         {{"scene", "shortcut", "angle_of_momentum_to_rate", "turned", "attitude_error_max", "momentum_error_max",
           "energy_error_max", "turned_at_0.01", "turned_at_0.1", "turned_at_1", "status", "message"},
          {}}};
-    NamedFigure figure{"inertia_shortcuts", {"Attitude error of shortcuts in the inertia tensor", 2, {}, ""}};
+    NamedFigure figure{"inertia_shortcuts", {"Attitude error of simplified inertia tensors", 2, {}, ""}};
     for (const PlannedScene& planned : plan.scenes) {
         Scene scene = planned.scene;
         const Problem problem = pose(scene);
@@ -56,13 +56,13 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
         if (rate == 0 || !scene.loads.empty() || scene.pivot) {
             std::vector<Cell> row{planned.label, std::string("all")};
             row.resize(10), row.insert(row.end(), {std::string("unsupported"),
-                                                   std::string("the comparison is of free, turning bodies")});
+                                                   std::string("only free, rotating bodies are compared")});
             table.table.rows.push_back(std::move(row));
             continue;
         }
         scene.duration = turned.back() / rate;
         const Reference truth = reference(scene, samples);
-        Panel panel{planned.label, "turned (rad)", "attitude error (rad)", true, true, {}};
+        Panel panel{planned.label, "rotation (rad)", "attitude error (rad)", true, true, {}};
         int place = 0;
         for (const Shortcut& shortcut : shortcuts) {
             Scene simplified = scene;
@@ -89,7 +89,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
             const double L = length(high(truth.samples[0].angular_momentum_W)), E = truth.samples[0].energy.high;
             for (std::size_t k = 0; k < truth.samples.size(); ++k) {
                 const ReferenceSample &right = truth.samples[k], &wrong = other.samples[k];
-                // the shortcut's own momentum and energy are what its engine would report: judged with the true tensor
+                // momentum and energy use the true tensor; with the simplified one an engine would report other values
                 const Vector3<double> w = high(wrong.angular_velocity_B);
                 const Vector3<double> L_B = problem.body.inertia_B * w;
                 attitude.push_back(rotation_angle_between(high(right.q), high(wrong.q)));
@@ -121,7 +121,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options) {
             Curve curve;
             curve.label = shortcut.name, curve.points = false;
             set_style(curve, plain_style(place));
-            // the largest so far, thinned evenly over the logarithm
+            // the largest error so far, at logarithmically spaced points
             double most = 0, next = 0;
             for (std::size_t k = 1; k < angle.size(); ++k) {
                 most = std::max(most, attitude[k]);

@@ -1,5 +1,5 @@
-// Mechanisms as games and robotics step them: how far attitudes are off, how far joints open and how much energy is
-// lost or won, at each step.
+// The kind `joints`: mechanisms with the joint solvers of games and robotics. Attitude error, joint gaps and energy
+// error at each step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,9 +18,9 @@
 namespace polhode {
 namespace {
 
-constexpr double lost_attitude = 1;  // rad: no order beyond it
+constexpr double lost_attitude = 1;  // rad; larger errors are not used for the observed order
 
-// The one parameter that takes several values, where there is just one.
+// The parameter that is varied, if exactly one has several values; else null.
 const Variation* varied(const Plan& plan) {
     const auto many = [](const Variation& v) { return v.values.size() > 1; };
     const std::vector<Variation>& vary = plan.experiment.vary;
@@ -33,7 +33,7 @@ std::vector<double> all_steps(const Plan& plan) {
     return {};
 }
 
-// What a run has to say of itself: the number, or how it ended.
+// The error of a run, or its status if it is not `ok`.
 Cell told(const Result& row, const char* measure) {
     if (row.status != Status::ok) return std::string(name_of(row.status));
     return cell_of(row.errors[measure].max);
@@ -51,7 +51,8 @@ std::optional<double> step_nanoseconds(const std::vector<const Result*>& rows) {
     return median_of(all);
 }
 
-// Of each scene and method, at each step: attitude, then the largest gap of a joint; and at the largest one the energy.
+// For each scene and method: attitude error, largest joint gap and energy error at each step. The page shows the energy
+// error at the largest step only.
 NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<double> steps = all_steps(plan);
     std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
@@ -63,9 +64,9 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     for (const double step : steps)
         columns.push_back(
             {"energy_error at " + step_name(step), step == steps.front() ? "energy, " + step_name(step) : ""});
-    columns.push_back({"step_nanoseconds", "ns a step"});
+    columns.push_back({"step_nanoseconds", "ns per step"});
     columns.push_back({"message", "remark"});
-    NamedTable named = headed_table("scenes", "Scene by scene", columns);
+    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
@@ -97,18 +98,18 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
     return named;
 }
 
-// Of each method at each step: medians over the scenes, and how many it runs to the end.
+// For each method at each step: medians over the scenes, and the number of completed scenes.
 NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
     NamedTable named = headed_table("methods", "Over all scenes",
                                     {{"method", "method"},
                                      {"step", "step"},
                                      {"scenes", "scenes"},
-                                     {"ended_otherwise", "ended otherwise"},
+                                     {"ended_otherwise", "other outcomes"},
                                      {"attitude_error", "attitude (rad)"},
                                      {"joint_gap", "gap (m)"},
                                      {"worst_joint_gap", "worst gap (m)"},
                                      {"energy_error", "energy"},
-                                     {"step_nanoseconds", "ns a step"}});
+                                     {"step_nanoseconds", "ns per step"}});
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.kind != SettingKind::step) continue;
         for (const double step : curve.settings) {
@@ -137,7 +138,7 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
     return named;
 }
 
-// Against the step, or against the value that varies, at the largest step.
+// Errors against the step, or at the largest step against the parameter that is varied.
 std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<double> steps = all_steps(plan);
     const Variation* const parameter = varied(plan);
@@ -146,7 +147,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
     const std::size_t scenes_a_panel = parameter ? parameter->values.size() : 1;
     for (std::size_t first = 0; first < plan.scenes.size(); first += scenes_a_panel)
         for (const auto& [measure, label] :
-             {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest gap of a joint (m)"}}) {
+             {std::pair{"attitude", "largest attitude error (rad)"}, {"joint_gap", "largest joint gap (m)"}}) {
             Panel panel{
                 parameter ? plan.scenes[first].scene.name + ", " + step_name(steps.front()) : plan.scenes[first].label,
                 parameter ? parameter->pointer : "step (s)",

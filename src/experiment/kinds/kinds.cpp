@@ -11,7 +11,7 @@ std::span<const ExperimentKind> kinds() {
     static const std::vector<std::string_view> all_keys = {"scenes",         "methods", "settings",        "vary",
                                                            "samples",        "repeats", "seconds_per_run", "max_steps",
                                                            "max_evaluations"};
-    // the only list; a new kind is a line here and its function
+    // the list of all kinds; a new kind is one entry and its function
     static const ExperimentKind list[] = {
         // error against run time, and the fastest at each accuracy
         {.name = "sweep", .reads = all_keys, .conclude = conclude_sweep},
@@ -19,35 +19,35 @@ std::span<const ExperimentKind> kinds() {
         {.name = "convergence", .reads = all_keys, .conclude = conclude_convergence},
         // errors over time
         {.name = "drift", .reads = all_keys, .conclude = conclude_drift, .keeps_series = true},
-        // digits gained or lost against what was asked for
+        // error against the requested tolerance
         {.name = "tolerance", .reads = all_keys, .conclude = conclude_tolerance},
-        // each curve by all formulations: what leaving out is worth
+        // each curve with all formulations: gain of the reduced formulation
         {.name = "leave_out",
          .reads = all_keys,
          .conclude = conclude_leave_out,
          .all_formulations = true,
          .one_body = true},
-        // how errors grow over a long run, every method at the same number of evaluations a revolution
+        // growth of errors over a long run, at equal evaluations per revolution
         {.name = "conservation",
          .reads = all_keys,
          .conclude = conclude_conservation,
          .keeps_series = true,
          .calibrated = true,
          .one_body = true},
-        // our own methods against the libraries at equal error, and over long runs
+        // run time of polhode's methods against the libraries at equal error, and long runs
         {.name = "speed",
          .reads = {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
          .conclude = conclude_speed,
          .sequel = long_runs},
-        // physics engines among each other, beside textbook updates and methods of high accuracy
+        // physics engines, compared with textbook updates and accurate methods
         {.name = "engines", .reads = all_keys, .conclude = conclude_engines},
-        // their joints likewise, on mechanisms
+        // joints of physics engines, on mechanisms
         {.name = "engine_joints",
          .reads = all_keys,
          .conclude = conclude_engine_joints,
          .sequel = joint_sweeps,
          .keeps_series = true},
-        // mechanisms as games and robotics step them: attitude, gaps and energy at each step
+        // joint solvers of games and robotics: attitude, gaps and energy at each step
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
         {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},
         {.name = "mechanism_cost", .reads = {"repeats"}, .make = run_mechanism_cost},

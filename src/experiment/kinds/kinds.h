@@ -1,5 +1,4 @@
-// What the kinds make of their rows, and those that make the rows themselves: each in a file of its own, all in the
-// table of kinds.cpp.
+// The functions of all kinds of experiments. Each is in its own file and is listed in kinds.cpp.
 #pragma once
 
 #include <vector>
@@ -11,7 +10,7 @@
 
 namespace polhode {
 
-// from the rows of scenes by methods at settings
+// `conclude` of the kinds: findings from the rows of a sweep
 Findings conclude_sweep(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_convergence(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_drift(const Plan& plan, const std::vector<Result>& rows);
@@ -23,10 +22,11 @@ Findings conclude_engine_joints(const Plan& plan, const std::vector<Result>& row
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows);
 
-/// The sequel of `speed`: its closed-form motions over T, 10 T and 100 T by our own methods at their finest tolerance.
+/// The sequel of `speed`: its motions with a closed form over T, 10 T and 100 T, by polhode's methods at their finest
+/// tolerance.
 Plan long_runs(const Plan& plan);
 
-// rows and all
+// `make` of the kinds: compute their own rows
 Findings run_gimbal_lock(const Plan& plan, const RunOptions& options);
 Findings run_collisions(const Plan& plan, const RunOptions& options);
 Findings run_inertia(const Plan& plan, const RunOptions& options);

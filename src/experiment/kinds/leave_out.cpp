@@ -1,4 +1,4 @@
-// What leaving out is worth: the same curve by all formulations.
+// The kind `leave_out`: gain of the reduced formulation, from the same curve with all formulations.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -27,8 +27,8 @@ std::vector<Point> points_of(const std::vector<Result>& results, const PlannedSc
     return points;
 }
 
-// Seconds at this error, by a least-squares line through log time over log error; not beyond the curve's own errors,
-// and the mean time of a curve that does not spread over a factor of three.
+// Seconds at this error, by a least-squares line through log time over log error. The error is clamped to the range of
+// the curve. If this range is smaller than a factor of three, returns the mean time.
 std::optional<double> seconds_at(const std::vector<Point>& points, double log_error) {
     if (points.empty()) return {};
     std::vector<std::pair<double, double>> logs;
@@ -40,7 +40,7 @@ std::optional<double> seconds_at(const std::vector<Point>& points, double log_er
     return std::exp(line.at(std::clamp(log_error, low->log_error, high->log_error)));
 }
 
-// geometric mean over the settings of the error of the one over that of the other
+// geometric mean over the common settings of the ratio of errors
 std::optional<double> error_ratio(const std::vector<Point>& of, const std::vector<Point>& to) {
     double sum = 0, count = 0;
     for (const Point& a : of)
@@ -59,7 +59,7 @@ std::string left_out(const Needs& needs) {
 }  // namespace
 
 NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
-    NamedTable named = headed_table("gain", "What leaving out is worth",
+    NamedTable named = headed_table("gain", "Gain of the reduced formulation",
                                     {{"scene", "scene"},
                                      {"method", "method"},
                                      {"setting_kind", "setting"},
@@ -70,7 +70,7 @@ NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
                                      {"seconds_reduced", "reduced (s)"},
                                      {"gain", "gain"},
                                      {"error_ratio", "error at equal settings"},
-                                     {"left_out", "left out"}});
+                                     {"left_out", "omitted"}});
     for (const PlannedScene& scene : plan.scenes) {
         const Needs needs = pose(scene.scene).needs;
         for (const PlannedCurve& curve : plan.curves) {

@@ -1,4 +1,5 @@
-// What a right-hand side of a mechanism costs against the number of its links: chains of hinges and of ball joints.
+// The kind `mechanism_cost`: time per evaluation of the right-hand side against the number of links, for chains of
+// hinges and of ball joints.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,10 +18,10 @@ namespace polhode {
 namespace {
 
 constexpr long link_counts[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
-constexpr double batch_seconds = 1e-3;  // of evaluations timed as one
+constexpr double batch_seconds = 1e-3;  // shortest batch of evaluations that is timed
 
-// Links of 1/8 kg and 1/8 m, hung one on the other and bent a little at every joint, so that nothing vanishes. Hinges
-// lie across each other in turn, as in mechanisms/chain_10.
+// A hanging chain of links of 1/8 kg and 1/8 m, bent slightly at every joint, so that no term vanishes. Successive
+// hinges are perpendicular, as in mechanisms/chain_10.
 Scene chain_of(long links, JointType type) {
     Scene scene;
     scene.name = fmt::format("chain of {} links", links), scene.duration = 1;
@@ -44,14 +45,14 @@ Scene chain_of(long links, JointType type) {
     return scene;
 }
 
-/// A chain at its start, and how long its right-hand side has taken, round by round.
+/// A chain in its initial state, and the measured times of its right-hand side.
 struct TimedChain {
     const char* joint;
     long links;
     Tree<double> tree;
     std::vector<double> y, dy;
-    long evaluations = 1;           ///< timed as one
-    std::vector<double> seconds{};  ///< of one evaluation
+    long evaluations = 1;           ///< per batch
+    std::vector<double> seconds{};  ///< per evaluation, one value per round
 
     TimedChain(const char* name, const Scene& scene)
         : joint(name),
@@ -81,7 +82,7 @@ Findings run_mechanism_cost(const Plan& plan, const RunOptions& options) {
     std::vector<TimedChain> chains;
     for (const auto& [name, type] : {std::pair{"revolute", JointType::revolute}, {"spherical", JointType::spherical}})
         for (const long links : link_counts) chains.emplace_back(name, chain_of(links, type));
-    // warm, and how many make a batch
+    // warm up, and find the number of evaluations per batch
     for (TimedChain& chain : chains) {
         double seconds = chain.batch();
         while (seconds < batch_seconds) {
@@ -100,12 +101,12 @@ Findings run_mechanism_cost(const Plan& plan, const RunOptions& options) {
                                      {"variables", "variables"},
                                      {"microseconds_min", "time (us)"},
                                      {"microseconds_median", "median (us)"},
-                                     {"nanoseconds_per_link", "ns a link"},
+                                     {"nanoseconds_per_link", "ns per link"},
                                      {"median_per_link", ""},
-                                     {"over_100_links", "over that of 100 links"},
+                                     {"over_100_links", "relative to 100 links"},
                                      {"evaluations", ""}});
-    NamedFigure figure{"mechanism_cost", {"Time of a right-hand side, by the links of a chain", 1, {}, ""}};
-    Panel panel{"", "links", "time a link (ns)", true, true, {}};
+    NamedFigure figure{"mechanism_cost", {"Time per evaluation of the right-hand side of a chain", 1, {}, ""}};
+    Panel panel{"", "links", "time per link (ns)", true, true, {}};
     const auto least_of = [](const TimedChain& chain) {
         return *std::min_element(chain.seconds.begin(), chain.seconds.end());
     };

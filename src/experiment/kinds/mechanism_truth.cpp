@@ -1,5 +1,5 @@
-// The truth of scenes of several bodies: how it was made, in how many digits its two formulations agree, and how many
-// are proven. And the figures of mechanisms that others published, beside ours.
+// The kind `mechanism_truth`: the truth of scenes of several bodies, with the digits to which its two formulations
+// agree and the proven digits; and published numbers of mechanisms compared with the truth.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,10 +20,10 @@ namespace polhode {
 namespace {
 
 constexpr int digits_asked = 25;
-// of --quick, and where the whole motion takes longer than allowed: this part of it
+// fraction of the duration with --quick, and if the whole motion exceeds the time limit
 constexpr double part = 1.0 / 64;
-constexpr double quick_seconds = 1;    // allowed then
-constexpr double part_of_proof = 0.2;  // of the time allowed
+constexpr double quick_seconds = 1;    // time limit with --quick
+constexpr double part_of_proof = 0.2;  // time limit of the proof, relative to that of the truth
 
 struct Counted {
     long freedoms = 0, rows = 0, redundant = 0;
@@ -36,7 +36,7 @@ Counted counted(const Scene& scene) {
     return {tree.links().rates - independent, rows, rows - independent};
 }
 
-// The largest gap and turn of all joints and loops over the samples of the truth itself.
+// The largest gap and turn of all joints and loops over the samples of the truth.
 JointViolations<Wide> largest_violations(const Scene& scene, const Reference& truth) {
     const MechanismMeasure<Wide> measure(scene);
     JointViolations<Wide> largest;
@@ -85,34 +85,34 @@ Findings run_mechanism_truth(const Plan& plan, const RunOptions& options) {
                                      {{"scene", "scene"},
                                       {"bodies", "bodies"},
                                       {"degrees_of_freedom", "degrees of freedom"},
-                                      {"loop_rows", "equations of loops"},
+                                      {"loop_rows", "loop equations"},
                                       {"redundant_rows", "redundant"},
                                       {"duration", "T (s)"},
-                                      {"digits_asked", "digits asked"},
-                                      {"digits_agreed", "agreed"},
+                                      {"digits_asked", "digits requested"},
+                                      {"digits_agreed", "digits agreed"},
                                       {"bound", "bound"},
-                                      {"digits_proven", "proven"},
+                                      {"digits_proven", "digits proven"},
                                       {"joint_gap_max", "largest gap (m)"},
                                       {"joint_turn_max", ""},
                                       {"seconds", "time (s)"},
-                                      {"proof_seconds", "of the proof (s)"},
+                                      {"proof_seconds", "time of the proof (s)"},
                                       {"proof", ""},
-                                      {"message", "how"}});
+                                      {"message", "remark"}});
     truths.table.rows.resize(plan.scenes.size());
-    // each truth has two threads of its own for most of its time
+    // each truth uses two threads most of the time
     parallel_for(plan.scenes.size(), std::max(1, options.jobs / 2), [&](std::size_t i) {
         truths.table.rows[i] =
             truth_row(plan.scenes[i], plan.experiment.samples, options.quick, plan.experiment.seconds_per_run);
     });
-    NamedTable published = headed_table("figures", "Figures that others published, and ours",
+    NamedTable published = headed_table("figures", "Published numbers compared with the truth",
                                         {{"mechanism", "mechanism"},
                                          {"source", "source"},
                                          {"quantity", "quantity"},
                                          {"published", "published"},
-                                         {"ours", "ours"},
+                                         {"ours", "polhode"},
                                          {"difference", "relative difference"},
                                          {"digits_printed", "digits printed"},
-                                         {"digits_right", "right"}});
+                                         {"digits_right", "correct digits"}});
     for (const ComparedFigure& figure : compared_figures(options.quick, plan.experiment.samples))
         published.table.rows.push_back({figure.mechanism, figure.source, figure.quantity, figure.published, figure.ours,
                                         cell_of(figure.difference), cell_of(figure.digits_printed),

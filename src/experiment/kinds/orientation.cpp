@@ -1,5 +1,5 @@
-// Orientation as D. Fleck's slides tell it, each claim with its number: interpolated angles, the order of angles and of
-// matrices, reflections, vertices turned on from where they are, the inertia summed over world points.
+// The kind `orientation`: measures the claims about orientation in D. Fleck's slides. Interpolated angles, the order of
+// angles and of matrices, reflections, vertices that are rotated incrementally, inertia summed over world points.
 #include "body/orientation.h"
 
 #include <algorithm>
@@ -29,14 +29,14 @@ Quaternion<double> from_degrees(const EulerAngles& a) {
 
 std::string words(const EulerAngles& a) { return text_of(a[0]) + " " + text_of(a[1]) + " " + text_of(a[2]); }
 
-// Between two orientations
+// Interpolation between two orientations
 
 constexpr int pieces = 1000;
 
-/// A way from one orientation to another in `pieces` steps of equal time: how long it is and how evenly it is run.
+/// Length and speed of a path from one orientation to another, in `pieces` steps of equal time.
 struct Route {
     double length = 0;                                                      ///< rad
-    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad in a piece
+    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad per step
 };
 template <class At>
 Route way_of(const At& at) {
@@ -57,22 +57,22 @@ NamedTable interpolation() {
         const char* what;
         EulerAngles from, to;  ///< degrees
     } pairs[] = {{"about one axis", {0, 0, 0}, {90, 0, 0}},
-                 {"about three", {30, 20, 10}, {80, -30, 120}},
-                 {"yaw across 180", {170, 0, 0}, {-170, 0, 0}},
-                 {"roll and yaw across 180", {175, 30, -170}, {-160, 40, 165}},
-                 {"pitch over the top, as 80 and 80", {0, 80, 0}, {180, 80, 180}},
-                 {"beside the top", {0, 89, 0}, {90, 89, 0}},
-                 {"roll along with yaw, to the top", {0, 60, 0}, {170, 89, 170}},
-                 {"near a half turn", {0, 0, 0}, {170, 10, 40}}};
+                 {"about three axes", {30, 20, 10}, {80, -30, 120}},
+                 {"yaw through 180 degrees", {170, 0, 0}, {-170, 0, 0}},
+                 {"roll and yaw through 180 degrees", {175, 30, -170}, {-160, 40, 165}},
+                 {"through the vertical, pitch 80 at both ends", {0, 80, 0}, {180, 80, 180}},
+                 {"near the vertical", {0, 89, 0}, {90, 89, 0}},
+                 {"roll equal to yaw, to near the vertical", {0, 60, 0}, {170, 89, 170}},
+                 {"near half a revolution", {0, 0, 0}, {170, 10, 40}}};
     NamedTable table = headed_table("", "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
                                     {{"pair", "pair"},
                                      {"from_degrees", "from yaw, pitch, roll (deg)"},
-                                     {"to_degrees", "to"},
+                                     {"to_degrees", "to yaw, pitch, roll (deg)"},
                                      {"interpolation", "interpolation"},
-                                     {"length", "way (rad)"},
+                                     {"length", "path length (rad)"},
                                      {"shortest", ""},
-                                     {"length_ratio", "way / shortest"},
-                                     {"largest_jump", "largest turn in a step (rad)"},
+                                     {"length_ratio", "path length / shortest"},
+                                     {"largest_jump", "largest rotation in a step (rad)"},
                                      {"speed_ratio", "fastest / slowest"}});
     for (const auto& pair : pairs) {
         const Quaternion<double> a = from_degrees(pair.from), b = from_degrees(pair.to);
@@ -92,18 +92,19 @@ NamedTable interpolation() {
     return table;
 }
 
-/// A body turned at a constant rate about a horizontal axis but for `distance`, which carries its nose past the
-/// vertical at that distance; known at keys every 9 degrees and interpolated between.
+/// A body rotates at a constant rate about an axis that is inclined to the horizontal by `distance`, so that its nose
+/// passes the vertical at this distance. Its orientation is given at keys every 9 degrees and interpolated between
+/// them.
 NamedTable keys() {
     constexpr int count = 20;
-    NamedTable table = headed_table("keys", "A half turn past gimbal lock, known at 21 keys: what is between them",
-                                    {{"distance", "distance from lock (rad)"},
+    NamedTable table = headed_table("keys", "Interpolation between 21 keys of half a revolution past gimbal lock",
+                                    {{"distance", "distance from gimbal lock (rad)"},
                                      {"interpolation", "interpolation"},
                                      {"largest_angle_change", "largest change of an angle between keys (rad)"},
                                      {"attitude_error", "largest attitude error (rad)"},
-                                     {"largest_jump", "largest turn in a 50th of a key (rad)"}});
+                                     {"largest_jump", "largest rotation in 1/50 of a key interval (rad)"}});
     for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
-        // yaw goes from 100 to 280 degrees: across 180 for certain, not by a rounding error
+        // yaw goes from 100 to 280 degrees, so it passes 180 degrees regardless of rounding
         const Quaternion<double> start = quaternion_from_euler(yaw_pitch_roll, {100 * degree, 0, distance});
         const auto motion = [&](double t) {  // t in keys
             return start * quaternion_from_axis_angle({{0, 1, 0}, t * std::numbers::pi / count});
@@ -113,7 +114,7 @@ NamedTable keys() {
             const EulerAngles a = euler_from_quaternion(yaw_pitch_roll, motion(k));
             wrapped.push_back(a);
             unwrapped.push_back(a);
-            // the turn count nearest to the key before
+            // unwrap: the angle nearest to that of the previous key
             if (k > 0)
                 for (std::size_t i = 0; i < 3; ++i) {
                     const double full = 2 * std::numbers::pi, before = unwrapped[unwrapped.size() - 2][i];
@@ -145,7 +146,7 @@ NamedTable keys() {
             });
         };
         add_angles("euler_angles in (-180, 180]", wrapped);
-        add_angles("euler_angles, full turns counted", unwrapped);
+        add_angles("euler_angles, unwrapped", unwrapped);
         add("slerp", std::nullopt, [&](std::size_t k, double t) {
             return slerp(motion(static_cast<double>(k)), motion(static_cast<double>(k + 1)), t);
         });
@@ -153,9 +154,9 @@ NamedTable keys() {
     return table;
 }
 
-// In which order
+// Order of rotations
 
-/// X = 20, Y = 5, Z = 15 degrees, as on the slide, in each order of three different axes.
+/// The slide's angles, X = 20, Y = 5, Z = 15 degrees, in each order of three different axes.
 NamedTable angle_order() {
     const double about[] = {20 * degree, 5 * degree, 15 * degree};
     const auto turned = [&](EulerSequence sequence) {
@@ -164,7 +165,7 @@ NamedTable angle_order() {
         return quaternion_from_euler(sequence, angles);
     };
     NamedTable table{"angle_order",
-                     "X = 20, Y = 5, Z = 15 degrees in each order: angle between the orientations (rad)",
+                     "Angle between the orientations of X = 20, Y = 5, Z = 15 degrees in each order (rad)",
                      {{"sequence", "extrinsic"}, {}}};
     for (const EulerSequence other : euler_sequences)
         if (!is_proper(other)) table.table.columns.push_back("from_" + std::string(name_of(other)));
@@ -179,7 +180,8 @@ NamedTable angle_order() {
     return table;
 }
 
-/// "To combine rotations A*B = N, rotating first by A then B is the same as just multiplying by N", beside A*V = V'.
+/// Measures the slide's claim "To combine rotations A*B = N, rotating first by A then B is the same as just multiplying
+/// by N", with its convention A*V = V'.
 NamedTable matrix_order() {
     const Matrix3<double> A = rotation_matrix(quaternion_from_axis_angle({{1, 0, 0}, 20 * degree})),
                           B = rotation_matrix(quaternion_from_axis_angle({{0, 0, 1}, 15 * degree}));
@@ -187,8 +189,8 @@ NamedTable matrix_order() {
     const Vector3<double> first_A_then_B = B * (A * V);
     NamedTable table =
         headed_table("matrix_order",
-                     "First a turn A by 20 degrees about x, then B by 15 about z, of V = (1, 2, 3): B (A V) against "
-                     "one product",
+                     "B (A V) against one product: A rotates V = (1, 2, 3) by 20 degrees about x, then B by 15 degrees "
+                     "about z",
                      {{"product", "product"},
                       {"meaning", "meaning"},
                       {"difference", "difference of the vector / |V|"},
@@ -200,15 +202,17 @@ NamedTable matrix_order() {
             {std::string(product), std::string(meaning), std::sqrt(dot(d, d) / dot(V, V)), angle});
     };
     const Matrix3<double> AB = A * B, BA = B * A, rows = transposed(A) * transposed(B);
-    add("(A B) V", "the slide's N = A B with its own V' = A V: first B, then A; or first A, then B about A's new axes",
+    add("(A B) V",
+        "the slide's N = A B with its V' = A V: first B, then A about fixed axes; or first A, then B about rotated "
+        "axes",
         AB, AB * V);
     add("(B A) V", "first A, then B, both about fixed axes", BA, BA * V);
-    add("V^T (A^T B^T)", "rows instead of columns: there the first stands on the left", transposed(rows),
-        transposed(rows) * V);
+    add("V^T (A^T B^T)", "row vectors instead of column vectors: the first rotation is the left factor",
+        transposed(rows), transposed(rows) * V);
     return table;
 }
 
-// What is a rotation
+// Rotations and reflections
 
 NamedTable reflection() {
     const Matrix3<double> R = rotation_matrix(from_degrees({40, 20, -30}));
@@ -218,17 +222,17 @@ NamedTable reflection() {
     Matrix3<double> exchanged = R;
     std::swap(exchanged[0], exchanged[1]);
     NamedTable table{"reflection",
-                     "Which matrices are taken for an orientation",
+                     "Matrices that are accepted as orientations",
                      {{"matrix", "determinant", "defect", "accepted", "message"}, {}}};
     const std::pair<const char*, Matrix3<double>> matrices[] = {
         {"a rotation", R},
         {"one axis mirrored", R * diagonal(Vector3<double>(1, 1, -1))},
         {"all axes mirrored", R * diagonal(Vector3<double>(-1, -1, -1))},
         {"two rows exchanged", exchanged},
-        {"two axes mirrored: a half turn more", R * diagonal(Vector3<double>(-1, -1, 1))},
-        {"a scale of 1.1", R * diagonal(Vector3<double>(1.1, 1.1, 1.1))},
+        {"two axes mirrored (a rotation by half a revolution)", R * diagonal(Vector3<double>(-1, -1, 1))},
+        {"scaled by 1.1", R * diagonal(Vector3<double>(1.1, 1.1, 1.1))},
         {"100 steps A += h skew(w) A, h |w| = 0.0037", drifted},
-        {"the same, re-orthogonalised", reorthogonalised(drifted)}};
+        {"100 steps A += h skew(w) A, re-orthogonalised", reorthogonalised(drifted)}};
     for (const auto& [what, A] : matrices) {
         std::string message;
         try {
@@ -244,10 +248,10 @@ NamedTable reflection() {
 
 // Vertices
 
-/// Three vertices at the axes' unit points, turned by one and the same R a step.
+/// Three vertices at unit distance on the axes, rotated by the same R in each step.
 template <class S>
 void turn_vertices(const char* scalar, long most, Table& table) {
-    // 1/64 rad a step about (1, -2, 2)/3
+    // 1/64 rad per step about (1, -2, 2)/3
     const Quaternion<double> turn = quaternion_from_axis_angle({{1, -2, 2}, 1.0 / 64});
     const Quaternion<S> step = cast<S>(turn);
     const Matrix3<S> R = rotation_matrix(step);
@@ -262,7 +266,7 @@ void turn_vertices(const char* scalar, long most, Table& table) {
         }
         const auto add = [&](const char* way, const Matrix3<S>& A) {
             const Matrix3<double> columns = cast<double>(A);
-            // n/128 is a binary64 number: no turn is lost in reducing it
+            // n/128, the half angle, is exact in binary64
             const Quaternion<double> truth = quaternion_from_axis_angle({{1, -2, 2}, static_cast<double>(n) / 64});
             const double error = rotation_angle_between(quaternion_from_rotation(nearest_rotation(columns)), truth);
             table.rows.push_back({std::string(scalar), std::string(way), n, orthogonality_defect(columns), error});
@@ -274,15 +278,13 @@ void turn_vertices(const char* scalar, long most, Table& table) {
 }
 
 NamedTable vertices(bool quick) {
-    NamedTable table =
-        headed_table("vertices",
-                     "Three vertices turned on from where they are, against vertices always from the originals: 1/64 "
-                     "rad a step",
-                     {{"scalar", "numbers"},
-                      {"way", "way"},
-                      {"steps", "steps"},
-                      {"defect", "|V^T V - 1|"},
-                      {"attitude_error", "attitude error (rad)"}});
+    NamedTable table = headed_table(
+        "vertices", "Three vertices rotated by 1/64 rad per step, from the previous vertices or from the original ones",
+        {{"scalar", "precision"},
+         {"way", "update"},
+         {"steps", "steps"},
+         {"defect", "|V^T V - 1|"},
+         {"attitude_error", "attitude error (rad)"}});
     turn_vertices<float>("binary32", quick ? 100000 : 1000000, table.table);
     turn_vertices<double>("binary64", quick ? 100000 : 1000000, table.table);
     return table;
@@ -290,8 +292,8 @@ NamedTable vertices(bool quick) {
 
 // The inertia in world axes
 
-/// n^3 equal masses on a grid along the principal axes, stretched so that the sum is the tensor of the moments exactly:
-/// places 2 k - (n - 1), k = 0 .. n - 1, have the mean square (n^2 - 1)/3.
+/// n^3 equal masses on a grid along the principal axes, scaled so that the sum equals the tensor of the moments. The
+/// positions 2 k - (n - 1), k = 0 .. n - 1, have the mean square (n^2 - 1)/3.
 template <class S>
 std::vector<PointMass<S>> grid_body(int n, const Vector3<double>& moments, double mass) {
     Vector3<double> scale;
@@ -332,7 +334,7 @@ void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
     const Matrix3<Wide> truth = exact * diagonal(cast<Wide>(moments)) * transposed(exact);
     const Matrix3<S> I = diagonal(cast<S>(moments));
     const auto measure = [&](const char* way, std::optional<long> points, const auto& tensor) {
-        // frames turn a little each, so that no compiler takes the sum out of the loop
+        // the orientation changes slightly in each frame, so that no compiler hoists the sum out of the loop
         Quaternion<S> turned = cast<S>(q);
         Summing summing{scalar, way, points, relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
         S kept = S(0);
@@ -357,12 +359,12 @@ NamedTable inertia(int rounds) {
     sum_inertia<float>("binary32", rounds, found);
     sum_inertia<double>("binary64", rounds, found);
     NamedTable table = headed_table(
-        "inertia", "The inertia tensor in world axes, anew in every frame: summed over world points, or A I A^T",
-        {{"scalar", "numbers"},
-         {"way", "way"},
+        "inertia", "The inertia tensor in world axes, computed in each frame: sum over world points, or A I A^T",
+        {{"scalar", "precision"},
+         {"way", "computed by"},
          {"points", "points"},
          {"seconds_min", ""},
-         {"seconds_median", "time a frame (s)"},
+         {"seconds_median", "time per frame (s)"},
          {"inertia_error", "relative error of the tensor"}});
     for (const Summing& s : found)
         table.table.rows.push_back({s.scalar, s.way, cell_of(s.points),
@@ -383,7 +385,7 @@ Findings run_orientation(const Plan& plan, const RunOptions& options) {
                      inertia(std::min(plan.experiment.repeats, options.quick ? 3 : 1000))};
 
     const Table& drift = std::ranges::find(result.tables, "vertices", &NamedTable::name)->table;
-    NamedFigure figure{"orientation_vertices", {"Vertices turned on from where they are", 2, {}, ""}};
+    NamedFigure figure{"orientation_vertices", {"Drift of vertices that are rotated in each step", 2, {}, ""}};
     for (const char* scalar : {"binary32", "binary64"}) {
         Panel panel{scalar, "steps", "|V^T V - 1|", true, true, {}};
         for (const auto& row : drift.rows) {

@@ -1,5 +1,5 @@
-// A rigid body as points at hard distances, by springs, by constraints and by position-based dynamics, each against the
-// rigid truth: what stiffness buys, what it costs, and where it beats the method.
+// The kind `point_bodies`: a rigid body as points at fixed distances, by springs, constraints and position-based
+// dynamics, compared with the truth of the rigid body. Accuracy and cost against stiffness, and stability limits.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ constexpr PointMethod cvode{"point_springs_cvode_bdf", point_springs_cvode_bdf};
 constexpr PointMethod ida{"point_constraints_ida", point_constraints_ida};
 constexpr PointMethod xpbd{"point_xpbd", point_xpbd};
 
-// h times the fastest vibration's frequency at which each explicit scheme becomes unstable
+// h times the frequency of the fastest vibration at which an explicit scheme becomes unstable
 double stability_limit(const PointMethod& way) { return way.solve == point_springs_rk4 ? 2 * std::sqrt(2.0) : 2.0; }
 
 struct PointOutcome {
@@ -63,7 +63,7 @@ class Bench {
         return judge(found.trajectory,
                      found.trajectory.status == Status::ok ? std::optional(found.largest_stretch) : std::nullopt);
     }
-    // of the rigid body itself
+    // a method for the rigid body
     PointOutcome run(const char* method, Settings settings) const {
         settings.samples = samples;
         return judge(solve(problem, *find_method(method), settings), {});
@@ -126,7 +126,7 @@ void add_point(Curves& curves, const std::string& name, double x, const PointOut
     curve.x.push_back(x), curve.y.push_back(*outcome.attitude_error);
 }
 
-// By each method of springs: 10^2 to 10^10 N/m, explicit steps at half of what is stable.
+// Spring methods with stiffness 10^2 to 10^10 N/m, explicit ones at half the stability limit of the step.
 Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
     Table table = table_of({"scene", "method", "stiffness", "damping_ratio", "setting_kind", "setting"});
     const long max_steps = quick ? 20000 : 5'000'000, max_implicit = quick ? 5000 : 30000;
@@ -153,7 +153,7 @@ Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
     return table;
 }
 
-// By the default stiffness, around the step beyond which an explicit scheme is unstable.
+// Explicit spring methods with the default stiffness, at steps around the stability limit.
 Table measure_stability(const Bench& bench, bool quick) {
     Table table = table_of({"scene", "method", "h_over_limit", "setting"});
     const PointBody body = point_body(bench.problem, {});
@@ -170,7 +170,7 @@ Table measure_stability(const Bench& bench, bool quick) {
     return table;
 }
 
-// Hard distances, and the rigid body itself at the same settings.
+// Methods with hard distances, and rigid-body methods at the same settings.
 Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
     Table table = table_of({"scene", "method", "iterations", "setting_kind", "setting"});
     const auto note = [&](const std::string& name, std::vector<Cell> row, const PointOutcome& outcome) {
@@ -198,7 +198,7 @@ Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
     return table;
 }
 
-// 8, 27 and 64 points of the same mass properties.
+// 8, 27 and 64 points with the same mass properties.
 Table measure_counts(const Bench& bench, bool quick) {
     Table table = table_of(
         {"scene", "points", "links", "slowest_frequency", "fastest_frequency", "method", "setting_kind", "setting"});
@@ -218,7 +218,7 @@ Table measure_counts(const Bench& bench, bool quick) {
             const double h = bench.step(0.5 * stability_limit(*way) / w.fastest);
             add(*way, "step", h, with_step(h, quick ? 20000 : 300000));
         }
-        // LU factorisations of 6 n^3 unknowns
+        // only small n, because of LU factorisations with 6 n^3 unknowns
         if (n <= (quick ? 2 : 3)) add(cvode, "tolerance", 1e-8, with_tolerance(1e-8, 20000));
         const double h = bench.step(1e-3);
         add(xpbd, "step", h, with_step(h, 100000));
@@ -230,7 +230,7 @@ Table measure_counts(const Bench& bench, bool quick) {
 
 Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
     Findings result;
-    Figure figure{"A rigid body made of points: attitude error", 2, {}, ""};
+    Figure figure{"Attitude error of a rigid body made of points", 2, {}, ""};
     for (const PlannedScene& planned : plan.scenes) {
         const Bench bench(planned, options.quick);
         Curves by_stiffness, by_time;
@@ -241,18 +241,18 @@ Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
                 {name + suffix, fmt::format("{}: {}", planned.label, title), std::move(table), std::move(choices)});
         };
         add("",
-            "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stable limit, the "
-            "damping ratio that of the slowest vibration",
+            "springs of 10^2 to 10^10 N/m between the corners of the box; explicit steps at half the stability limit; "
+            "damping ratio of the slowest vibration",
             measure_stiffness(bench, options.quick, by_stiffness));
-        add("stability", "explicit steps around the limit that the fastest vibration sets (h w = 2.83, 2)",
+        add("stability", "explicit steps around the stability limit of the fastest vibration (h w = 2.83, 2)",
             measure_stability(bench, options.quick));
-        add("hard", "hard distances by IDA and by position-based dynamics, beside the rigid body's own equations",
+        add("hard", "hard distances by IDA and by position-based dynamics, and the equations of the rigid body",
             measure_hard_distances(bench, options.quick, by_time));
-        add("counts", "n^3 points of the same mass properties on springs and at hard distances",
+        add("counts", "n^3 points with the same mass properties, on springs and at hard distances",
             measure_counts(bench, options.quick));
         figure.panels.push_back(
             {planned.label + ": springs", "stiffness (N/m)", "largest attitude error (rad)", true, true, by_stiffness});
-        // colours go on where those of the other panel end: curves of one label share one entry
+        // continue the colours of the other panel, because the panels share one legend
         for (std::size_t i = 0; i < by_time.size(); ++i)
             set_style(by_time[i], plain_style(static_cast<int>(by_stiffness.size() + i)));
         figure.panels.push_back(

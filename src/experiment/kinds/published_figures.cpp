@@ -27,7 +27,7 @@ Wide power_of_ten(int exponent) {
     return exponent < 0 ? 1 / power : power;
 }
 
-// The angle in (-pi, pi] of a point of the plane: binary64's, mended by what is left.
+// The angle of a point of the plane, in (-pi, pi]: the binary64 result, corrected by the remaining angle.
 Wide angle_of(const Wide& sine, const Wide& cosine) {
     const Wide guess = std::atan2(static_cast<double>(sine), static_cast<double>(cosine));
     Wide s, c;
@@ -36,18 +36,18 @@ Wide angle_of(const Wide& sine, const Wide& cosine) {
     return guess + left + left * left * left / 6;
 }
 
-/// What the truth tells of a joint of one degree of freedom at the end.
+/// The truth of a joint with one degree of freedom at the end.
 struct JointNow {
-    Wide coordinate, rate, acceleration;  ///< the coordinate up to whole turns
+    Wide coordinate, rate, acceleration;  ///< the coordinate modulo 2 pi
 };
 
 struct EndOfTruth {
-    std::string fault;  ///< why there is none
+    std::string fault;  ///< why there is no truth; else empty
     std::map<std::string, JointNow> joints;
     std::map<std::string, Vector3<Wide>> forces;  ///< of joints and loops, N
 };
 
-// Of a scene all of whose joints are revolute: what its last sample says in joint coordinates.
+// The last sample of the truth in joint coordinates. All joints of the scene must be revolute.
 EndOfTruth end_of_truth(const Scene& scene, long samples) {
     const Reference truth = reference(scene, samples);
     if (!truth.available) return {truth.message, {}, {}};
@@ -90,13 +90,13 @@ EndOfTruth end_of_truth(const Scene& scene, long samples) {
     return end;
 }
 
-// The angle of them that differ by whole turns that is the nearest to another.
+// The angle congruent to `angle` modulo 2 pi that is nearest to `to`.
 Wide nearest_turn(const Wide& angle, const Wide& to) {
     const Wide turn = 2 * Elementary<Wide>::pi();
     return angle + turn * Elementary<Wide>::rounded((to - angle) / turn);
 }
 
-/// Gathers the figures of one mechanism.
+/// Collects the comparisons of one mechanism.
 class FigureComparison {
   public:
     FigureComparison(std::vector<ComparedFigure>& all, std::string mechanism, const EndOfTruth& end)
@@ -120,7 +120,7 @@ class FigureComparison {
     void add(const std::string& quantity, double published, const Wide& ours) {
         add(quantity, shortest_decimal(published), ours);
     }
-    /// An angle that counts turns; `unit`: in rad.
+    /// Adds an angle that is not wrapped; `unit` is the published unit in rad.
     template <class Number>
     void add_angle(const std::string& quantity, const Number& published, const Wide& angle, const Wide& unit = 1) {
         const Wide theirs = unit * wide_of_decimal(text(published));
@@ -171,9 +171,9 @@ void add_babyboot(FigureComparison& comparison, const figures::BabybootFigures& 
     comparison.add("q_B'' (rad/s^2)", set.accel_B, b.acceleration);
 }
 
-// The double four-bar over 10 s, through all its singular positions, where its own equations lose rank. The uprights
-// stay parallel and the bars turn with none of them: 3 a'' = 3.5 g sin a from a = 0, a' = 1. So does a pendulum of mass
-// 7 whose centre is 1/2 above the hinge and whose moment about it is 3.
+// The double four-bar over 10 s passes singular positions, where its equations lose rank. The uprights stay parallel
+// and the bars do not rotate, so that 3 a'' = 3.5 g sin a from a = 0, a' = 1. A pendulum of mass 7 kg, with its centre
+// of mass 1/2 m above the hinge and a moment of 3 kg m^2 about it, has the same equation.
 Scene four_bar_as_pendulum() {
     Scene scene;
     scene.name = "double_four_bar as a pendulum", scene.duration = 10;
@@ -249,7 +249,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
         FigureComparison squeezer(all, "andrews_squeezer", andrews);
         squeezer.from("IVP Test Set 2.4");
         add_andrews(squeezer, figures::andrews_published);
-        squeezer.from("its equations by extrapolation in 32 digits");
+        squeezer.from("equations of the source, extrapolation in 32 digits");
         add_andrews(squeezer, figures::andrews_recomputed);
 
         const EndOfTruth kane = end_of_truth(find_scene("mechanisms/babyboot"), samples);
@@ -261,7 +261,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
             babyboot.from(source);
             add_babyboot(babyboot, set);
         }
-        babyboot.from("Kane's two equations by Taylor series in 40 digits");
+        babyboot.from("Kane's two equations, Taylor series in 40 digits");
         const JointNow a = babyboot.joint("hinge"), b = babyboot.joint("swivel");
         babyboot.add_angle("q_A (rad)", figures::babyboot_recomputed[0], a.coordinate);
         babyboot.add_angle("q_B (rad)", figures::babyboot_recomputed[1], b.coordinate);
@@ -272,7 +272,7 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
     FigureComparison four_bar(all, "double_four_bar over 10 s", pendulum);
     four_bar.from("Exudyn");
     add_four_bar(four_bar, figures::double_four_bar_exudyn);
-    four_bar.from("quadrature of the pendulum's equation");
+    four_bar.from("quadrature of the pendulum equation");
     add_four_bar(four_bar, figures::double_four_bar_quadrature);
     return all;
 }

@@ -1,4 +1,4 @@
-// Figures that others published of mechanisms, each beside the truth.
+// Published numbers of mechanisms, compared with the truth.
 #pragma once
 
 #include <optional>
@@ -10,25 +10,25 @@
 
 namespace polhode {
 
-/// One number of another's beside ours.
+/// A published number and polhode's number for the same quantity.
 struct ComparedFigure {
     std::string mechanism, source;
-    std::string quantity;              ///< with its unit
-    std::string published;             ///< as it was printed
-    std::string ours;                  ///< to twenty digits; or why there is none
+    std::string quantity;              ///< with unit
+    std::string published;             ///< as printed
+    std::string ours;                  ///< polhode's number to 20 digits, or the reason why it is missing
     std::optional<double> difference;  ///< |published - ours| / |ours|
     std::optional<long> digits_printed;
-    std::optional<long> digits_right;  ///< floor(-log10 difference), of those printed
+    std::optional<long> digits_right;  ///< floor(-log10 difference), at most digits_printed
 };
 
-/// All of them: Andrews' squeezing mechanism, Kane's babyboot, the double four-bar (mechanism_figures.h). `quick`:
-/// of the last one alone, whose motion is a pendulum's. `samples`: of the truths, so that one made before serves.
+/// All comparisons: Andrews' squeezing mechanism, Kane's babyboot, the double four-bar (mechanism_figures.h). `quick`:
+/// only the last one, whose motion is a pendulum's. `samples`: of the truths, so that cached ones can be used.
 std::vector<ComparedFigure> compared_figures(bool quick, long samples);
 
-/// A decimal in 128 bits ("-929.47", "1e-3"); its last digits are right to some units of 1e-33 of itself.
+/// Parses a decimal such as "-929.47" or "1e-3" in 128 bits, with a relative error of some 1e-33.
 Wide wide_of_decimal(std::string_view text);
 
-/// A number to so many significant digits, at most 30, in positional notation from 1e-4 to 1e9, else in scientific one.
+/// Formats a number with `digits` significant digits, at most 30: positional from 1e-4 to 1e9, else scientific.
 std::string decimal_of_wide(const Wide& value, int digits);
 
 }  // namespace polhode

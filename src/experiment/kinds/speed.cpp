@@ -1,5 +1,5 @@
-// polhode's integrators against the libraries' at equal error, timed in turn in one run: the factors in time, the
-// smallest error of each method, and how errors and times grow over a long run.
+// The kind `speed`: run times of polhode's integrators and of the libraries at equal error, timed in turn in one run;
+// the smallest error of each method; growth of errors and times over long runs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,13 +19,13 @@ namespace {
 
 constexpr std::array<double, 3> levels{1e-6, 1e-9, 1e-12};  // rad, over all samples
 
-/// Median and minimum of one method's times at one error.
+/// Median and minimum of a method's times at an error.
 struct TimeAt {
     double median = 0, minimum = 0;
 };
 
-// The fastest run whose error is at most `level`; between two neighbouring settings on either side of the level by a
-// straight line through log time over log error, so that nobody gains by where settings happen to lie.
+// The time of the fastest run with an error of at most `level`. Interpolates log time over log error linearly between
+// neighbouring settings on either side of the level, so that the result does not depend on the choice of settings.
 std::optional<TimeAt> time_at(const std::vector<const Result*>& rows, double level) {
     std::optional<TimeAt> best;
     const auto offer = [&](const TimeAt& time) {
@@ -58,7 +58,7 @@ struct Runner {
     TimeAt time;
 };
 
-// The fastest at this error of the curves that belong, among the rows of one scene.
+// The fastest curve on a scene at this error among those for which belongs() is true.
 template <class Belongs>
 std::optional<Runner> fastest(const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows,
                               double level, const Belongs& belongs) {
@@ -75,8 +75,8 @@ bool steps_by_itself(const PlannedCurve& curve) {
     return curve.method->library.empty() && curve.kind == SettingKind::tolerance;
 }
 
-// The fastest method of polhode (where nothing acts: its closed form, then the fastest that chooses its steps) against
-// the fastest of any library.
+// Compares the fastest method of polhode that chooses its steps with the fastest method of any library. For torque-free
+// scenes of one body, compares the closed form too.
 void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
     const bool has_exact = !is_mechanism(scene.scene) && pose(scene.scene).needs.torque_free;
     const auto is_exact = [](const PlannedCurve& c) { return c.method->name == "exact"; };
@@ -91,7 +91,7 @@ void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, cons
                 row.emplace_back(runner ? curve_label(*runner->curve) : std::string(otherwise));
                 row.push_back(runner ? Cell(runner->time.median) : Cell());
             };
-            add(own, exact ? "exact does not reach it" : "none of ours reaches it");
+            add(own, exact ? "exact does not reach it" : "no polhode method reaches it");
             add(peer, "no library reaches it");
             const bool both = own && peer;
             row.push_back(both ? Cell(peer->time.median / own->time.median) : Cell());
@@ -125,7 +125,7 @@ void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, con
     }
 }
 
-// From the rows of the long runs: how errors grow, what a second of motion costs.
+// Growth of errors and run time per second of motion, from the rows of the long runs.
 Findings conclude_long(const Plan& plan, const std::vector<Result>& rows) {
     Table table{{"scene", "method", "tolerance", "duration", "status", "attitude_error_max", "attitude_exponent",
                  "energy_error_max", "energy_exponent", "steps", "seconds_per_second_of_motion", "message"},
@@ -146,7 +146,7 @@ Findings conclude_long(const Plan& plan, const std::vector<Result>& rows) {
         cells.emplace_back(row.message);
         table.rows.push_back(std::move(cells));
     };
-    // scene by scene, method by method, the durations of each one below the other
+    // sorted by scene, then method, then duration
     for (auto first = plan.scenes.begin(), last = first; first != plan.scenes.end(); first = last) {
         last = std::find_if(first, plan.scenes.end(),
                             [&](const PlannedScene& other) { return other.scene.name != first->scene.name; });
@@ -166,7 +166,7 @@ Plan long_runs(const Plan& plan) {
     longer.experiment.seconds_per_run = std::numeric_limits<double>::infinity();
     longer.experiment.max_evaluations = std::numeric_limits<long>::max();
     for (const PlannedScene& scene : plan.scenes) {
-        if (!pose(scene.scene).needs.torque_free) continue;  // a truth that costs the same for any T
+        if (!pose(scene.scene).needs.torque_free) continue;  // closed forms only, whose truth costs the same for any T
         for (const double factor : plan.quick ? std::vector{1.0, 10.0} : std::vector{1.0, 10.0, 100.0}) {
             PlannedScene& added = longer.scenes.emplace_back(scene);
             added.scene.duration *= factor;
@@ -180,17 +180,17 @@ Plan long_runs(const Plan& plan) {
 }
 
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows) {
-    NamedTable margins = headed_table("margins", "Factors in time at equal error",
+    NamedTable margins = headed_table("margins", "Run time of polhode and of other libraries at equal error",
                                       {{"scene", "scene"},
                                        {"attitude_error", "error (rad)"},
-                                       {"own", "ours"},
+                                       {"own", "polhode"},
                                        {"own_seconds", "time (s)"},
                                        {"peer", "against"},
                                        {"peer_seconds", "time (s)"},
                                        {"ratio", "factor"},
                                        {"ratio_of_minima", ""}});
     NamedTable smallest{"smallest",
-                        "The smallest error of each method and its time at given errors",
+                        "Smallest error of each method, and its run time at given errors",
                         {{"scene", "method", "setting", "attitude_error_max", "momentum_error_max", "energy_error_max",
                           "seconds_median", "seconds_at_1e-6", "seconds_at_1e-9", "seconds_at_1e-12"},
                          {}}};

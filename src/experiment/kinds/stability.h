@@ -2,8 +2,8 @@
 //
 // For each scene and fixed-step method a search halves the step until the attitude is within 1e-3 rad, then bisects the
 // limits of stability and accuracy (stability_runs.cpp). Tables and the page summarise these runs
-// (stability_tables.cpp, stability_page.cpp). Three studies of their own follow: linear theory beside measured limits
-// (stability_linear.cpp), maps of outcomes over step x stiffness and step x spin (stability_maps.cpp), and
+// (stability_tables.cpp, stability_page.cpp). Three separate studies follow: linear theory compared with measured
+// limits (stability_linear.cpp), maps of outcomes over step x stiffness and step x spin (stability_maps.cpp), and
 // discontinuous torques (stability_events.cpp).
 #pragma once
 
@@ -31,7 +31,7 @@ struct StabilityRun {
 struct StabilityScene {
     std::string label;
     std::string family;               ///< scene/scene_family.h
-    std::optional<double> parameter;  ///< of a family that has one
+    std::optional<double> parameter;  ///< of the family, if it has one
     double duration = 0;              ///< s
     double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
     std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
@@ -39,10 +39,10 @@ struct StabilityScene {
     /// theory applies.
     bool is_linear = false;
     Floors floors;
-    std::optional<double> kappa;  ///< condition number of the attitude at T, where a run needed it
+    std::optional<double> kappa;  ///< condition number of the attitude at T, if a run needed it
 };
 
-/// One method on one scene, with one kind of setting. Pointers are null where no run qualifies.
+/// One method on one scene, with one kind of setting. Pointers are null if no run qualifies.
 struct StabilityFinding {
     const StabilityScene* scene = nullptr;
     const Method* method = nullptr;
@@ -59,10 +59,10 @@ struct StabilityFinding {
 struct StabilityFindings {
     std::vector<StabilityScene> scenes;  ///< in the plan's order
     std::vector<StabilityFinding> findings;
-    long missing = 0;  ///< not run: filtered, other shards', interrupted
+    long missing = 0;  ///< searches not run: filtered, of other shards, or interrupted
 };
 
-/// False where the method does not support the scene, or where the search is missing.
+/// False if the method does not support the scene or the search is missing.
 inline bool was_run(const StabilityFinding& finding) {
     return !finding.runs.empty() && finding.runs.front().outcome != Outcome::unsupported;
 }
@@ -85,17 +85,17 @@ Table limits_table(const StabilityFindings& found);
 /// does, and the median over the other scenes of binary32's smallest error over binary64's.
 Table binary32_table(const StabilityFindings& found);
 
-/// For each tolerance-driven method on extreme/drag_torque_1e6: the fewest right-hand sides per second of motion that
-/// meet 1e-10 rad, or the smallest error where no run does. Empty where the scene is not in the plan.
+/// For each tolerance-driven method on extreme/drag_torque_1e6: the fewest evaluations per second of motion that reach
+/// 1e-10 rad, or the smallest error if no run does. Empty if the scene is not in the plan.
 Table damping_table(const Plan& plan, const StabilityFindings& found);
 
 /// For each method that has a linear theory, on a linear scene of each direction of the eigenvalue: the largest
 /// h |lambda| without growth by theory, and as measured over 50,000 steps (`quick`: 5,000).
 Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, int jobs, bool quick);
 
-/// Where |growth| <= 1 in the plane of z = h lambda, one panel per family of methods, with the eigenvalues of some
-/// scenes' Jacobians at t = 0 times a step that the legend gives; and in the plane of h gamma and h omega for methods
-/// of second-order motion.
+/// Draws the regions of |growth| <= 1. One figure is in the plane of z = h lambda, with one panel per family of methods
+/// and the eigenvalues of some scenes' Jacobians at t = 0 times a step (see the legend). The other is in the plane of
+/// h gamma and h omega, for methods for second-order equations.
 std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes);
 
 /// Runs each fixed-step method on a grid of step x stiffness and on one of step x spin. Tables: `maps` (one row per
@@ -104,12 +104,12 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
 /// column and row.
 Findings run_step_maps(std::span<const Method* const> methods, int jobs, bool quick);
 
-/// The observed order of a method where a torque or its derivative jumps, or a torque acts for less than a step: with
-/// the jump as an event of the scene that steps end at, and with a torque function that steps cross. `quick`: coarser
-/// steps and tolerances only.
+/// Measures the observed order of methods if a torque or its derivative jumps, or if a torque acts for less than a
+/// step. The jump is either an event of the scene, at which steps end, or in a torque function, so that steps cross it.
+/// `quick`: coarser steps and tolerances only.
 NamedTable measure_discontinuities(bool quick);
 
-/// The page: for each method in plain words what it is safe for. `tables`: those that the page shows.
+/// The page: tables, and for each method its limits on the families of scenes. `tables`: those that the page shows.
 std::string stability_page(const Plan& plan, const StabilityFindings& found, const std::vector<NamedTable>& tables);
 
 }  // namespace polhode

@@ -1,8 +1,8 @@
-// What stepping over a discontinuity costs.
+// Cost of stepping over a discontinuity, for the kind `stability`.
 //
-// A body, I = (1, 2, 3), turns freely; at T/3 a torque about its second axis begins: at once, or as a ramp, or as a
-// pulse shorter than any step. Steps are T/n with n = 10 4^k: T/3 then lies a third into a step in every run, and
-// errors fall evenly, by 4^p for the order p that is left.
+// A body with I = (1, 2, 3) rotates freely. At T/3 a torque about its second axis starts: as a jump, as a ramp, or as a
+// pulse shorter than any step. Steps are T/n with n = 10 4^k, so that T/3 is at a third of a step in every run, and
+// errors decrease by 4^p for the remaining order p.
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -31,7 +31,7 @@ struct Discontinuity {
     const char* name;
     double ends;
     double (*torque)(double after);  ///< of the time after `begins`
-    bool constant;                   ///< so that a scene file can say it, and there is a truth
+    bool constant;                   ///< a scene file can represent the torque, so a truth exists
 };
 
 Scene with_torque(const Discontinuity& d, bool onto) {
@@ -55,7 +55,7 @@ Quaternion<double> true_end(const Discontinuity& d) {
         if (!truth.available) throw std::runtime_error(truth.message);
         return truth.samples.back().rounded().q;
     }
-    // a torque of the user's own has no truth: the smooth pieces at the tightest tolerance
+    // a user-defined torque has no truth: integrate its smooth pieces at the tightest tolerance
     Settings settings;
     settings.samples = 1, settings.tolerance = 1e-15;
     const Trajectory fine = solve(scene, *find_method("extrapolation"), settings);
@@ -115,10 +115,10 @@ std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step,
 NamedTable measure_discontinuities(bool quick) {
     const Discontinuity cases[] = {
         {"torque jumps", 2 * begins, [](double) { return 0.7; }, true},
-        {"its derivative jumps", duration, [](double after) { return 0.7 * after; }, false},
+        {"torque derivative jumps", duration, [](double after) { return 0.7 * after; }, false},
         {"pulse shorter than a step", begins + 0x1p-10, [](double) { return 700.0; }, true},
     };
-    NamedTable table = headed_table("discontinuities", "What stepping over a discontinuity costs",
+    NamedTable table = headed_table("discontinuities", "Cost of stepping over a discontinuity",
                                     {{"case", "case"},
                                      {"method", "method"},
                                      {"setting_kind", ""},
@@ -126,7 +126,7 @@ NamedTable measure_discontinuities(bool quick) {
                                      {"claimed_order", "claimed order"},
                                      {"observed_order", "observed order"},
                                      {"finest_setting", "finest step (s) or tolerance"},
-                                     {"error_at_finest", "attitude error there (rad)"},
+                                     {"error_at_finest", "attitude error at the finest (rad)"},
                                      {"steps", "steps"},
                                      {"rhs_evaluations", ""},
                                      {"rejected_steps", "rejected"},

@@ -1,4 +1,5 @@
-// Linear theory: the limits of steps beside measured ones, and regions of absolute stability.
+// Linear theory for the kind `stability`: theoretical and measured limits of the step, and regions of absolute
+// stability.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,15 +25,15 @@ struct LinearCase {
     std::complex<double> lambda;
     double theory;                     ///< largest h |lambda| without growth, by linear_stability.h
     std::optional<double> measured{};  ///< measured limit; empty if it was not found
-    bool grows_early = false;          ///< where theory gives no finite limit: whether the motion grows at probe_of()
+    bool grows_early = false;          ///< if theory gives no finite limit: whether the motion grows at probe_of()
 
     bool has_limit() const { return std::isfinite(theory) && theory > 0; }
 };
 
-// Whether at h |lambda| = z the rate over |lambda| or the angle turned exceeds ten times the first rate over |lambda|
-// within `steps`. A bounded oscillation near the limit of a symplectic step stays below, except in the last 0.5 %;
-// growth ends the test before the spring's force becomes nonlinear. The angle, because two half kicks may cancel in the
-// rate.
+// Whether at h |lambda| = z the rate over |lambda| or the angle of rotation exceeds ten times the first rate over
+// |lambda| within `steps`. A bounded oscillation near the limit of a symplectic step stays below, except in the last
+// 0.5 %; growth ends the test before the spring's force becomes nonlinear. The angle is tested too, because two half
+// kicks may cancel in the rate.
 bool grows(const LinearCase& c, long steps, double z) {
     constexpr double growth = 10;
     const double rate = std::abs(c.lambda), h = z / rate;
@@ -50,11 +51,11 @@ bool grows(const LinearCase& c, long steps, double z) {
     });
 }
 
-// the largest h |lambda| without growth, to a thousandth, between half and four times the theory's
+// the largest h |lambda| without growth, to 0.1 %, searched between 0.5 and 4 times the theoretical limit
 std::optional<double> measured_limit(const LinearCase& c, long steps) {
     if (grows(c, steps, c.theory / 2)) return {};
     double stable = c.theory / 2, growing = c.theory * 0.94;
-    // in small strides: beyond the first window of growth there may be another stable one
+    // small increments, because another stable window may follow the first window of growth
     while (!grows(c, steps, growing)) {
         stable = growing;
         growing *= 1.02;
@@ -67,13 +68,13 @@ std::optional<double> measured_limit(const LinearCase& c, long steps) {
     return stable;
 }
 
-// Of the eigenvalues the one that limits the step; empty unless the scene is linear.
+// The eigenvalue that limits the step; empty unless the scene is linear.
 std::optional<std::complex<double>> limiting(const StabilityScene& scene) {
     if (!scene.is_linear) return {};
     return largest_in_magnitude(scene.eigenvalues);
 }
 
-// one scene of each direction, the first: eigenvalues scale out
+// the first scene for each direction of the eigenvalue, since its magnitude only scales h
 std::vector<std::size_t> directions(const StabilityFindings& found) {
     std::vector<std::size_t> scenes;
     std::vector<double> angles;
@@ -99,10 +100,10 @@ std::vector<LinearCase> linear_cases(const Plan& plan, const StabilityFindings& 
     return cases;
 }
 
-// without a finite limit a large step is tried, with the limit 0 a small one
+// h |lambda| for the test: large if theory gives no finite limit, small if the limit is 0
 double probe_of(const LinearCase& c) { return c.theory == 0 ? 0.1 : 100; }
 
-// growth per step at 1.05 times the theory's limit; below some 1e-4 it takes more steps than these to show
+// growth per step at 1.05 times the theoretical limit; below some 1e-4 the measurement has too few steps to detect it
 std::optional<double> growth_beyond(const LinearCase& c) {
     if (!c.has_limit()) return {};
     const auto growth = linear_growth(*c.method, std::polar(1.05 * c.theory, std::arg(c.lambda)));
@@ -110,16 +111,16 @@ std::optional<double> growth_beyond(const LinearCase& c) {
 }
 
 const char* remark_of(const LinearCase& c) {
-    if (c.theory == 0) return c.grows_early ? "grows at 0.1" : "no growth seen at 0.1";
-    if (!c.has_limit()) return c.grows_early ? "fails or grows at 100" : "no growth at 100";
-    return c.measured ? "" : "no limit found between a half and four times the theory's";
+    if (c.theory == 0) return c.grows_early ? "grows at h |lambda| = 0.1" : "no growth observed at h |lambda| = 0.1";
+    if (!c.has_limit()) return c.grows_early ? "fails or grows at h |lambda| = 100" : "no growth at h |lambda| = 100";
+    return c.measured ? "" : "no limit found between 0.5 and 4 times the theoretical one";
 }
 
 using Complex = std::complex<double>;
 
-/// Methods whose steps are one and the same as far as linear theory sees.
+/// Methods with the same growth in linear theory.
 struct Alike {
-    const Method* method;  ///< the first, or the first of a library's or of the splitting methods
+    const Method* method;  ///< the first one, with preference for Odeint's and for splitting methods
     int others = 0;
     std::string label() const {
         return others == 0 ? std::string(method->name) : fmt::format("{} (and {} more)", method->name, others);
@@ -166,11 +167,11 @@ std::vector<Alike> members(Region region) {
 
 template <class Growth>
 void add_boundary(Panel& panel, const Alike& alike, const Growth& growth) {
-    // along the axes of a symmetric method growth is 1 but for rounding
+    // on the axes the growth of a symmetric method is 1 up to rounding
     constexpr double allowed = 1 + 1e-9;
     const auto excess = [&](double x, double y) { return growth(x, y) - allowed; };
     std::vector<ContourLine> lines = contour(excess, *panel.x_limits, *panel.y_limits, 150, 108);
-    // specks that a single cell of the grid sees are no part of it that can be drawn
+    // remove specks of a single grid cell, which cannot be drawn correctly
     std::erase_if(lines, [](const ContourLine& line) { return line.x.size() < 8; });
     for (ContourLine& line : lines) {
         Curve curve;
@@ -204,8 +205,7 @@ std::optional<Spectrum> spectrum_of(const PlannedScene& scene) {
     return spectrum;
 }
 
-// At most four, as different in the direction of their largest eigenvalue as they come: one in each eighth of the half
-// plane.
+// The spectra of at most four scenes whose largest eigenvalues differ in direction: one per eighth of the half plane.
 std::vector<Spectrum> spectra_of(std::span<const PlannedScene> scenes) {
     std::vector<Spectrum> chosen;
     std::vector<int> taken;
@@ -222,7 +222,7 @@ std::vector<Spectrum> spectra_of(std::span<const PlannedScene> scenes) {
     return chosen;
 }
 
-// wide enough for the family, as high as makes both axes alike in a panel's frame
+// a panel of this width whose height gives both axes the same scale
 Panel panel_of(const char* title, double left, double right) {
     Panel panel{title, "Re hλ", "Im hλ", false, false, {}};
     panel.x_limits = Limits{left, right};
@@ -256,11 +256,11 @@ Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, in
 
 std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes) {
     const std::vector<Spectrum> spectra = spectra_of(scenes);
-    NamedFigure plane{"stability_regions", {"Stable where inside the line: |growth of a step| ≤ 1", 2, {}, ""}};
+    NamedFigure plane{"stability_regions", {"Stability regions: |growth per step| ≤ 1 inside the line", 2, {}, ""}};
     const std::pair<Region, Panel> panels[] = {
         {Region::explicit_short, panel_of("explicit, at most 3 on the real axis", -4.5, 1)},
-        {Region::explicit_long, panel_of("explicit, more than 3", -7.5, 2)},
-        {Region::multistep, panel_of("Adams, predicted and corrected once", -1.6, 0.6)},
+        {Region::explicit_long, panel_of("explicit, more than 3 on the real axis", -7.5, 2)},
+        {Region::multistep, panel_of("Adams predictor-corrector, one correction", -1.6, 0.6)},
         {Region::implicit, panel_of("implicit: stable outside the line", -12, 36)},
     };
     for (const auto& [family, empty] : panels) {
@@ -282,9 +282,8 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
         plane.figure.panels.push_back(std::move(panel));
     }
     plane.figure.note =
-        "The lower half is its mirror image. Markers: eigenvalues of scenes' Jacobians at t = 0 times the step. "
-        "Methods "
-        "with the same growth share a line.";
+        "The lower half plane is symmetric. Markers: eigenvalues of the scenes' Jacobians at t = 0, times the step. "
+        "Methods with the same growth share a line.";
 
     NamedFigure pendulum{"stability_pendulum", {"A damped pendulum: stable below the line", 1, {}, ""}};
     Panel panel{"", "h γ", "h ω", false, false, {}};

@@ -1,4 +1,4 @@
-// Maps of outcomes: each fixed-step method on a grid of step x stiffness and on one of step x spin.
+// Maps of outcomes for the kind `stability`: each fixed-step method on grids of step x stiffness and step x spin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,7 +53,8 @@ struct StepMap {
     double step(std::size_t row) const { return interval / static_cast<double>(divisions[row]); }
 };
 
-/// The result of one run. The last three compare its end with the truth's; NaN where the run did not reach it.
+/// The result of one run. The last three values compare its end with that of the truth; NaN if the run did not reach
+/// it.
 struct MapCell {
     static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     Outcome outcome = Outcome::unsupported;
@@ -86,14 +87,14 @@ std::vector<long> divisions(long finest, int per_decade) {
     return found;
 }
 
-/// Drag c about a principal axis of a body of three moments, and the torque that keeps 1 rad/s: from 2 rad/s on the
-/// motion has turned by about 2 rad at its end, however stiff.
+/// Drag about a principal axis of a body with three moments, and a torque that sustains 1 rad/s. Starting at 2 rad/s,
+/// the body rotates by about 2 rad for any stiffness.
 StepMap stiffness_map(int jobs, bool quick) {
     StepMap map{"stiffness",
                 "step against stiffness",
                 "drag / moment (1/s)",
-                "A body about a principal axis under drag and the torque that keeps 1 rad/s, from 2 rad/s, 2 s; three "
-                "samples.",
+                "A body rotates about a principal axis for 2 s under drag and a torque that sustains 1 rad/s, starting "
+                "at 2 rad/s. Three samples.",
                 2,
                 1,
                 divisions(10'000, quick ? 1 : 5)};
@@ -115,12 +116,12 @@ StepMap stiffness_map(int jobs, bool quick) {
     return map;
 }
 
-/// A free body of three moments, spun about no axis of its own.
+/// A free body with three moments that does not spin about a principal axis.
 StepMap spin_map(int jobs, bool quick) {
     StepMap map{"spin",
                 "step against spin",
                 "spin (rad/s)",
-                "A free body of moments 1, 2, 3, w = (2, 6, 3)/7 of the spin, 2 s; twenty-one samples.",
+                "A free body with moments 1, 2, 3 for 2 s, starting at w = (2, 6, 3)/7 times the spin. 21 samples.",
                 20,
                 0.1,
                 divisions(1000, quick ? 2 : 7)};
@@ -139,7 +140,7 @@ StepMap spin_map(int jobs, bool quick) {
 MapCell run_cell(const StepMap& map, const MapColumn& column, const Method& method, std::size_t row) {
     Settings settings;
     settings.step = map.step(row), settings.samples = map.samples;
-    // a run stays far below both; a method whose step never ends is `failed`
+    // no correct run reaches these limits; a method whose step does not end is `failed`
     settings.max_steps = 10 * map.samples * map.divisions.front();
     settings.seconds_limit = 2;
     const Trajectory run = solve(column.problem, method, settings);
@@ -167,7 +168,7 @@ std::vector<MethodMap> run_map(const StepMap& map, std::span<const Method* const
         MethodMap& own = maps[task / columns];
         const std::size_t i = task % columns;
         if (!map.columns[i].truth.available) return;
-        // from the coarsest on: what is refused is refused at every step
+        // start with the coarsest step: an unsupported scene is unsupported at every step
         for (std::size_t row = rows; row-- > 0;) {
             own.cells[row * columns + i] = run_cell(map, map.columns[i], *own.method, row);
             if (own.cells[row * columns + i].outcome == Outcome::unsupported) return;
@@ -197,7 +198,7 @@ void add_rows(Table& table, const StepMap& map, const std::vector<MethodMap>& ma
             }
 }
 
-// the classes of the pictures, from good to bad
+// the classes of the figures, from best to worst
 constexpr std::array shown{Outcome::accurate,       Outcome::close,    Outcome::wrong_but_bounded,
                            Outcome::damped_to_rest, Outcome::diverged, Outcome::failed};
 
@@ -207,7 +208,7 @@ std::vector<MapClass> map_classes() {
 }
 
 int class_of(Outcome outcome) {
-    // implicit methods report so where a fixed step's equations have no solution
+    // implicit methods report this if the equations of a fixed step have no solution
     if (outcome == Outcome::tolerance_not_met) outcome = Outcome::failed;
     const auto at = std::find(shown.begin(), shown.end(), outcome);
     return at == shown.end() ? -1 : static_cast<int>(at - shown.begin());
@@ -218,7 +219,7 @@ std::optional<Curve> limit_curve(const StepMap& map, const Method& method, const
     const std::optional<double> interval = map.name == "stiffness" ? real_interval(method) : std::nullopt;
     if (!interval || *interval <= 0 || !std::isfinite(*interval)) return {};
     Curve limit;
-    limit.label = "linear theory's limit", limit.color = 1, limit.points = false;
+    limit.label = "limit of linear theory", limit.color = 1, limit.points = false;
     for (const double x : decades(std::log10(outcomes.x.front()), std::log10(outcomes.x.back()), 4))
         if (const double h = *interval / x; h >= outcomes.y.front() && h <= outcomes.y.back())
             limit.x.push_back(x), limit.y.push_back(h);
@@ -243,8 +244,8 @@ void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const st
     const std::size_t pages = (maps.size() + page - 1) / page;
     for (std::size_t p = 0; p < pages; ++p) {
         Figure figure;
-        figure.title = fmt::format("What comes of a run: {}{}", map.title,
-                                   pages > 1 ? fmt::format(" ({} of {})", p + 1, pages) : "");
+        figure.title =
+            fmt::format("Outcome of a run: {}{}", map.title, pages > 1 ? fmt::format(" ({} of {})", p + 1, pages) : "");
         figure.columns = 4, figure.shared_axes = true;
         figure.note = map.note;
         bool theory = false;
@@ -252,7 +253,7 @@ void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const st
             figure.panels.push_back(panel_of(map, maps[k]));
             theory |= !figure.panels.back().curves.empty();
         }
-        if (theory) figure.note += " Without a line the limit is none, or beyond the map.";
+        if (theory) figure.note += " Panels without a line have no limit, or one outside the map.";
         figures.push_back({fmt::format("stability_map_{}{}", map.name, pages > 1 ? fmt::format("_{}", p + 1) : ""),
                            std::move(figure)});
     }
@@ -277,18 +278,18 @@ Found least_turn(const StepMap& map, const MethodMap& m, const Passes& passes) {
 NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& maps) {
     NamedTable named =
         headed_table("gyroscopic",
-                     "What the gyroscopic updates of game engines do to a free body: least step times spin (rad) at "
-                     "which it happens within 2 s",
+                     "Gyroscopic updates of game engines on a free body: smallest step times spin (rad) at which each "
+                     "error occurs within 2 s",
                      {{"method", "method"},
                       {"blows_up_from", "diverges from (rad)"},
                       {"damps_from", "loses 10 % of its energy from (rad)"},
-                      {"energy_left", "energy left there"},
-                      {"momentum_off_there", "direction of L off there (rad)"},
-                      {"gains_from", "gains 10 % from (rad)"},
-                      {"attitude_alone_from", "|L| within 1e-6, attitude 0.1 rad off from (rad)"},
-                      {"momentum_off_then", "direction of L off then (rad)"},
+                      {"energy_left", "remaining energy at this point"},
+                      {"momentum_off_there", "error of the direction of L at this point (rad)"},
+                      {"gains_from", "gains 10 % energy from (rad)"},
+                      {"attitude_alone_from", "|L| within 1e-6 but attitude error above 0.1 rad from (rad)"},
+                      {"momentum_off_then", "error of the direction of L at that point (rad)"},
                       {"attitude_off_then", ""},
-                      {"runs_within_0.1", "share of runs within 0.1 rad"}});
+                      {"runs_within_0.1", "fraction of runs within 0.1 rad"}});
     for (const MethodMap& m : maps) {
         if (m.method->family != Family::engine_update) continue;
         const Found blown = least_turn(map, m, [](const MapCell& c) { return c.outcome == Outcome::diverged; });

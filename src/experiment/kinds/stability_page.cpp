@@ -1,4 +1,4 @@
-// The findings in plain words, each sentence from the runs.
+// The page of the kind `stability`. Each sentence is generated from the runs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,8 @@ double tenth_percentile(std::vector<double> values) {
     return values[values.size() / 10];
 }
 
-// At least three members of one duration with positive parameters, with which the fastest rate rises a thousandfold.
+// Whether a family has at least three members with positive parameters, all with the same duration, and its fastest
+// rate increases by a factor of 1000 from the smallest to the largest parameter.
 bool is_stiff(const StabilityFindings& found, const std::string& family) {
     std::vector<const StabilityScene*> members;
     for (const StabilityScene& scene : found.scenes)
@@ -40,10 +41,10 @@ bool is_stiff(const StabilityFindings& found, const std::string& family) {
 /// The cost of stiffness to one method at one tolerance.
 struct StiffnessCost {
     std::optional<double> exponent;  ///< p of evaluations ~ parameter^p, least squares over the stiffer half
-    std::optional<double> lost_at;   ///< the smallest parameter from which on no run is `ok`
+    std::optional<double> lost_at;   ///< the smallest parameter from which no run is `ok`
 };
 
-// `members` by rising parameter
+// `members` must be sorted by parameter
 StiffnessCost stiffness_cost(const Members& members, double tolerance) {
     StiffnessCost cost;
     std::vector<std::pair<double, double>> points;
@@ -59,13 +60,13 @@ StiffnessCost stiffness_cost(const Members& members, double tolerance) {
         if (const long evaluations = run->result.rhs_evaluations.value_or(0); ok && evaluations > 0)
             points.emplace_back(std::log(*f->scene->parameter), std::log(static_cast<double>(evaluations)));
     }
-    // where stiffness is small the motion itself sets the step
+    // at small stiffness the motion itself determines the step
     points.erase(points.begin(), points.begin() + static_cast<long>(points.size() / 2));
     if (points.size() >= 2) cost.exponent = least_squares_line(points).slope;
     return cost;
 }
 
-/// The text about one method with one kind of setting.
+/// The text for one method with one kind of setting.
 class MethodPage {
   public:
     MethodPage(const Plan& plan, const PlannedCurve& curve, const StabilityFindings& found)
@@ -77,12 +78,12 @@ class MethodPage {
     bool empty() const { return findings_.empty(); }
 
     std::string text() const {
-        std::string page = fmt::format("Solves {} of {} scenes.", findings_.size(), found_.scenes.size());
+        std::string page = fmt::format("Supports {} of {} scenes.", findings_.size(), found_.scenes.size());
         return page + (curve_.kind == SettingKind::step ? step_text() : run_text() + stiffness_text());
     }
 
   private:
-    // the families of whose members all, or none, satisfy a condition
+    // the families in which all members, or no member, satisfy a condition
     std::vector<std::string> families_where(bool all,
                                             const std::function<bool(const StabilityFinding*)>& satisfies) const {
         std::vector<std::string> names;
@@ -113,25 +114,25 @@ class MethodPage {
         }
         const auto is_accurate = [](const StabilityFinding* f) { return f->accurate != nullptr; };
         if (const auto names = families_where(true, is_accurate); !names.empty())
-            page += fmt::format(" Safe for: {} (all members within 1e-3 rad at some step).", joined(names));
+            page += fmt::format(" Families with all members within 1e-3 rad at some step: {}.", joined(names));
         if (!fine.empty())
             page += fmt::format(
-                " 1e-3 rad takes a step of {} over the fastest rate and {} right-hand sides per unit of the fastest "
-                "time (medians over {} scenes).",
+                " An attitude error of 1e-3 rad needs a step times fastest rate of {} and {} evaluations per unit of "
+                "fastest time (medians over {} scenes).",
                 number(median(fine)), number(median(evaluations)), fine.size());
         if (const auto names = families_where(false, is_accurate); !names.empty())
-            page += fmt::format(" Not within 1e-3 rad on any member, with {} right-hand sides: {}.",
+            page += fmt::format(" Families with no member within 1e-3 rad in {} evaluations: {}.",
                                 plan_.experiment.max_evaluations, joined(names));
         if (!stable.empty())
             page += fmt::format(
-                " Where a limit of stability showed, the step times the fastest rate was {} (median; {} on a tenth of "
-                "the scenes).",
+                " The largest stable step times the fastest rate, on the scenes that have such a limit, is {} in the "
+                "median and {} at the tenth percentile.",
                 number(median(stable)), number(tenth_percentile(stable)));
         if (never_stable > 0)
-            page += fmt::format(" On {} scenes no step within the limit of evaluations was stable.", never_stable);
+            page += fmt::format(" On {} scenes no step within the limit on evaluations is stable.", never_stable);
         std::vector<std::string> ends;
         for (const auto& [outcome, count] : beyond) ends.push_back(fmt::format("{} on {}", outcome, count));
-        if (!ends.empty()) page += fmt::format(" Beyond its stable step: {} scenes.", joined(ends));
+        if (!ends.empty()) page += fmt::format(" Outcomes above the stable step: {} scenes.", joined(ends));
         const auto never_rests = [](const StabilityFinding* f) {
             return std::none_of(f->runs.begin(), f->runs.end(),
                                 [](const StabilityRun& run) { return run.outcome == Outcome::damped_to_rest; });
@@ -141,7 +142,8 @@ class MethodPage {
             if (!std::all_of(members.begin(), members.end(), never_rests)) rests.push_back(family);
         std::sort(rests.begin(), rests.end());
         if (!rests.empty())
-            page += fmt::format(" Comes to rest though the motion does not, at large steps: {}.", joined(rests));
+            page += fmt::format(" At large steps the body comes to rest although the true motion does not: {}.",
+                                joined(rests));
         return page;
     }
 
@@ -165,17 +167,17 @@ class MethodPage {
                                [](const StabilityRun& r) { return r.result.status == Status::ok; });
         };
         if (const auto names = families_where(true, all_ok); !names.empty())
-            page += fmt::format(" Ends `ok` on all members of: {}.", joined(names));
+            page += fmt::format(" Families with status `ok` on all members: {}.", joined(names));
         if (const auto names = families_where(false, all_ok); !names.empty())
-            page += fmt::format(" On no member of: {}.", joined(names));
+            page += fmt::format(" Families with another status on every member: {}.", joined(names));
         for (const Status status : {Status::failed, Status::diverged, Status::tolerance_not_met})
-            if (ended[status] > 0) page += fmt::format(" {} runs of `{}`.", ended[status], name_of(status));
+            if (ended[status] > 0) page += fmt::format(" Runs with status `{}`: {}.", name_of(status), ended[status]);
         if (ratios.empty()) return page;
         const auto within = std::count_if(ratios.begin(), ratios.end(), [](double r) { return r <= 10; });
         return page +
                fmt::format(
-                   " Achieved over requested error: median {}, within 10 on {:.0f} % of the runs that end `ok`, worst "
-                   "{} ({}).",
+                   " Error over tolerance of the runs with status `ok`: median {}, at most 10 in {:.0f} %, largest {} "
+                   "({}).",
                    number(median(ratios)), 100.0 * static_cast<double>(within) / static_cast<double>(ratios.size()),
                    number(worst), worst_on);
     }
@@ -195,12 +197,12 @@ class MethodPage {
                 if (cost.lost_at) lost_at.push_back(*cost.lost_at);
             }
             if (exponents.empty() && lost_at.empty()) continue;
-            page += fmt::format(" Stiffness ({}):", family);
+            page += fmt::format(" Stiffness (family {}, parameter s):", family);
             if (!exponents.empty())
-                page += fmt::format(" evaluations grow like its power {:.2f}{}", median(exponents),
-                                    median(exponents) < 0.1 ? " (flat)" : "");
+                page += fmt::format(" evaluations grow as s^{:.2f}{}", median(exponents),
+                                    median(exponents) < 0.1 ? " (independent of s)" : "");
             if (!lost_at.empty())
-                page += fmt::format("{} out of reach from {:g} on", exponents.empty() ? "" : ",",
+                page += fmt::format("{} no run succeeds from s = {:g}", exponents.empty() ? "" : ",",
                                     *std::min_element(lost_at.begin(), lost_at.end()));
             page += ".";
         }
@@ -228,8 +230,8 @@ std::string summary(const StabilityFindings& found) {
             longest = std::max(longest, run.result.seconds_min.value_or(0));
         }
     return fmt::format(
-        "{} runs on {} scenes: {} `ok`, {} `unsupported`, {} `diverged`, {} `tolerance_not_met`, {} `failed`. {} of "
-        "those that are `ok` are more than 1 rad off, {} numbers are not finite; the longest run took {} s.\n",
+        "{} runs on {} scenes: {} `ok`, {} `unsupported`, {} `diverged`, {} `tolerance_not_met`, {} `failed`. {} runs "
+        "with status `ok` have an attitude error above 1 rad. {} numbers are not finite. The longest run took {} s.\n",
         runs, found.scenes.size(), ended[Status::ok], ended[Status::unsupported], ended[Status::diverged],
         ended[Status::tolerance_not_met], ended[Status::failed], ok_beyond_one, not_finite, number(longest));
 }
@@ -239,22 +241,24 @@ struct Section {
 };
 constexpr Section sections[] = {
     {"damping", "Damping 10^6 with a constant torque",
-     "What it costs to be within 1e-10 rad over 10 s of a steady spin whose transient lasts a microsecond: the "
-     "cheapest "
-     "run that is, or the nearest that a method comes. A cell is empty where the run was stopped by its limits."},
+     "Fewest evaluations with an attitude error of at most 1e-10 rad over 10 s of a steady spin whose transient lasts "
+     "a microsecond. For methods that do not reach 1e-10 rad, the run with the smallest error is listed. Cells of runs "
+     "that were stopped by a limit are empty."},
     {"linear", "Linear theory",
-     "Rotation about one principal axis under drag (eigenvalue real) and on a spring (imaginary): the largest h "
-     "|lambda| at which nothing grows to ten times its size, by theory and as measured over 50,000 steps; and what a "
-     "step adds 5 % beyond the theory's limit, where that is too little to show, or a window too narrow."},
+     "Rotation about one principal axis under drag (real eigenvalue) or on a spring (imaginary eigenvalue). The table "
+     "lists the largest h |lambda| without growth to ten times the initial size, by theory and as measured over 50,000 "
+     "steps. `growth_beyond` is the growth per step at 1.05 times the theoretical limit. Where it is too small to be "
+     "observed, or the unstable window is too narrow, the measured limit deviates from the theoretical one."},
     {"gyroscopic", "Gyroscopic terms of game updates",
-     "From the maps of step x spin: where the update blows up, where it damps, and where momentum is kept and only the "
-     "attitude is wrong."},
+     "Results of the maps of step x spin: where each update diverges, where it loses energy, and where |L| is "
+     "conserved but the attitude is wrong."},
     {"float32_lost", "Binary32",
-     "How often a fixed-step method in binary32 is never within 0.1 rad, at any step, where the same in binary64 comes "
-     "within it; elsewhere the smallest error of the one over that of the other."},
+     "`lost` is the number of scenes on which a fixed-step method in binary32 is above 0.1 rad at every step although "
+     "it reaches 0.1 rad in binary64. `error_ratio_median` is the median, over the other scenes, of the smallest error "
+     "in binary32 divided by that in binary64."},
     {"discontinuities", "Discontinuities",
-     "A torque that jumps, stepped onto as an event of the scene, and stepped over as a function of time that nobody "
-     "knows to jump."},
+     "A torque jumps. Methods either step *onto* the jump, which is an event of the scene, or step *over* it, if the "
+     "torque is a function of time whose jump is unknown to the method."},
 };
 
 }  // namespace
@@ -263,12 +267,13 @@ std::string stability_page(const Plan& plan, const StabilityFindings& found, con
     std::string page =
         fmt::format("# Numerical stability\n\n{}.\n\n{}", markdown_text(plan.experiment.about), summary(found));
     page += R"(
-How to read it. A family is a set of scenes that differ in one number; the fastest rate of a scene is the largest of its
-angular velocity and of the eigenvalues of its Jacobian. *Stable* means that over the whole run the error of the angular
-velocity stayed within four times the motion's largest rate and that of the energy within eight times its largest
-energy. A fixed step is halved until the attitude is within 1e-3 rad twice or the run would need more right-hand sides
-than the limit; then the limits of stability and of accuracy are bisected. *Wrong but bounded* is what no number of the
-run betrays: such a run is `failed` here if it is more than 1 rad off.
+Definitions. A *family* is a set of scenes that differ in one parameter. The *fastest rate* of a scene is the largest of
+its angular velocity and of the magnitudes of its Jacobian's eigenvalues; the *fastest time* is its inverse. A run is
+*stable* if over the whole run the error of the angular velocity is at most four times the largest true rate and the
+error of the energy at most eight times the largest true energy. The search halves a fixed step until the attitude error
+is within 1e-3 rad twice in a row or the run would exceed the limit on evaluations, then bisects the limits of stability
+and accuracy. A run is *wrong but bounded* if nothing in the run itself indicates its error; above 1 rad its status
+is `failed` here.
 )";
     for (const auto& [name, title, text] : sections) {
         const auto named = std::find_if(tables.begin(), tables.end(),

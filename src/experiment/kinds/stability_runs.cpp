@@ -19,7 +19,7 @@
 namespace polhode {
 namespace {
 
-/// A scene posed, with its truth.
+/// A posed scene and its truth.
 struct Posed {
     Problem problem;
     Reference truth;
@@ -50,7 +50,7 @@ void describe_scene(const Posed& posed, StabilityScene& scene) {
     }
 }
 
-// within a limit of steps that is the same on every machine
+// computes the conditioning with a limit on steps, which gives the same result on every machine
 void find_conditioning(const Problem& problem, long samples, StabilityScene& scene) {
     ConditioningSettings settings;
     settings.max_steps = 200'000;
@@ -59,25 +59,26 @@ void find_conditioning(const Problem& problem, long samples, StabilityScene& sce
     if (c.available) scene.kappa = c.attitude.back();
 }
 
-// Gives runs that the sweep calls `ok` but whose motion is useless their status and message.
+// Corrects status and message of runs that the sweep reports as `ok` although their motion is wrong.
 void correct_status(const Experiment& experiment, Result& result, Outcome outcome) {
     if (result.status != Status::ok) return;
     const double attitude = result.errors["attitude"].max.value_or(0);
     if (outcome == Outcome::diverged) {
         result.status = Status::diverged;
-        result.message = fmt::format("rates up to {:.3g} times the true motion's largest off, energy {:.3g} times",
-                                     result.errors["omega"].max.value_or(0), result.errors["energy"].max.value_or(0));
+        result.message =
+            fmt::format("largest errors relative to the true motion: angular velocity {:.3g}, energy {:.3g}",
+                        result.errors["omega"].max.value_or(0), result.errors["energy"].max.value_or(0));
     } else if (attitude > 1) {
         result.status = result.setting_kind == SettingKind::tolerance ? Status::tolerance_not_met : Status::failed;
-        result.message =
-            fmt::format("{}: up to {:.3g} rad off over {} samples", name_of(outcome), attitude, experiment.samples);
+        result.message = fmt::format("{}: largest attitude error over {} samples is {:.3g} rad", name_of(outcome),
+                                     experiment.samples, attitude);
         if (result.floors.float64 && *result.floors.float64 > 0.1)
             result.message +=
-                fmt::format("; rounding of the scene's data alone does {:.2g} rad", *result.floors.float64);
+                fmt::format("; rounding of the scene's data alone causes {:.2g} rad", *result.floors.float64);
     }
 }
 
-/// All runs of one method on one scene by one kind of setting.
+/// All runs of one method on one scene with one kind of setting.
 class StepSearch {
   public:
     StepSearch(const Experiment& experiment, const PlannedScene& planned, const Posed& posed,
@@ -108,9 +109,9 @@ class StepSearch {
         Trajectory trajectory = measure_errors(experiment_, posed_.problem, posed_.truth, c, scene_.kappa);
         Result& result = *c.result;
         result.floors = scene_.floors;
-        // runs share the machine: one wall clock each, and nothing to compare by
+        // runs share the machine: one time each, not meant for comparisons
         result.seconds_median = result.seconds_min, result.repeats = 1;
-        // a tolerance-driven run that ends far off is none of those that are ok
+        // a tolerance-driven run with a large error at T is not `ok`
         trajectory.status = result.status;
         const Outcome outcome = outcome_of(trajectory, result.errors, posed_.truth);
         correct_status(experiment_, result, outcome);
@@ -128,7 +129,8 @@ class StepSearch {
         return try_setting(h);
     }
 
-    // whole steps for one sample interval, doubled until two in a row are accurate or a limit is met
+    // Doubles the number of steps per sample interval until two runs in a row are accurate or a limit is reached.
+    // Returns these numbers.
     std::vector<long> descend() {
         std::vector<long> ladder;
         int accurate = 0;
@@ -144,11 +146,11 @@ class StepSearch {
     }
 
     // Bisects between the smallest step of the ladder whose outcome is worse than `worst` and the next smaller one,
-    // until their ratio is `ratio`. Does nothing where the smallest step of all is worse, or the largest is not.
+    // until their ratio is `ratio`. Does nothing if the smallest step is worse than `worst` or the largest is not.
     void bisect(const std::vector<long>& ladder, Outcome worst, double ratio) {
         const auto passes = [&](long k) { return try_steps(k).outcome <= worst; };
         std::size_t at = ladder.size();
-        // a run that was cut gives no outcome of its step
+        // the outcome of a run that was cut is not meaningful
         while (at > 0 && try_steps(ladder[at - 1]).result.cut) --at;
         const std::size_t finest = at;
         while (at > 0 && passes(ladder[at - 1])) --at;
@@ -174,7 +176,7 @@ class StepSearch {
 Outcome outcome_named(const std::string& name) {
     for (const Outcome outcome : outcomes)
         if (name == name_of(outcome)) return outcome;
-    throw std::invalid_argument("not an outcome");
+    throw std::invalid_argument("unknown outcome");
 }
 
 Table empty_runs_table() {
@@ -193,7 +195,7 @@ void append_runs(Table& table, const std::string& experiment, const StabilitySce
     }
 }
 
-// throws std::invalid_argument where a cell cannot be read
+// throws std::invalid_argument if a cell cannot be read
 std::vector<StabilityRun> runs_of(const Table& table) {
     std::vector<StabilityRun> runs;
     const std::size_t outcome = column_index(table, "outcome");
@@ -202,7 +204,7 @@ std::vector<StabilityRun> runs_of(const Table& table) {
     return runs;
 }
 
-// a varied scene, NAME{..}, is of the family that it was varied from
+// a varied scene, NAME{..}, belongs to the family of the scene NAME
 StabilityScene scene_of(const PlannedScene& planned) {
     StabilityScene scene;
     scene.label = planned.label, scene.duration = planned.scene.duration;
@@ -212,7 +214,7 @@ StabilityScene scene_of(const PlannedScene& planned) {
     return scene;
 }
 
-// the largest step that, with all smaller ones, ends no worse than `worst`
+// the largest step such that it and all smaller ones have an outcome not worse than `worst`
 const StabilityRun* largest_step(const std::vector<StabilityRun>& runs, Outcome worst) {
     const StabilityRun* found = nullptr;
     for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
@@ -228,7 +230,7 @@ void find_limits(StabilityFinding& finding) {
     finding.stable = largest_step(finding.runs, Outcome::damped_to_rest);
     finding.close = largest_step(finding.runs, Outcome::close);
     finding.accurate = largest_step(finding.runs, Outcome::accurate);
-    // the next coarser step of the ladder: the last bisections are too near the limit to show what lies beyond it
+    // the next larger step of the ladder: steps of the last bisections are too close to the limit
     for (const StabilityRun& run : finding.runs) {
         if (run.outcome <= Outcome::damped_to_rest || run.outcome == Outcome::unsupported || run.result.cut) continue;
         if (!finding.stable || run.result.setting > 1.2 * finding.stable->result.setting) finding.beyond = &run;
@@ -273,7 +275,7 @@ StabilityFindings run_stability_cases(const Plan& plan, const RunOptions& option
         });
     for (std::size_t i = 0; i < searches.size(); ++i) {
         StabilityFinding& finding = found.findings[i];
-        // an interrupted search says nothing
+        // ignore interrupted searches
         if (!searches[i].rows) ++found.missing, finding.runs.clear();
         if (!finding.runs.empty()) found.scenes[searches[i].scene].floors = finding.runs.front().result.floors;
         find_limits(finding);

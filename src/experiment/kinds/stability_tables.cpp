@@ -1,4 +1,4 @@
-// The kind `stability` as a whole, and the tables of its runs.
+// The kind `stability`: its main function, and the tables of its runs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::optional<double> smallest_error(const StabilityFinding& finding) {
     return smallest;
 }
 
-// one scene in eight of a whole catalogue
+// keeps every eighth scene if there are more than 20
 Plan thinned(Plan plan) {
     constexpr std::size_t few = 20, every = 8;
     if (plan.scenes.size() <= few) return plan;
@@ -32,7 +32,7 @@ Plan thinned(Plan plan) {
     return plan;
 }
 
-// the studies that need all cases
+// adds the studies that need all cases
 void add_studies(const Plan& plan, const StabilityFindings& found, const RunOptions& options, Findings& result) {
     std::vector<const Method*> fixed;
     for (const PlannedCurve& curve : plan.curves)
@@ -139,8 +139,8 @@ Findings run_stability(const Plan& whole, const RunOptions& options) {
     result.tables = {
         {"", "", stability_table(plan, found), {}, true},
         {"limits", "", limits_table(found), {}, true},
-        {"float32_lost", "Scenes that binary32 loses", binary32_table(found)},
-        {"damping", "Damping 10^6 with a constant torque: what 1e-10 rad costs", damping_table(plan, found)},
+        {"float32_lost", "Scenes that binary32 does not solve", binary32_table(found)},
+        {"damping", "Damping 10^6 with a constant torque: cost of 1e-10 rad", damping_table(plan, found)},
     };
     if (result.missing == 0 && options.shard == 1) add_studies(plan, found, options, result);
     result.page = stability_page(plan, found, result.tables);

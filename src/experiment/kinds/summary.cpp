@@ -1,4 +1,4 @@
-// Each method over all scenes of a sweep.
+// Summary of each method over all scenes of a sweep.
 #include <algorithm>
 #include <map>
 
@@ -15,7 +15,7 @@ bool has_step_time(const Result& row) {
     return row.status == Status::ok && row.seconds_median && row.steps && *row.steps > 0;
 }
 
-// of each scene, by its median time over all settings that took a few steps at least
+// the median time per step of odeint_rk4 on each scene, over all settings
 std::map<std::string, double> yardsticks(const std::vector<Result>& results) {
     std::map<std::string, std::vector<double>> all;
     for (const Result& row : results)
@@ -29,19 +29,19 @@ std::map<std::string, double> yardsticks(const std::vector<Result>& results) {
 
 NamedTable summary_table(const Plan& plan, const std::vector<Result>& results) {
     NamedTable named = headed_table("summary", "Over all scenes",
-                                    {{"described_as", "what the text describes"},
+                                    {{"described_as", "description in the text"},
                                      {"method", "method"},
                                      {"order", "order"},
                                      {"setting_kind", "setting"},
                                      {"setting", "value"},
                                      {"scenes_ok", "scenes ok"},
-                                     {"scenes_not_ok", "ended otherwise"},
+                                     {"scenes_not_ok", "other outcomes"},
                                      {"attitude_error_median", "attitude, median (rad)"},
                                      {"attitude_error_worst", "attitude, worst (rad)"},
                                      {"momentum_error_worst", "momentum, worst"},
                                      {"energy_error_worst", "energy, worst"},
                                      {"norm_error_worst", "norm, worst"},
-                                     {"step_time_ratio", "time of a step, RK4 = 1"}});
+                                     {"step_time_ratio", "time per step, RK4 = 1"}});
     const std::map<std::string, double> rk4 = yardsticks(results);
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.formulation != Formulation::reduced) continue;

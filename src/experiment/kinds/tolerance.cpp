@@ -1,4 +1,4 @@
-// What a tolerance is worth: the error achieved against the one asked for.
+// The kind `tolerance`: the error of a run against its tolerance.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-// log10(R / error); empty for a run that did not do what it was asked
+// log10(R / error); empty if the run is not `ok`
 std::optional<double> digits(const std::vector<const Result*>& rows, double tolerance) {
     for (const Result* row : rows)
         if (row->setting == tolerance && row->status == Status::ok && row->errors["attitude"].max.value_or(0) > 0)
@@ -26,7 +26,7 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
     const std::vector<double>& tolerances = plan.experiment.tolerances;
     Table table{{"scene", "method"}, {}};
     for (const double tolerance : tolerances) table.columns.push_back(fmt::format("{:g}", tolerance));
-    // a scene of its own for what holds over all of them
+    // summary rows over all scenes come first
     std::vector<std::vector<Cell>> middles, worsts;
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.kind != SettingKind::tolerance) continue;
@@ -57,7 +57,7 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
 }
 
 Findings conclude_tolerance(const Plan& plan, const std::vector<Result>& rows) {
-    return {{{"digits", "Digits gained over the tolerance", digits_table(plan, rows)}}, tolerance_figures(plan, rows)};
+    return {{{"digits", "log10(tolerance / error)", digits_table(plan, rows)}}, tolerance_figures(plan, rows)};
 }
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// Error against run time, and the fastest at each accuracy.
+// The kind `sweep`: error against run time, and the fastest method at each accuracy.
 #include <algorithm>
 
 #include "experiment/kinds/curves.h"
@@ -16,7 +16,8 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
         for (const double wanted : accuracy_levels) {
             const std::vector<const Result*> best = fastest_first(results, scene.label, wanted);
             if (best.empty()) {
-                table.rows.push_back({scene.label, wanted, std::string("none reaches it"), {}, {}, {}, {}, {}, {}});
+                table.rows.push_back(
+                    {scene.label, wanted, std::string("no method reaches it"), {}, {}, {}, {}, {}, {}});
                 continue;
             }
             const Result& first = *best[0];
@@ -39,7 +40,7 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
 }
 
 Findings conclude_sweep(const Plan& plan, const std::vector<Result>& rows) {
-    // one run of each method is no curve, and of one method nothing is the fastest: the table says it all
+    // methods without a setting have one run each, so there are no curves to draw or compare
     if (std::all_of(plan.curves.begin(), plan.curves.end(),
                     [](const PlannedCurve& c) { return c.kind == SettingKind::none; }))
         return {};

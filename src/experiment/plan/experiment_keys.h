@@ -1,11 +1,11 @@
-// Every key of an experiment file.
+// The keys of experiment files.
 #pragma once
 
 #include "text/file_key.h"
 
 namespace polhode {
 
-/// All, object by object: "experiment", "settings", "range".
+/// All keys, grouped by object: "experiment", "settings", "range".
 std::span<const FileKey> experiment_keys();
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// What an experiment can be. All kinds stand in one table, which src/experiment/kinds/kinds.cpp fills.
+// The kinds of experiments. src/experiment/kinds/kinds.cpp defines the table of all kinds.
 #pragma once
 
 #include <span>
@@ -12,34 +12,34 @@ struct Plan;
 struct Result;
 struct RunOptions;
 
-/// A kind of experiment: what it reads, which curves it runs and what it makes of the rows. It has either `conclude` or
-/// `make`. Failures of methods are rows in either case.
+/// A kind of experiment: the keys that it reads, the curves that it runs, and the evaluation of the rows. Exactly one
+/// of `conclude` and `make` is set. A failure of a method is a row, not an exception.
 struct ExperimentKind {
-    std::string_view name;                ///< the word of the experiment file
-    std::vector<std::string_view> reads;  ///< keys of the experiment file that it uses beside name, about and kind
-    /// Called with the finished rows of the cases, scenes by methods at settings, which the engine has run, timed and
-    /// stored: the tables and pictures beside the table of the rows. The file names scenes and methods.
+    std::string_view name;                ///< the value of the key `kind`
+    std::vector<std::string_view> reads;  ///< keys of the experiment file besides name, about and kind
+    /// Returns tables and figures from the finished rows. The sweep has run, timed and stored the cases (scenes by
+    /// methods at settings); it also writes the table of the rows. Requires scenes and methods in the file.
     Findings (*conclude)(const Plan& plan, const std::vector<Result>& rows) = nullptr;
-    /// Of `conclude`: a second plan that follows from the first. Its cases are run, timed and stored likewise, and what
-    /// its own kind concludes from their rows stands behind the first one's.
+    /// With `conclude` only: returns a second plan, derived from the first. Its cases are run, timed and stored in the
+    /// same way. The findings of its kind are appended to those of the first.
     Plan (*sequel)(const Plan& plan) = nullptr;
-    /// Of a kind whose rows are no such cases: makes them all, and tables and pictures of them, alone on the machine.
-    /// `quick` of the options asks for about a tenth of the work.
+    /// Computes rows, tables and figures itself, while no other run on this machine computes. `quick` of the options
+    /// requests about a tenth of the work.
     Findings (*make)(const Plan& plan, const RunOptions& options) = nullptr;
-    bool keeps_series = false;  ///< rows come with their errors over time
-    bool calibrated = false;    ///< settings are evaluations a revolution, from which steps and tolerances are found
-    bool all_formulations = false;  ///< every curve three times, by all Formulations
-    bool chooses_steps = false;     ///< it finds the steps of fixed-step methods: the plan has one without a number
-    /// Of `make`: it keeps what it has finished in the directory, obeys filter, shard and jobs and stops when it is
-    /// interrupted. Of any other, folder, filter and shard mean nothing, and the first shard makes all.
+    bool keeps_series = false;      ///< rows include their errors over time
+    bool calibrated = false;        ///< settings are evaluations per revolution; see calibrate()
+    bool all_formulations = false;  ///< every curve is run with all three Formulations
+    bool chooses_steps = false;     ///< chooses the steps of fixed-step methods itself; their planned setting is NaN
+    /// With `make` only: stores finished work in the directory, honours filter, shard and jobs, and stops when it is
+    /// interrupted. If false, the kind ignores directory, filter and shard, and the first shard computes everything.
     bool resumable = false;
-    bool one_body = false;  ///< what it measures is one body's: scenes of several are refused
+    bool one_body = false;  ///< supports scenes of one body only
 };
 
-/// All kinds; the first is the one of a file that names none.
+/// All kinds. The first is the default of a file without the key `kind`.
 std::span<const ExperimentKind> kinds();
 
-/// By name; nullptr if there is none.
+/// Finds a kind by name. Returns nullptr if there is none.
 const ExperimentKind* find_kind(std::string_view name);
 
 }  // namespace polhode

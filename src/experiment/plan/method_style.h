@@ -1,4 +1,4 @@
-// What a method looks like in every picture: its family by colour, its place in the family by mark.
+// The style of a method in all figures: colour by family, mark by position in the family.
 #pragma once
 
 #include "integrators/method.h"
@@ -7,14 +7,14 @@ namespace polhode {
 
 struct MethodStyle {
     int color = 0;  ///< index of its Family; figure/curve_style.h has the colours
-    /// Its place among methods() of its family; behind them the engines of engines(), and then those of one's own.
+    /// Position in the family: methods() first, then engines(), then user-defined methods.
     int mark = 0;
 };
 
-/// The word of a family: "runge_kutta"; those of no family are "others".
+/// The name of a family, such as "runge_kutta"; "others" for Family::unnamed.
 const char* name_of(Family family);
 
-/// The same for a method in each picture, whatever else is in it.
+/// The style of a method. It does not depend on the other methods of a figure.
 MethodStyle method_style(const Method& method);
 
 }  // namespace polhode

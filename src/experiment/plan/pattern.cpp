@@ -15,27 +15,27 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
 
-// How many characters an expression has once its repetitions are written out: the system's regcomp does so with all but
-// * and ?, and what those may leave out it looks for between all that they stand in, in the square of its time and
-// memory. So each of *, ? and + doubles what it repeats.
+// Counts the characters of an expression with its repetitions expanded. regcomp() expands all repetitions but * and ?.
+// These make their operand optional, and its time and memory grow quadratically with such operands. Each of *, ? and +
+// is therefore counted as doubling what it repeats.
 class Unrolled {
   public:
     void character() { add(1); }
     void open() {
         groups_.push_back(0);
         if (groups_.size() > static_cast<std::size_t>(deepest_parentheses) + 1)
-            refuse(fmt::format("its parentheses are nested deeper than {}", deepest_parentheses));
+            refuse(fmt::format("parentheses are nested more than {} deep", deepest_parentheses));
         last_ = 0;
     }
     void close() {
-        // one that closes nothing stands for itself
+        // an unmatched parenthesis is an ordinary character
         if (groups_.size() == 1) return character();
         const long inner = groups_.back();
         groups_.pop_back();
         add(std::max(inner, 1L));
     }
     void repeat(long times) {
-        // where there is nothing to repeat, the sign may stand for itself and be repeated by those behind it
+        // without an operand, the operator may be an ordinary character that later operators repeat
         const long before = std::max(last_, 1L);
         groups_.back() -= last_;
         add(std::min(before * std::max(times, 1L), 100'000L));
@@ -46,27 +46,28 @@ class Unrolled {
         last_ = characters;
         groups_.back() += characters;
         if (groups_.back() > most_unrolled)
-            refuse(fmt::format("its repetitions make it longer than {} characters", most_unrolled));
+            refuse(fmt::format("it has more than {} characters with its repetitions expanded", most_unrolled));
     }
 
-    std::vector<long> groups_{0};  // the open ones, from the outermost
-    long last_ = 0;                // of what a repetition would repeat
+    std::vector<long> groups_{0};  // characters of the open groups, outermost first
+    long last_ = 0;                // characters of the operand of a following repetition
 };
 
-// The place of the last character of a bracket expression that begins at `i`.
+// Index of the last character of the bracket expression that starts at `i`.
 std::size_t end_of_bracket(const std::string& expression, std::size_t i) {
     ++i;
     if (i < expression.size() && expression[i] == '^') ++i;
     const std::size_t first = i;
     for (; i < expression.size() && (i == first || expression[i] != ']'); ++i) {
         if (expression[i] != '[' || i + 1 >= expression.size()) continue;
-        if (expression[i + 1] == '.' || expression[i + 1] == '=') refuse("collating elements are not available");
+        if (expression[i + 1] == '.' || expression[i + 1] == '=') refuse("collating elements are not supported");
         if (expression[i + 1] == ':') i = std::min(expression.find(":]", i + 2), expression.size() - 2) + 1;
     }
     return std::min(i, expression.size() - 1);
 }
 
-// The largest number in braces that begin at `i`, which is moved to the last character before their end.
+// The largest number in the braces that start at `i`. Moves `i` to the closing brace, or to the last character before
+// the end of the digits and commas if there is none.
 long largest_count(const std::string& expression, std::size_t& i) {
     long largest = 1, count = 0;
     for (++i; i < expression.size(); ++i) {
@@ -79,18 +80,18 @@ long largest_count(const std::string& expression, std::size_t& i) {
     return largest;
 }
 
-// What the system's regcomp can be trusted with: it overflows the stack on deep nesting, and back references take
-// exponential time.
+// Refuses expressions that regcomp() and regexec() do not handle safely: deep nesting overflows the stack, and back
+// references take exponential time.
 void require_harmless(const std::string& expression) {
     if (expression.size() > longest_expression)
         refuse(fmt::format("it has more than {} characters", longest_expression));
-    if (expression.find('\0') != std::string::npos) refuse("it holds a zero byte");
+    if (expression.find('\0') != std::string::npos) refuse("it contains a zero byte");
     Unrolled unrolled;
     for (std::size_t i = 0; i < expression.size(); ++i) switch (expression[i]) {
             case '\\':
                 ++i;
                 if (i < expression.size() && std::isdigit(static_cast<unsigned char>(expression[i])) != 0)
-                    refuse("back references are not available");
+                    refuse("back references are not supported");
                 unrolled.character();
                 break;
             case '(':

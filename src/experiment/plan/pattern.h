@@ -1,4 +1,4 @@
-// Regular expressions of the user's own: POSIX extended ones, whose matching cannot run away.
+// User-supplied regular expressions (POSIX extended) with bounded memory and time.
 #pragma once
 
 #include <memory>
@@ -8,13 +8,12 @@ namespace polhode {
 
 class Pattern {
   public:
-    /// Throws std::invalid_argument, with the reason, where the expression is none, or one that the system's compiler
-    /// of expressions could not be trusted with: more than 500 characters, or than 1000 with its repetitions written
-    /// out (each of *, ? and + doubles what it repeats), parentheses deeper than 50, back references, collating
-    /// elements, a zero byte.
+    /// Throws std::invalid_argument with the reason if the expression is invalid or if regcomp() could take too much
+    /// memory or time: more than 500 characters, more than 1000 with repetitions expanded (each of *, ? and + doubles
+    /// what it repeats), parentheses nested more than 50 deep, back references, collating elements, a zero byte.
     explicit Pattern(const std::string& expression);
 
-    /// Whether it matches anywhere in the text. An empty expression matches everything.
+    /// Whether the expression matches anywhere in the text. An empty expression matches everything.
     bool matches(const std::string& text) const;
 
   private:

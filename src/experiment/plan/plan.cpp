@@ -1,3 +1,6 @@
+// Reads experiment files and makes plans. parse_experiment() checks each key of the file. make_plan() resolves names
+// and patterns of scenes and methods, applies all combinations of `vary` to the canonical JSON of each scene, and lists
+// the curves. Limits (plan_limits.h) are checked before the variants are made.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +31,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// some tens of milliseconds
+// takes some tens of milliseconds
 constexpr long quick_evaluations = 100000;
 
 long positive_count(const JsonNode& node, long most) {
@@ -40,13 +43,13 @@ long positive_count(const JsonNode& node, long most) {
 std::vector<std::string> strings(const JsonNode& node) {
     std::vector<std::string> result;
     if (node.elements().size() > most_entries)
-        node.fail(node.described(), fmt::format("give {} at the most", most_entries));
+        node.fail(node.described(), fmt::format("give at most {} entries", most_entries));
     for (const JsonNode* element : node.elements()) result.push_back(element->string());
-    if (result.empty()) node.fail("is empty", "at least one name");
+    if (result.empty()) node.fail("is empty", "give at least one name");
     return result;
 }
 
-// To 12 digits, so that decades are decades.
+// Rounds to 12 digits, so that decades of a range are exact powers of ten.
 double tidy(double value) {
     const std::string decimal = fmt::format("{:.12g}", value);
     double rounded = value;
@@ -54,15 +57,15 @@ double tidy(double value) {
     return rounded;
 }
 
-// A list, or {"from", "to", "count"} with logarithmic spacing; from coarse to fine either way.
+// Parses a list, or {"from", "to", "count"} with logarithmic spacing. Returns the values from coarse to fine.
 std::vector<double> settings_list(const JsonNode& node, const char* what) {
     std::vector<double> values;
     if (node.is_object()) {
         node.only(keys_of(experiment_keys(), "range"));
         const double from = positive(node.required("from", "the first value"), what);
         const double to = positive(node.required("to", "the last value"), what);
-        const long count = positive_count(node.required("count", "how many values"), most_range_values);
-        // a ratio beyond binary64 is taken in two parts
+        const long count = positive_count(node.required("count", "the number of values"), most_range_values);
+        // if the ratio overflows or underflows binary64, use two powers
         const bool in_one = std::isfinite(to / from) && to / from > 0;
         for (long i = 0; i < count; ++i) {
             const double along = count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(count - 1);
@@ -73,7 +76,7 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
         }
     } else {
         for (const JsonNode* element : node.elements()) values.push_back(positive(*element, what));
-        if (values.empty()) node.fail("is empty", "at least one value, or leave the key out");
+        if (values.empty()) node.fail("is empty", "give at least one value, or remove the key");
     }
     std::sort(values.begin(), values.end(), std::greater<>());
     values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -84,21 +87,27 @@ const ExperimentKind* read_kind(const JsonNode& node) {
     if (const ExperimentKind* kind = find_kind(node.string())) return kind;
     std::vector<std::string> names;
     for (const ExperimentKind& kind : kinds()) names.emplace_back(kind.name);
-    node.fail(node.described(), "one of " + listed(names));
+    node.fail(node.described(), "give one of " + listed(names));
 }
 
 std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
     if (entry.size() < 2 || entry.front() != '/' || entry.back() != '/') return {};
     try {
-        if (entry.size() == 2) throw std::invalid_argument("it is empty");
+        if (entry.size() == 2) throw std::invalid_argument("it must not be empty");
         return Pattern(entry.substr(1, entry.size() - 2));
     } catch (const std::invalid_argument& error) {
-        throw InputError(file, place, "is no regular expression: " + one_line(error.what(), 100),
-                         "a POSIX extended regular expression between slashes");
+        throw InputError(file, place, "is not a valid regular expression: " + one_line(error.what(), 100),
+                         "give a POSIX extended regular expression between slashes");
     }
 }
 
-// The name of an engine in one of its settings has a colon, and so has a pattern of such names.
+// The remedy for an unknown name of `polhode list KEY`.
+std::string suggest_names(const std::string& name, const std::vector<std::string>& known, const char* key) {
+    const std::string near = did_you_mean(name, known);
+    return fmt::format("{}{}`polhode list {}` prints all names", near, near.empty() ? "" : " ", key);
+}
+
+// Whether an entry is a name ENGINE:SETTING, or a pattern for such names.
 bool names_engines(const std::string& entry) { return entry.find(':') != std::string::npos; }
 
 std::vector<std::string> resolved(const std::vector<std::string>& entries, const std::vector<std::string>& known,
@@ -109,25 +118,26 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
     };
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::string place = fmt::format("/{}/{}", key, i);
-        // a path may begin and end with a slash only if it is a directory, which no scene is
+        // /../ cannot be the path of a scene, because a path that ends in a slash is a directory
         if (const auto pattern = pattern_of(entries[i], file, place)) {
             const std::size_t before = names.size();
             bool any = false;
             for (const std::string& name : known)
                 if (pattern->matches(name) && names_engines(name) <= names_engines(entries[i])) add(name), any = true;
             if (!any && names.size() == before)
-                throw InputError(file, place, one_line(entries[i], 80) + " matches nothing", "one of " + listed(known));
+                throw InputError(file, place, one_line(entries[i], 80) + " matches no name",
+                                 "give a pattern that matches one of " + listed(known));
         } else if (paths || std::find(known.begin(), known.end(), entries[i]) != known.end()) {
             add(entries[i]);
         } else {
-            throw InputError(file, place, "there is no " + one_line(entries[i], 80),
-                             did_you_mean(entries[i], known) + " `polhode list " + key + "` names them all");
+            throw InputError(file, place, one_line(entries[i], 80) + " is an unknown name",
+                             suggest_names(entries[i], known, key));
         }
     }
     return names;
 }
 
-// Methods by their names and patterns; engines, which are other programs, only where an entry has their colon.
+// Resolves names and patterns of methods. Engines, which run other programs, are included only if an entry has a colon.
 std::vector<const Method*> planned_methods(const std::vector<std::string>& entries, const std::string& file) {
     std::vector<const Method*> known(methods().begin(), methods().end());
     if (std::ranges::any_of(entries, names_engines))
@@ -140,15 +150,15 @@ std::vector<const Method*> planned_methods(const std::vector<std::string>& entri
     return planned;
 }
 
-// A scene's name in tables and on terminals: what another would take for more than signs is escaped, and one that is
-// too long keeps its beginning, and a hash that tells it from others.
+// A scene's name for tables and terminals: control characters are escaped. A name that is too long is shortened, and a
+// hash is appended to keep it unique.
 std::string shown_label(const std::string& label) {
     std::string shown = one_line(label, 6 * label.size() + 16);
     if (shown.size() <= longest_label) return shown;
     return fmt::format("{}{{{}}}", one_line(shown, longest_label - 20), content_hash(label).substr(0, 16));
 }
 
-// What a scene holds in memory, about, without its text.
+// Approximate memory of the meshes of a body, in bytes.
 std::size_t bytes_of_meshes(const BodySource& source) {
     if (const auto* mesh = std::get_if<MeshBody>(&source.made_of))
         return mesh->mesh.vertices.size() * sizeof(Vector3<double>) + mesh->mesh.triangles.size() * 3 * sizeof(int);
@@ -158,7 +168,7 @@ std::size_t bytes_of_meshes(const BodySource& source) {
     return bytes;
 }
 
-// All variants of a scene, their texts and meshes.
+// Approximate memory of the texts and meshes of all variants of a scene, in bytes.
 double bytes_of_variants(const PlannedScene& base, const std::vector<Variation>& vary, double variants) {
     std::size_t bytes = base.canonical.size();
     if (base.scene.body.source) bytes += bytes_of_meshes(*base.scene.body.source);
@@ -179,12 +189,12 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     std::string label;
     for (const auto& [pointer, value] : changes) {
         try {
-            // a key may be added to an object that is there; nothing else may
+            // may add a key to an existing object, but not an element to a list
             const ordered_json::json_pointer place(pointer);
             const ordered_json& parent = json.at(place.parent_pointer());
             (place.empty() || parent.is_object() ? json[place] : json.at(place)) = ordered_json::parse(value);
         } catch (const nlohmann::json::exception& error) {
-            throw InputError(file, "/vary", one_line(pointer, 80) + " does not point into " + base.label,
+            throw InputError(file, "/vary", one_line(pointer, 80) + " does not point to a value of " + base.label,
                              one_line(error.what(), 160));
         }
         label += fmt::format("{}{}={}", label.empty() ? "" : ",", pointer, value);
@@ -200,7 +210,8 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
     return scene;
 }
 
-// 1 to 64 letters, digits, _ or -, which does not come first: a file's name would be taken for an option
+// Whether a name is 1 to 64 letters, digits, _ or -. It must not start with -, because it names files that commands
+// would take for options.
 bool names_files(const std::string& name) {
     return !name.empty() && name.size() <= 64 && name.front() != '-' &&
            std::all_of(name.begin(), name.end(), [](char c) {
@@ -213,14 +224,14 @@ std::string about_of(const JsonNode& node) {
     const std::string& about = node.string();
     if (about.size() > longest_experiment_about)
         node.fail(fmt::format("has {} bytes", about.size()),
-                  fmt::format("give {} at the most", longest_experiment_about));
+                  fmt::format("give at most {} bytes", longest_experiment_about));
     if (first_unprintable(about) != std::string::npos)
-        node.fail("holds control characters", "give printable characters and ends of lines");
+        node.fail("contains control characters", "use printable characters and line breaks");
     return about;
 }
 
-// A scene of the catalogue, or a file: where the experiment's own file lies or, as ever, by the working directory; not
-// outside the folder of the experiment's file, unless that is allowed.
+// Reads a built-in scene or a scene file. A relative path is resolved against the directory of the experiment's file,
+// then against the working directory. Files outside the directory of the experiment's file are refused by default.
 Scene planned_scene(const std::string& name, const std::string& file, NamedFiles which) {
     if (!builtin_scene_text(name).empty() || which == NamedFiles::anywhere) return find_scene(name);
     const std::size_t slash = file.rfind('/');
@@ -228,7 +239,7 @@ Scene planned_scene(const std::string& name, const std::string& file, NamedFiles
     std::error_code none;
     const std::string beside = path_in(folder, name);
     const bool is_beside = !folder.empty() && std::filesystem::exists(beside, none);
-    if (!is_beside && !std::filesystem::exists(name, none)) return find_scene(name);  // says what was meant
+    if (!is_beside && !std::filesystem::exists(name, none)) return find_scene(name);  // throws with suggestions
     const std::string path = is_beside ? beside : name;
     require_inside(folder, path);
     return read_scene(path);
@@ -255,7 +266,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     e.name = root.required("name", "the experiment's name").string();
     if (!names_files(e.name))
         root.find("name")->fail(root.find("name")->described(),
-                                "1 to 64 letters, digits, _ or -, which is not the first");
+                                "give 1 to 64 letters, digits, _ or -; the first must not be -");
     if (const JsonNode* node = root.find("about")) e.about = about_of(*node);
     if (const JsonNode* node = root.find("kind")) e.kind = read_kind(*node);
     std::vector<std::string_view> keys = {"name", "about", "kind"};
@@ -268,8 +279,9 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
         if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
         if (const JsonNode* list = node->find("evaluations_per_revolution")) {
-            if (!e.kind->calibrated) list->fail("belongs to experiments of kind conservation", "steps or tolerances");
-            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations");
+            if (!e.kind->calibrated)
+                list->fail("is a key of experiments of kind conservation", "give steps or tolerances");
+            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations per revolution");
             std::reverse(e.evaluations_per_revolution.begin(), e.evaluations_per_revolution.end());
         }
     }
@@ -277,10 +289,11 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
         const ordered_json raw = ordered_json::parse(text, nullptr, true, true).at("vary");
         for (const JsonNode* member : node->members()) {
             Variation variation{member->key(), {}};
-            if (member->elements().empty()) member->fail("is empty", "at least one value");
+            if (member->elements().empty()) member->fail("is empty", "give at least one value");
             for (const ordered_json& value : raw.at(member->key())) variation.values.push_back(value.dump());
             if (e.vary.size() == most_varied)
-                member->fail("is one more than can be varied", fmt::format("give {} at the most", most_varied));
+                member->fail("exceeds the largest number of JSON pointers",
+                             fmt::format("give at most {} pointers", most_varied));
             e.vary.push_back(std::move(variation));
         }
     }
@@ -289,7 +302,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     if (const JsonNode* node = root.find("seconds_per_run")) {
         e.seconds_per_run = positive(*node, "a time");
         if (e.seconds_per_run > most_seconds_per_run)
-            node->fail(node->described(), fmt::format("give {:.0f} s at the most", most_seconds_per_run));
+            node->fail(node->described(), fmt::format("give at most {:.0f} s", most_seconds_per_run));
     }
     if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node, 1L << 53);
     if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node, 1L << 53);
@@ -300,11 +313,11 @@ Experiment find_experiment(const std::string& name_or_path) {
     const std::vector<std::string> names = builtin_experiment_names();
     if (const std::string_view text = builtin_experiment_text(name_or_path); !text.empty())
         return parse_experiment(text, name_or_path);
-    // of a link that leads nowhere or in a circle the reader tells the reason
+    // symlink_status: for a dangling or cyclic link read_text() reports the reason
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name_or_path, none)))
         return parse_experiment(read_text(name_or_path), name_or_path);
-    throw InputError(one_line(name_or_path, 200), "experiment", "there is no such experiment or file",
-                     did_you_mean(name_or_path, names) + " `polhode list experiments` names them all");
+    throw InputError(one_line(name_or_path, 200), "experiment", "is neither a built-in experiment nor a file",
+                     suggest_names(name_or_path, names, "experiments"));
 }
 
 bool is_described(const Plan& plan) {
@@ -324,7 +337,7 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
     for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
     if (variants > most_variants)
         throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
-                         fmt::format("give {:.0f} at the most: all values are combined with all", most_variants));
+                         fmt::format("give at most {:.0f}; all combinations of values are run", most_variants));
     std::vector<PlannedScene> bases;
     double bytes = 0;
     for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
@@ -336,20 +349,20 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         }
         if (e.kind->one_body && is_mechanism(scene))
             throw InputError(file, "/scenes",
-                             fmt::format("{} is of several bodies, and experiments of kind {} measure one",
+                             fmt::format("{} has several bodies; experiments of kind {} support only one",
                                          one_line(name, 80), e.kind->name),
                              "give scenes of one body, or another kind");
         if (static_cast<double>(e.samples) * static_cast<double>(std::max<std::size_t>(1, scene.bodies.size())) >
             static_cast<double>(most_states))
             throw InputError(
                 file, "/samples",
-                fmt::format("are {} of the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
-                fmt::format("give {} samples times bodies at the most", most_states));
+                fmt::format("is {}, for the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
+                fmt::format("samples times bodies must be at most {}", most_states));
         bases.push_back({scene.name, scene, write_scene(scene)});
         bytes += bytes_of_variants(bases.back(), e.vary, variants);
         if (bytes > largest_plan)
             throw InputError(file, "/vary", fmt::format("makes {:.3g} bytes of scenes and meshes", bytes),
-                             fmt::format("give {:.0f} at the most: fewer values, or smaller meshes", largest_plan));
+                             fmt::format("give fewer values or smaller meshes: at most {:.0f} bytes", largest_plan));
     }
     for (const Method* method : planned_methods(e.methods, file)) {
         const std::string name(method->name);
@@ -372,18 +385,18 @@ Plan make_plan(const Experiment& experiment, const std::string& file, bool quick
         if (method->control == Control::none) add(SettingKind::none, {std::nan("")});
         const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
         if (plan.curves.size() == before && named)
-            throw InputError(file, "/settings", name + " has no setting to run at",
+            throw InputError(file, "/settings", "has no setting for " + name,
                              calibrated            ? "give evaluations_per_revolution"
                              : takes_step(*method) ? "give steps"
                                                    : "give tolerances");
     }
     double cases = 0;
     for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
-    // a scene is read and posed where nothing is run of it as well
+    // at least one case per scene, because every scene is read and posed
     cases = std::max(1.0, cases) * static_cast<double>(bases.size()) * variants;
     if (cases > most_cases)
         throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),
-                         fmt::format("give {:.0f} at the most", most_cases));
+                         fmt::format("give at most {:.0f} cases", most_cases));
     std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
     for (const Variation& variation : e.vary) {
         std::vector<std::vector<std::pair<std::string, std::string>>> next;

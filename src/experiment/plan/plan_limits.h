@@ -1,4 +1,4 @@
-// How much an experiment may ask for, so that memory and time are bounded before any of it is run.
+// Limits of experiments. They bound memory and time before anything is run.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@ inline constexpr long most_experiment_samples = 1'000'000;       ///< `samples`
 inline constexpr long most_repeats = 1'000'000;                  ///< `repeats`
 inline constexpr double most_seconds_per_run = 1e6;              ///< `seconds_per_run`
 inline constexpr std::size_t longest_experiment_about = 10'000;  ///< bytes of `about`
-inline constexpr std::size_t longest_label = 400;  ///< bytes of a varied scene's name; a longer one ends in a hash
+inline constexpr std::size_t longest_label = 400;  ///< bytes of a varied scene's name; longer names end in a hash
 
-/// Of a regular expression: characters, parentheses in one another, and how often its repetitions multiply.
+/// Regular expressions: characters, nesting of parentheses, and characters with repetitions expanded.
 inline constexpr std::size_t longest_expression = 500;
 inline constexpr long deepest_parentheses = 50, most_unrolled = 1000;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double pilot_revolutions = 50;
 constexpr int loosest = -1, tightest = -15;  // decades of tolerance
 
-// right-hand sides a revolution; infinite for a run that fails
+// evaluations per revolution; infinite for a failed run
 double cost(const Problem& problem, const Method& method, const Settings& settings) {
     const Trajectory trajectory = solve(problem, method, settings);
     if (trajectory.status != Status::ok) return std::numeric_limits<double>::infinity();
@@ -28,17 +28,17 @@ Calibration step_for(const Problem& problem, const Method& method, double revolu
     settings.record = false, settings.samples = 1, settings.step = revolution / steps;
     const Trajectory pilot = solve(problem, method, settings);
     if (pilot.status == Status::unsupported) return {false, 0, pilot.message};
-    if (pilot.steps < 1) return {false, 0, "the pilot run took no step: " + pilot.message};
+    if (pilot.steps < 1) return {false, 0, "the pilot run took no steps: " + pilot.message};
     const double per_step = static_cast<double>(pilot.rhs_evaluations) / static_cast<double>(pilot.steps);
     return {true, revolution * per_step / evaluations, ""};
 }
 
-// The tightest affordable decade, then a bisection to the next one. Runs that fail are passed over: a tolerance may be
-// too loose for a method as well as too tight.
+// Finds the tightest affordable decade, then bisects towards the next one. Failed runs are skipped, because a tolerance
+// can be too loose for a method as well as too tight.
 Calibration tolerance_for(const Problem& problem, const Method& method, double evaluations) {
     Settings settings;
     settings.record = false, settings.samples = 1;
-    // a step costs an evaluation at least: one that takes more is not affordable
+    // a step needs at least one evaluation, so a run with more steps than evaluations is not affordable
     settings.max_steps = static_cast<long>(std::min(pilot_revolutions * evaluations, 1e15)) + 1;
     const auto affordable = [&](int exponent, double further = 0) {
         settings.tolerance = std::pow(10, exponent + further);
@@ -50,7 +50,7 @@ Calibration tolerance_for(const Problem& problem, const Method& method, double e
     int exponent = tightest;
     while (exponent <= loosest && !affordable(exponent)) ++exponent;
     if (exponent > loosest)
-        return {false, 0, fmt::format("costs more than {:g} evaluations a revolution at any tolerance", evaluations)};
+        return {false, 0, fmt::format("needs more than {:g} evaluations per revolution at any tolerance", evaluations)};
     if (exponent == tightest) return {true, two_digits(std::pow(10, tightest)), ""};
     double below = -1, above = 0;
     while (above - below > 0.02) {
@@ -68,9 +68,10 @@ double revolution_time(const Scene& scene) {
 }
 
 Calibration calibrate(const Scene& scene, const Method& method, SettingKind kind, double evaluations) {
-    if (is_mechanism(scene)) return {false, 0, "several bodies have no one revolution to count evaluations by"};
+    if (is_mechanism(scene)) return {false, 0, "evaluations per revolution are defined for one body only"};
     const double revolution = revolution_time(scene);
-    if (!std::isfinite(revolution)) return {false, 0, "the body is at rest: it makes no revolution"};
+    if (!std::isfinite(revolution))
+        return {false, 0, "the body is at rest at the start, so evaluations per revolution are undefined"};
     Scene pilot = scene;
     pilot.duration = pilot_revolutions * revolution;
     const Problem problem = pose(pilot);

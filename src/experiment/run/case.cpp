@@ -27,11 +27,11 @@ Result blank(const Case& c) {
     return result;
 }
 
-// False where no setting costs what it should: then the row says so.
+// Sets the settings of the run. Returns false if the calibration found no setting; the result then holds the reason.
 bool choose_settings(const Experiment& experiment, Case& c) {
     Settings& settings = c.settings;
     settings.samples = experiment.samples;
-    // a step costs an evaluation at least: a run of too many fixed steps is not begun
+    // a step needs at least one evaluation, so a run with too many fixed steps is refused at once
     settings.max_steps = std::min(experiment.max_steps, experiment.max_evaluations);
     settings.max_evaluations = experiment.max_evaluations;
     settings.seconds_limit = experiment.seconds_per_run;
@@ -51,7 +51,7 @@ bool choose_settings(const Experiment& experiment, Case& c) {
     return true;
 }
 
-// T by the mean |w| of the truth, in revolutions
+// T times the mean |w| of the truth, in revolutions
 std::optional<double> revolutions(const Reference& reference) {
     if (!reference.available || reference.samples.size() < 2) return {};
     double sum = 0;
@@ -68,7 +68,7 @@ std::optional<double> revolutions(const Reference& reference) {
 std::string words_of(const Plan& plan, const Case& c) {
     std::string words = fmt::format("{} {} {}", plan.experiment.name, c.scene->label, c.curve->method->name);
     if (c.curve->kind != SettingKind::none) words += fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
-    if (c.curve->calibrated) words += " evaluations a revolution";
+    if (c.curve->calibrated) words += " evaluations per revolution";
     if (c.curve->formulation != Formulation::reduced) words += fmt::format(" {}", name_of(c.curve->formulation));
     return words;
 }
@@ -85,14 +85,14 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     if (!choose_settings(experiment, c)) return {};
     Result result = blank(c);
     Settings settings = c.settings;
-    // looking sideways for samples costs more than the run that is limited
+    // this run also computes samples, which the limit does not include
     settings.seconds_limit *= 4;
     Trajectory trajectory = solve(problem, *c.curve->method, settings);
     result.status = trajectory.status, result.message = trajectory.message;
     result.cut = trajectory.limit_reached;
     if (trajectory.step > 0) result.step_taken = trajectory.step;
     if (trajectory.status != Status::unsupported) {
-        // of the run that is timed, which keeps no samples
+        // the timed run keeps no samples
         result.steps = trajectory.steps;
         result.rhs_evaluations = trajectory.rhs_evaluations - trajectory.sample_evaluations;
         result.counts = trajectory.counts;
@@ -105,15 +105,15 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
     if (result.status == Status::ok && c.curve->kind == SettingKind::tolerance &&
         result.errors["attitude"].final.value_or(0) > 1) {
         result.status = Status::tolerance_not_met;
-        result.message =
-            fmt::format("ends {:.3g} rad off; kappa(T) times the tolerance is {}", *result.errors["attitude"].final,
-                        kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "not known");
+        result.message = fmt::format("attitude error at the end is {:.3g} rad; kappa(T) times the tolerance is {}",
+                                     *result.errors["attitude"].final,
+                                     kappa ? fmt::format("{:.2g}", *kappa * *settings.tolerance) : "unknown");
     }
     if (result.rhs_evaluations.value_or(0) > experiment.max_evaluations) {
         result.status = Status::failed, result.cut = true, result.errors = {};
-        result.message = fmt::format("more than the limit of {} evaluations", experiment.max_evaluations);
+        result.message = fmt::format("exceeded the limit of {} evaluations", experiment.max_evaluations);
     }
-    // how far it came before a limit depends on the machine
+    // the counts of a run that was stopped by a limit depend on the machine
     if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
     result.seconds_min = trajectory.seconds;
     c.result = std::move(result);

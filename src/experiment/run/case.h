@@ -1,4 +1,4 @@
-// One case of a sweep: a scene by a method at a setting.
+// One case of a sweep: a scene, a method and a setting.
 #pragma once
 
 #include <optional>
@@ -11,32 +11,32 @@
 
 namespace polhode {
 
-/// Where it stands in the plan, its key, and its result once there is one.
+/// A case: its place in the plan, its key, and its result when it is finished.
 struct Case {
     const PlannedScene* scene;
     const PlannedCurve* curve;
-    std::size_t rank;  ///< of the setting on its curve
+    std::size_t rank;  ///< index of the setting in curve->settings
     std::string key;
     std::optional<Result> result{};
-    Settings settings{};  ///< what it was run with
-    double spent = 0;     ///< s, on errors and timings
+    Settings settings{};  ///< settings of the run
+    double spent = 0;     ///< s, for errors and timings
 
     double setting() const { return curve->settings[rank]; }
 };
 
-/// What a reader knows the case by, whatever program ran it: experiment, scene, method, setting.
+/// Describes a case as "EXPERIMENT SCENE METHOD KIND SETTING". Does not depend on the program that ran it.
 std::string words_of(const Plan& plan, const Case& c);
 
-/// Nothing where the conditioning is not known.
+/// The floors of the attitude error; empty if the conditioning is not available.
 Floors floors_of(const Conditioning& conditioning);
 
-/// The untimed run, which takes the steps of the timed one and looks at every sample. Sets all of the result but its
-/// timings; `seconds_min` is the time of this run. `kappa`: of the attitude at T (integrators/conditioning.h), which
-/// says what errors to expect, for the message of a run that ends far off. Returns the run.
+/// Makes an untimed run that takes the steps of the timed run and records every sample. Sets the result except its
+/// timings; `seconds_min` is the time of this run. `kappa` is the condition number of the attitude at T
+/// (integrators/analysis/conditioning.h); the message of a run with a large error quotes it. Returns the run.
 Trajectory measure_errors(const Experiment& experiment, const Problem& problem, const Reference& reference, Case& c,
                           std::optional<double> kappa = {});
 
-/// The row of a case beyond the setting at which its curve was cut.
+/// Sets the result of the case `beyond`, which is not run because its curve was cut at the case `at`.
 void cut_curve(const Case& at, Case& beyond);
 
 }  // namespace polhode

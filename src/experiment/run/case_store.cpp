@@ -26,13 +26,13 @@ std::filesystem::path path_of(const std::string& directory, const std::string& k
     return std::filesystem::path(directory) / ".cases" / (key + ending);
 }
 
-// a file, sealed: whoever reads it back knows that it is as it was written
+// writes a file with a checksum
 void save(const std::filesystem::path& path, std::string_view text) {
     std::error_code fault;
     std::filesystem::create_directories(path.parent_path(), fault);
     if (fault)
-        throw std::runtime_error(
-            fmt::format("{}: cannot be created: {}", one_line(path.parent_path().string(), 500), fault.message()));
+        throw std::runtime_error(fmt::format("{}: cannot create this directory: {}",
+                                             one_line(path.parent_path().string(), 500), fault.message()));
     write_atomically(path.string(), seal(text));
 }
 
@@ -58,8 +58,8 @@ std::string running_program_key() {
 
 namespace {
 
-// Other programs change without this one's doing so: an engine is another with its version, and a method that is no
-// part of the program has an identity.
+// The part of a case's key that program_key() does not cover: the version of an engine, which is another program, or
+// the identity of a user-defined method.
 std::string version_of(const Method& method) {
     const EngineMethod* engine = engine_of(method);
     if (!engine) return std::string(method.identity);
@@ -95,7 +95,7 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
 
 void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
                const Result& result) {
-    // the series first: a row is there only once all of the case is
+    // the series first, so that a case with a row is complete
     if (!result.series.t.empty()) save(path_of(directory, key, ".series.csv"), csv(series_table(result.series)));
     save(path_of(directory, key, ".csv"),
          csv({result_columns(TableOf::stored), {row_of(experiment, result, TableOf::stored)}}));
@@ -126,7 +126,7 @@ std::optional<double> load_duration(const std::string& directory, const std::str
     std::ifstream file(path, std::ios::binary);
     const std::string text(std::istreambuf_iterator<char>(file), {});
     const std::optional<std::string> sealed = unseal(text);
-    // found by words, whatever program wrote it: an older one's has no seal, and no comment
+    // a file of an older program has neither checksum nor comment; it is not reported as corrupted
     if (!sealed && text.find('#') != text.npos) tell_damaged(path);
     std::istringstream number(sealed.value_or(""));
     number.imbue(std::locale::classic());

@@ -1,6 +1,6 @@
-// Finished cases of a sweep, one file each under DIR/.cases, so that an interrupted run goes on from where it was and
-// several processes may share a folder. A case is found by a key of program, scene, experiment and setting, never by
-// its name. Each file is sealed (text/sealed.h): one that is damaged is told of and counts as none.
+// Stores finished cases of a sweep, one file per case in DIR/.cases, so that interrupted runs can continue and several
+// processes can share a directory. The key of a case is a hash of program, scene, experiment and setting. Each file
+// ends in a checksum (text/sealed.h). Corrupted files are reported and treated as missing.
 #pragma once
 
 #include <optional>
@@ -10,32 +10,32 @@
 
 namespace polhode {
 
-/// The identity of polhode's code: changes with any source file, compiler or flag.
+/// Identifies polhode's code. Changes with any source file, the compiler and the flags.
 const char* program_key();
 
-/// The identity of the program that runs: polhode's code, and where there are methods from outside the tree the whole
-/// executable, since nobody else knows when they change.
+/// Identifies the running program: program_key(), plus a hash of the executable if it has user-defined methods.
 std::string running_program_key();
 
 /// The key of one case.
 std::string case_key(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve, double setting);
 
-/// The stored result, if there is a whole one. A file that cannot be read counts as none.
+/// Loads a stored result. Returns nothing if the file is missing, incomplete or unreadable.
 std::optional<Result> load_case(const std::string& directory, const std::string& key);
 
-/// Stores a finished case: temporary, synced, renamed. Throws std::runtime_error.
+/// Stores a finished case: writes a temporary file, syncs it and renames it. Throws std::runtime_error.
 void save_case(const std::string& directory, const std::string& key, const std::string& experiment,
                const Result& result);
 
-/// Several rows under one key, as one file: what it takes more than one run to find.
+/// Load and store the rows of a search, which consists of several runs, as one file under one key.
 std::optional<Table> load_rows(const std::string& directory, const std::string& key);
 void save_rows(const std::string& directory, const std::string& key, const Table& rows);
 
-/// Remembers that all that stands under this key is done, and asks for it.
+/// Mark the work under this key as finished, and query this mark.
 void save_done(const std::string& directory, const std::string& key);
 bool is_done(const std::string& directory, const std::string& key);
 
-/// How long a case took, by the words that name it, whatever program ran it: what a dry run tells.
+/// Store and load the run time of a case, in s, under its description words_of(). It is shared by all builds of the
+/// program, for the estimates of a dry run.
 void save_duration(const std::string& directory, const std::string& words, double seconds);
 std::optional<double> load_duration(const std::string& directory, const std::string& words);
 

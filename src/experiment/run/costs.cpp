@@ -1,3 +1,5 @@
+// Costs of plans. Expected times come from stored durations of earlier runs (case_store.h). deal_out() distributes the
+// work by Graham's rule: longest first, each to the shard with the least work.
 #include "experiment/run/costs.h"
 
 #include <fmt/format.h>
@@ -28,7 +30,7 @@ std::string setting_text(const PlannedCurve& curve, std::size_t rank) {
                                                                                : shortest_decimal(curve.settings[rank]);
 }
 
-// the cells that name a case; a cell holds no line feed that another could begin with
+// the cells that identify a case
 std::vector<std::string> named_by(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve,
                                   std::size_t rank) {
     return {plan.experiment.name,
@@ -39,7 +41,7 @@ std::vector<std::string> named_by(const Plan& plan, const PlannedScene& scene, c
             setting_text(curve, rank)};
 }
 
-// by which the time is kept that a scene's truth took
+// the description under which the time for a scene's truth is stored
 std::string truth_words(const Plan& plan, const PlannedScene& scene) {
     return fmt::format("{} {} {}", plan.experiment.name, scene.label, truth_method);
 }
@@ -61,7 +63,7 @@ std::optional<double> seconds_of(const std::string& text) {
     return value;
 }
 
-// What is known of how long things took, by setting and by method.
+// Measured times, by setting and by method.
 class Measured {
   public:
     void add(const std::vector<std::string>& named_by, double seconds) {
@@ -69,13 +71,13 @@ class Measured {
         by_method_[named_by[2]].push_back(seconds);
         if (named_by[2] != truth_method) all_.push_back(seconds);
     }
-    // and where that is from
+    // the expected seconds and their source
     std::pair<double, std::string> expected(const std::vector<std::string>& named_by) const {
         if (const auto known = by_setting_.find(at_setting(named_by)); known != by_setting_.end())
-            return {median(known->second), "as on other scenes"};
+            return {median(known->second), "other scenes at this setting"};
         if (const auto known = by_method_.find(named_by[2]); known != by_method_.end())
-            return {median(known->second), "as its method at other settings"};
-        if (!all_.empty()) return {median(all_), "as the other cases"};
+            return {median(known->second), "this method at other settings"};
+        if (!all_.empty()) return {median(all_), "all other cases"};
         return {assumed_seconds, "assumed"};
     }
 
@@ -100,7 +102,7 @@ Costs::Costs(const Table& table, const std::string& file) {
     for (const std::string& name : names)
         if (std::find(table.columns.begin(), table.columns.end(), name) == table.columns.end())
             throw InputError(file, "line 1", "has no column " + name,
-                             "give a plan that `polhode run --dry-run --plan FILE` wrote");
+                             "give a plan written by `polhode run --dry-run --plan FILE`");
     for (std::size_t r = 0; r < table.rows.size(); ++r) {
         const auto cell = [&](const std::string& name) { return text_of(table.rows[r][column_index(table, name)]); };
         const std::string line = fmt::format("line {}", r + 2);
@@ -111,7 +113,7 @@ Costs::Costs(const Table& table, const std::string& file) {
         std::vector<std::string> key;
         for (std::size_t k = 0; k < 6; ++k) key.push_back(cell(names[k]));
         if (!seconds_.emplace(joined(key), *seconds).second)
-            throw InputError(file, line, "is of a case that stands above", "give each case once");
+            throw InputError(file, line, "repeats a case of an earlier line", "give each case once");
     }
 }
 
@@ -191,7 +193,7 @@ std::vector<std::vector<int>> deal_out(const Plan& plan, const Costs& costs, int
     for (std::size_t s = 0; s < scenes.size(); ++s) {
         const SceneCost& cost = scenes[s];
         std::size_t count = 1;
-        // each part costs the truth again: where that alone fills a share, more parts would not help
+        // each part needs the truth: if the truth alone exceeds a share, more parts do not help
         if (cost.truth + cost.curves > share)
             count = static_cast<std::size_t>(std::ceil(std::clamp(cost.curves / std::max(share - cost.truth, share / 4),
                                                                   1.0, static_cast<double>(plan.curves.size()))));

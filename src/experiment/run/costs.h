@@ -1,4 +1,4 @@
-// What the cases of a plan are expected to cost, and how shards share them out.
+// Expected run times of the cases of a plan, and their distribution over shards.
 #pragma once
 
 #include <map>
@@ -10,38 +10,39 @@
 
 namespace polhode {
 
-/// Expected seconds of cases, by what a reader knows them by: experiment, scene, method, formulation and setting.
+/// Expected seconds of cases, by experiment, scene, method, formulation and setting.
 class Costs {
   public:
-    /// The columns of cost_table(): a row a case; method `truth` is what all cases of its scene need first.
+    /// The columns of cost_table(), which has one row per case. Rows with the method `truth` are the references that
+    /// all cases of a scene need first.
     static const std::vector<std::string>& columns();
 
-    /// A table that `polhode run --dry-run --plan FILE` wrote. Throws InputError, which names `file` and the line,
-    /// where a column is missing, a number of seconds is none or negative, or a case stands there twice.
+    /// Reads a table written by `polhode run --dry-run --plan FILE`. Throws InputError, with `file` and the line, if a
+    /// column is missing, expected_seconds is not a number >= 0, or a case is repeated.
     Costs(const Table& table, const std::string& file);
 
-    /// s; what the table does not have costs nothing that anybody knows of.
+    /// Seconds for the truth of a scene; 0 if it is not in the table.
     double of_truth(const Plan& plan, const PlannedScene& scene) const;
-    /// s, over all settings of the curve.
+    /// Seconds for all settings of a curve; cases that are not in the table count 0.
     double of_curve(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve) const;
 
   private:
     std::map<std::string, double> seconds_;
 };
 
-/// Keeps in the directory how long a scene's truth took, if no other time did it take longer: one that is in the cache
-/// takes no time, and what it would take elsewhere is to be known.
+/// Stores the time for a scene's truth in the directory, unless a longer time is stored. A truth from the cache takes
+/// no time, but another machine has to compute it.
 void save_truth_duration(const std::string& directory, const Plan& plan, const PlannedScene& scene, double seconds);
 
-/// What each case of the plan is expected to take, done or not: as long as it took when it last ran in `measured`, a
-/// folder of results; otherwise as long as the median of what stands there of its method at its setting, else of its
-/// method, else of all, else a second. The last column says which. What is made as a whole is one row without a scene.
+/// The expected seconds of every case of the plan, finished or not: the time of its last run in the result directory
+/// `measured`, else the median there over the same method and setting, else over the same method, else over all cases,
+/// else 1 s. The last column gives the source. A kind with `make` that is not resumable is one row without a scene.
 Table cost_table(const Plan& plan, const std::string& measured);
 
-/// Which shard, from 0, runs a curve on a scene: [scene][curve]. Longest first, each to the shard that has least to do
-/// so far (Graham's rule: no shard gets more than 4/3 of the least possible). A scene's curves stay together, so that
-/// its methods are timed in turn on one machine, unless they cost more than an even share: then they are cut into as
-/// few parts as are needed, each of which needs the truth.
+/// Returns the shard (from 0) of each curve on each scene: [scene][curve]. Assigns the longest work first, always to
+/// the shard with the least work (R. L. Graham 1969: no shard gets more than 4/3 of the optimum). The curves of a scene
+/// stay together, so that one machine times the methods in turn. If they exceed an even share, they are divided into as
+/// few parts as needed; each part needs the truth.
 std::vector<std::vector<int>> deal_out(const Plan& plan, const Costs& costs, int shards);
 
 }  // namespace polhode

@@ -27,7 +27,7 @@ bool offers_a_choice(const std::vector<Result>& results) {
     return timed && methods.size() > 1;
 }
 
-// "1e-6", "3e-6": one digit
+// formats with one digit: "1e-6", "3e-6"
 std::string power_of_ten(double value) {
     std::string text = fmt::format("{:.0e}", value);
     if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
@@ -68,7 +68,7 @@ std::string prefixed_seconds(double seconds) {
     if (!std::isfinite(seconds)) return "-";
     std::size_t unit = 0;
     double value = seconds;
-    // 999.6 us in three digits is 1.00 ms
+    // 999.6 us rounds to 1.00 ms
     while (value > 0 && value < 0.9995 && unit + 1 < units.size()) value *= 1000, ++unit;
     if (value == 0) return "0 s";
     if (value >= 999.5) return fmt::format("{:.0f} {}", value, units[unit]);
@@ -85,7 +85,7 @@ std::string shortened(const std::string& text, std::size_t most) {
 std::string run_table(const std::vector<Result>& results, const RunTable& table) {
     if (!offers_a_choice(results)) return "";
     using Row = std::array<std::string, 7>;
-    const Row head{"scene", "error (rad)", "fastest", "setting", "time", "runner-up", "times"};
+    const Row head{"scene", "error (rad)", "fastest", "setting", "time", "runner-up", "ratio"};
     std::vector<Row> rows;
     for (const std::string& scene : scenes_of(results)) {
         bool first = true;
@@ -106,7 +106,7 @@ std::string run_table(const std::vector<Result>& results, const RunTable& table)
             rows.push_back(std::move(row));
         }
     }
-    // what the names may take is what the numbers leave
+    // shorten the names if the table is too wide
     std::array<std::size_t, 7> width{};
     const auto measure = [&] {
         for (std::size_t i = 0; i < head.size(); ++i) {
@@ -119,7 +119,7 @@ std::string run_table(const std::vector<Result>& results, const RunTable& table)
     };
     const auto most = static_cast<std::size_t>(std::max(80, table.width));
     for (std::size_t all = measure(); all > most; all = measure()) {
-        // the widest of the three columns of names gives way, no further than to ten
+        // shorten the widest of the three columns with names, to not less than ten characters
         std::size_t widest = 0;
         for (const std::size_t i : {2, 5})
             if (width[i] > width[widest]) widest = i;

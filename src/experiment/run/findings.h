@@ -1,4 +1,4 @@
-// What an experiment finds: tables and pictures.
+// The results of an experiment: tables and figures.
 #pragma once
 
 #include <optional>
@@ -10,30 +10,31 @@
 
 namespace polhode {
 
-/// A table and what a page shows of it.
+/// A table, and its form on a page.
 struct NamedTable {
-    std::string name;   ///< of its files after the experiment's: EXPERIMENT_name; empty: EXPERIMENT
-    std::string title;  ///< of the page; empty: what the experiment is about
+    std::string name;   ///< files are named EXPERIMENT_name, or EXPERIMENT if the name is empty
+    std::string title;  ///< title on the page; if empty, the experiment's `about`
     Table table;
-    std::vector<ColumnChoice> for_people{};  ///< what a page shows; empty: all columns
-    bool only_csv = false;                   ///< for machines, and too long for a page
-    /// name.csv is one file for all experiments: its last column tells whose a row is, and the others' rows stay.
+    std::vector<ColumnChoice> for_people{};  ///< columns and headings on a page; empty: all columns
+    bool only_csv = false;                   ///< no page: too long, or for programs only
+    /// Whether name.csv is shared by all experiments. Its last column is the experiment; rows of other experiments are
+    /// kept.
     bool is_shared = false;
-    std::optional<Table> page{};  ///< in place of a choice of columns
+    std::optional<Table> page{};  ///< the table on the page, instead of `for_people`
 };
 
-/// An empty table of these columns. A page shows those that have a heading, under it.
+/// Returns a table of these columns without rows. A page shows the columns that have a heading.
 NamedTable headed_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns);
 
-/// The table as a page shows it.
+/// The table as shown on a page.
 Table page_of(const NamedTable& named);
 
 struct Findings {
     std::vector<NamedTable> tables{};
     std::vector<NamedFigure> figures{};
-    std::string page{};  ///< Markdown for EXPERIMENT.md in place of the table's, if not empty
-    long missing = 0;    ///< rows that are not there yet: interrupted, filtered or a shard; run again to go on
-    std::vector<std::string> machines{};  ///< by name, whose times the rows of cases tell
+    std::string page{};                   ///< Markdown for EXPERIMENT.md; if empty, the page of the table is used
+    long missing = 0;                     ///< rows not computed yet: interrupted, filtered, or of other shards
+    std::vector<std::string> machines{};  ///< names of the machines that measured the times of the rows
 };
 
 }  // namespace polhode

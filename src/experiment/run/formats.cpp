@@ -46,7 +46,7 @@ Formats parse_formats(std::string_view text) {
         if (found != Formats::names.end())
             formats.wanted[static_cast<std::size_t>(found - Formats::names.begin())] = true;
         else if (word != "csv")
-            throw std::invalid_argument(fmt::format("there is no format {}; give some of csv, {}",
+            throw std::invalid_argument(fmt::format("{} is an unknown format; give a list of csv, {}",
                                                     one_line(std::string(word), 50), fmt::join(Formats::names, ", ")));
     }
     return formats;

@@ -21,7 +21,7 @@ FileLock::FileLock(const std::string& path, Kind kind, const std::atomic<bool>& 
         if (errno != ENOENT) tell_unlocked(path, errno);
         return;
     }
-    // polled, so that an interrupt is heard while another process is at work
+    // poll, so that an interrupt is noticed while another process holds the lock
     const int operation = (kind == Kind::shared ? LOCK_SH : LOCK_EX) | LOCK_NB;
     while (flock(descriptor_, operation) != 0) {
         if (errno == EINTR) continue;
@@ -41,7 +41,7 @@ FileLock::~FileLock() {
 std::string machine_lock_file() {
     std::error_code fault;
     std::filesystem::path directory = std::filesystem::temp_directory_path(fault);
-    // TMPDIR is no directory: one place for all runs nevertheless, and not the working directory
+    // if TMPDIR is not a directory, all runs still need one common place, so not the working directory
     if (fault) directory = "/tmp";
     return (directory / fmt::format("polhode-{}.lock", getuid())).string();
 }

@@ -1,4 +1,4 @@
-// What several processes over one folder, or on one machine, must not do at the same time.
+// Locks between processes that share a result directory or a machine.
 #pragma once
 
 #include <atomic>
@@ -6,13 +6,13 @@
 
 namespace polhode {
 
-/// An advisory lock on a file (flock), given back at the end of its life and by the death of the process. Where the
-/// file cannot be opened, or the file system has no locks, the work goes on without; one line on standard error tells.
+/// An advisory lock on a file (flock), released by the destructor and when the process ends. If the file cannot be
+/// opened or the file system has no locks, one line on standard error reports this and the work continues unlocked.
 class FileLock {
   public:
     enum class Kind { shared, exclusive };
 
-    /// Waits until it is granted, or until `stop`.
+    /// Waits until the lock is granted or `stop` is set.
     FileLock(const std::string& path, Kind kind, const std::atomic<bool>& stop);
     ~FileLock();
     FileLock(const FileLock&) = delete;
@@ -22,17 +22,17 @@ class FileLock {
     int descriptor_ = -1;
 };
 
-/// The file by which all runs of this user on this machine keep other work away from timings: computing holds it
-/// shared, timing exclusively. In TMPDIR, or in /tmp where that is no directory.
+/// The lock file of all runs of this user on this machine. Computations hold it shared, timings exclusively, so that
+/// no computation disturbs a timing. It is in TMPDIR, or in /tmp if TMPDIR is not a directory.
 std::string machine_lock_file();
 
-/// The file by which one process at a time gathers a folder's cases into tables.
+/// The lock file of a result directory: one process at a time writes its tables.
 std::string report_lock_file(const std::string& directory);
 
-/// The file by which processes over one folder claim its cases, searches and studies by their keys (text/claims.h).
+/// The file in which processes claim the cases, searches and studies of a directory by their keys (text/claims.h).
 std::string claims_file(const std::string& directory);
 
-/// Removes what killed runs have left in the folder and in its cases: remove_abandoned().
+/// Removes temporary files of killed runs from the directory and its .cases; see remove_abandoned().
 void remove_abandoned_of_runs(const std::string& directory);
 
 }  // namespace polhode

@@ -1,3 +1,5 @@
+// Merges result directories. Case files have the key of the case as name, so that files of different directories with
+// the same name are of the same case and are compared. Tables are then written from the merged cases as by a run.
 #include "experiment/run/merge.h"
 
 #include <fmt/format.h>
@@ -58,7 +60,7 @@ Record read_record(const std::string& path) {
 
 std::string cases_folder(const std::string& directory) { return (fs::path(directory) / ".cases").string(); }
 
-// names of the files in the folder, in order
+// sorted names of the files in DIRECTORY/.cases
 std::vector<std::string> files_in(const std::string& directory) {
     std::error_code none;
     std::vector<std::string> names = names_in(cases_folder(directory), none);
@@ -74,7 +76,7 @@ bool is_key(std::string_view text) {
 
 enum class CaseFile { none, table, seconds };
 
-// rows, series and searches are tables; what marks a whole as done is taken with its tables
+// Rows, series and searches are tables. take_whole() copies the marks of finished studies with their tables.
 CaseFile kind_of(const std::string& name) {
     const std::size_t dot = name.find('.');
     if (dot == name.npos || !is_key(std::string_view(name).substr(0, dot))) return CaseFile::none;
@@ -83,9 +85,7 @@ CaseFile kind_of(const std::string& name) {
     return ending == ".seconds" ? CaseFile::seconds : CaseFile::none;
 }
 
-std::string content(const std::string& path) {
-    return read_text(path, largest_case_file, "a readable file of a finished case");
-}
+std::string content(const std::string& path) { return read_text(path, largest_case_file, "a readable case file"); }
 
 bool is_of_time(const std::string& column) {
     return column.starts_with("seconds") || column == "repeats" || column == "machine";
@@ -108,11 +108,11 @@ std::string case_words(const Table& table, std::size_t row) {
     return words;
 }
 
-// What two tables of one case say differently, times aside; empty where it is nothing. The whole of it stands in a
-// message of 300 characters, so it is the first cell that differs.
+// The first cell in which two tables of one case differ, apart from times; empty if they agree. One cell only, because
+// a message has 300 characters.
 std::string difference(const Table& a, const Table& b) {
-    if (a.columns != b.columns) return "their columns are not the same";
-    if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} rows", a.rows.size(), b.rows.size());
+    if (a.columns != b.columns) return "the columns differ";
+    if (a.rows.size() != b.rows.size()) return fmt::format("{} rows against {}", a.rows.size(), b.rows.size());
     for (std::size_t r = 0; r < a.rows.size(); ++r) {
         std::string cells;
         long differing = 0;
@@ -120,15 +120,15 @@ std::string difference(const Table& a, const Table& b) {
             const std::string one = text_of(a.rows[r][c]), other = text_of(b.rows[r][c]);
             if (is_of_time(a.columns[c]) || one == other) continue;
             if (++differing == 1)
-                cells = fmt::format("{} is {} and {}", a.columns[c], one_line(one, 32), one_line(other, 32));
+                cells = fmt::format("{} is {} against {}", a.columns[c], one_line(one, 32), one_line(other, 32));
         }
-        if (differing > 1) cells += fmt::format(", and {} more", differing - 1);
+        if (differing > 1) cells += fmt::format(" ({} more columns differ)", differing - 1);
         if (differing > 0) return fmt::format("{}: {}", one_line(case_words(a, r), 60), cells);
     }
     return "";
 }
 
-// Of two files of one case, that which stands: by what is in them, never by where they lie.
+// Whether the file at `path` replaces `other`, which is a file of the same case. Depends on contents, not on paths.
 bool is_better(const std::string& path, const std::string& other) {
     const std::string a = content(path), b = content(other);
     if (a == b) return false;
@@ -137,13 +137,12 @@ bool is_better(const std::string& path, const std::string& other) {
         try {
             *table = parse_csv(unseal(*text).value_or(""));
         } catch (const std::invalid_argument& fault) {
-            throw InputError(*from, "", one_line(fault.what(), 200), "remove it, and the case is run again");
+            throw InputError(*from, "", one_line(fault.what(), 200), "remove the file to run the case again");
         }
     }
     if (const std::string differs = difference(first, second); !differs.empty())
-        throw InputError(path, "",
-                         fmt::format("is of the same case as {} and differs: {}", one_line(other, 60), differs),
-                         "find out which is right, and remove the other");
+        throw InputError(path, "", fmt::format("disagrees with {} on the same case: {}", one_line(other, 60), differs),
+                         "find out which file is correct and remove the other");
     const double least_a = least_seconds(first), least_b = least_seconds(second);
     return least_a != least_b ? least_a < least_b : a < b;
 }
@@ -154,7 +153,7 @@ double seconds_in(const std::string& path) {
     return parse_decimal(text).value_or(0);
 }
 
-using Records = std::map<std::string, std::pair<Record, std::string>>;  // by name; and where it stands
+using Records = std::map<std::string, std::pair<Record, std::string>>;  // by name: the record and its path
 
 void read_records(const std::string& directory, Records& records) {
     for (const std::string& name : files_in(directory)) {
@@ -163,22 +162,22 @@ void read_records(const std::string& directory, Records& records) {
         Record record = read_record(path);
         const std::string experiment = name.substr(0, name.size() - std::string_view(record_ending).size());
         if (record.program != running_program_key())
-            throw InputError(path, "/program", "is another build of polhode than this",
-                             "merge by the program that ran the cases, or run them again");
+            throw InputError(path, "/program", "was written by another build of polhode",
+                             "merge with the program that ran the cases, or run them again");
         const auto [known, is_new] = records.try_emplace(experiment, std::pair(record, path));
         if (!is_new && known->second.first != record)
-            throw InputError(path, "", "is another experiment, or another part of it, than " + known->second.second,
-                             "merge folders of one experiment, all quick or none, run from one file");
+            throw InputError(path, "", "does not record the same experiment as " + known->second.second,
+                             "merge directories of one experiment file, either all or none with --quick");
     }
 }
 
 struct Source {
     std::string path;
-    bool is_there = false;  // in the output already
+    bool is_there = false;  // already in the output directory
 };
 
 struct Gathering {
-    std::map<std::string, Source> chosen;  // by the name of the file
+    std::map<std::string, Source> chosen;  // by file name
     long repeated = 0;
 };
 
@@ -187,7 +186,7 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
         const CaseFile kind = kind_of(name);
         if (kind == CaseFile::none) continue;
         const std::string path = (fs::path(cases_folder(directory)) / name).string();
-        // what is damaged counts as missing, and so does the row of a damaged series
+        // corrupted files are treated as missing, and so are rows whose series is corrupted
         const std::string series = path.substr(0, path.find(".csv", path.size() - 4)) + ".series.csv";
         if (!read_sealed(path) || (fs::exists(series) && !read_sealed(series))) continue;
         const auto [known, is_new] = gathering.chosen.try_emplace(name, Source{path, is_output});
@@ -200,9 +199,9 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
     }
 }
 
-// Tables and pictures of what is made as a whole, by the shard that made it. False where none did.
+// Copies tables and figures of a study that one shard computed as a whole. Returns false if no shard has finished it.
 bool take_whole(const Plan& plan, const std::vector<std::string>& directories, const std::string& output) {
-    // of several the one with the least content: any would do, but not by the order in which they are given
+    // if several shards have it, take the smallest content, so that the result does not depend on their order
     std::optional<std::pair<std::map<std::string, std::string>, std::string>> least;
     for (const std::string& directory : directories) {
         if (!is_whole_done(plan, directory)) continue;
@@ -225,7 +224,7 @@ bool take_whole(const Plan& plan, const std::vector<std::string>& directories, c
 void record_experiment(const Plan& plan, const std::string& directory) {
     if (plan.experiment.text.empty()) return;
     std::error_code none;
-    // a file is found from wherever the folders are gathered
+    // store an absolute path, since the merge may run in another working directory
     const bool is_file = fs::exists(plan.file, none);
     const Record record{is_file ? fs::absolute(plan.file, none).string() : plan.file, plan.experiment.text,
                         running_program_key(), plan.quick};
@@ -233,7 +232,7 @@ void record_experiment(const Plan& plan, const std::string& directory) {
     try {
         if (read_record(path) == record) return;
     } catch (const InputError&) {
-        // none there yet, or not a whole one
+        // missing or incomplete
     }
     fs::create_directories(cases_folder(directory));
     write_atomically(path, record_text(record));
@@ -254,12 +253,12 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
     std::vector<std::string> sources;
     for (const std::string& directory : directories) {
         if (!fs::is_directory(directory))
-            throw InputError(one_line(directory, 300), "", "is no folder",
-                             "give folders that `polhode run` has written");
+            throw InputError(one_line(directory, 300), "", "is not a directory",
+                             "give directories written by `polhode run`");
         std::error_code none;
         if (fs::equivalent(directory, output, none)) continue;
         if (!has_results(directory)) {
-            merged.remarks.push_back(one_line(directory, 300) + " holds no results yet");
+            merged.remarks.push_back(one_line(directory, 300) + " contains no results yet");
             continue;
         }
         sources.push_back(directory);
@@ -267,8 +266,8 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
     }
     if (fs::is_directory(output)) read_records(output, records);
     if (records.empty())
-        throw InputError(one_line(directories.front(), 300), "", "holds no results, and no other folder does",
-                         "give folders that `polhode run` has written");
+        throw InputError(one_line(directories.front(), 300), "", "contains no results, nor does any other directory",
+                         "give directories written by `polhode run`");
     std::vector<Plan> plans;
     for (const auto& [name, known] : records) {
         const Record& record = known.first;

@@ -1,4 +1,4 @@
-// What several folders hold of one experiment, as one folder.
+// Merges result directories of one experiment into one directory.
 #pragma once
 
 #include <string>
@@ -8,32 +8,33 @@
 
 namespace polhode {
 
-/// Remembers in the directory which experiment its cases are of, so that they can be gathered without being told.
-/// Throws std::runtime_error.
+/// Records the experiment in the directory of its cases, so that merge_results() needs no experiment argument. Throws
+/// std::runtime_error.
 void record_experiment(const Plan& plan, const std::string& directory);
 
-/// Whether the directory holds what record_experiment() leaves.
+/// Whether the directory has a record written by record_experiment().
 bool has_results(const std::string& directory);
 
 struct MergedExperiment {
     std::string name;
-    long missing = 0;           ///< cases that no folder has
-    std::string first_missing;  ///< the words of one of them
+    long missing = 0;           ///< cases that are in no directory
+    std::string first_missing;  ///< description of one of them
 };
 
 struct Merged {
     std::vector<MergedExperiment> experiments;
-    long taken = 0;     ///< files of cases that were copied
-    long repeated = 0;  ///< files that stood in more than one folder
+    long taken = 0;     ///< case files copied
+    long repeated = 0;  ///< case files found in more than one directory
     std::vector<std::string> remarks;
 };
 
-/// Gathers the finished cases of all folders in `options.directory`, which may hold some itself, and makes tables,
-/// pictures and provenance of each experiment that they are of: the same bytes for any number and order of folders, and
-/// when done again. Of rows of one case that differ in their times alone the fastest stands. A folder that is there
-/// and holds nothing is told in the remarks. Throws InputError before anything is written: a folder that is not there;
-/// none that holds results; two experiments of one name; results of another build of the program; rows of one case that
-/// differ in anything but times and machine, both shown. Throws std::runtime_error where results cannot be stored.
+/// Copies the finished cases of all directories to `options.directory`, which may contain results, and writes tables,
+/// figures and provenance of every experiment. The output does not depend on the number and order of directories, and
+/// repeating the merge does not change it. If rows of one case differ only in their times, the fastest is kept.
+/// Directories without results are listed in the remarks. Throws InputError before writing anything if a directory is
+/// missing, no directory has results, two experiments have the same name, results are from another build of the
+/// program, or rows of one case differ in anything but times and machine; the message then shows both. Throws
+/// std::runtime_error if results cannot be stored.
 Merged merge_results(const std::vector<std::string>& directories, const RunOptions& options,
                      const std::string& command_line);
 

@@ -26,7 +26,7 @@ void Progress::show(const std::string& what) const {
     constexpr long width = 30;
     const long filled = std::min(width, width * done_ / std::max(1L, total_));
     fmt::print(stderr, "\r\x1b[K[{:#<{}}{:.<{}}] {}/{} {:.70}", "", filled, "", width - filled, done_, total_, what);
-    static_cast<void>(std::fflush(stderr));  // nobody could be told
+    static_cast<void>(std::fflush(stderr));  // a failure could not be reported
 }
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// A progress bar on a terminal; nothing elsewhere.
+// A progress bar for terminals.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ namespace polhode {
 
 class Progress {
   public:
-    /// `quiet`, or standard error not a terminal: nothing is shown.
+    /// Shows nothing if `quiet` is set or standard error is not a terminal.
     Progress(long total, bool quiet);
     ~Progress();
     Progress(const Progress&) = delete;

@@ -27,13 +27,13 @@ std::string read(const std::filesystem::path& path) {
     return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
-// what is torn counts as nothing
+// returns an empty object if the file is missing or invalid
 ordered_json read_object(const std::filesystem::path& path) {
     ordered_json all = ordered_json::parse(read(path), nullptr, false);
     return all.is_object() ? all : ordered_json::object();
 }
 
-// The build writes the commit beside the program, so that a commit alone does not make another program of it.
+// The commit, which the build writes to a file beside the program. A commit in the program would change program_key().
 std::string commit() {
     std::error_code error;
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -80,7 +80,7 @@ std::vector<std::string> recorded_files(const std::string& directory, const std:
     for (const ordered_json& file : entry->at("files")) {
         if (!file.is_string()) continue;
         const std::filesystem::path name(file.get<std::string>());
-        // a name in a stranger's folder leads nowhere else
+        // the directory is untrusted: accept plain file names only
         if (name.filename() == name && name != "." && name != "..") files.push_back(name.string());
     }
     return files;
@@ -96,7 +96,7 @@ void copy_provenance(const std::string& from, const std::string& directory, cons
 
 void record_scenes(const std::string& directory, const Plan& plan) {
     const std::filesystem::path path = std::filesystem::path(directory) / "scenes.json";
-    // sorted by name, so that the order of runs does not show
+    // sorted by name, so that the file does not depend on the order of runs
     nlohmann::json all = nlohmann::json::parse(read(path), nullptr, false);
     if (!all.is_object()) all = nlohmann::json::object();
     for (const PlannedScene& scene : plan.scenes) {

@@ -19,7 +19,7 @@
 namespace polhode {
 namespace {
 
-// the rows of other experiments stay
+// replaces this experiment's rows of a shared table and keeps those of other experiments
 void write_shared(const std::string& experiment, Table table, const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     try {
@@ -28,16 +28,16 @@ void write_shared(const std::string& experiment, Table table, const std::filesys
             for (const auto& row : old.rows)
                 if (text_of(row.back()) != experiment) table.rows.push_back(row);
     } catch (const std::invalid_argument&) {
-        // none there yet, or none of ours
+        // missing, or not written by polhode
     }
     std::stable_sort(table.rows.begin(), table.rows.end(),
                      [](const auto& a, const auto& b) { return text_of(a.back()) < text_of(b.back()); });
     write_atomically(path.string(), csv(table));
 }
 
-// The names of the files of one report. A scene's name may hold anything that can be printed: in the name of a file
-// only letters, digits, _, - and dots that stand within stay, what is too long ends in a hash, and names that differ in
-// nothing but case are numbered, since to some file systems they are one.
+// File names of one report. Scene names may contain any printable characters. File names keep letters, digits, _, -
+// and inner dots. Names that are too long end in a hash. Names that differ only in case are numbered, because some file
+// systems ignore case.
 class FileNames {
   public:
     std::string of(const std::string& whole) {
@@ -55,7 +55,7 @@ class FileNames {
     }
 
   private:
-    static constexpr std::size_t longest = 150;  // bytes; endings, and what a picture is split into, come behind
+    static constexpr std::size_t longest = 150;  // bytes, without file extensions and numbers of split figures
     static std::string lower(std::string text) {
         for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
         return text;

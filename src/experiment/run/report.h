@@ -1,4 +1,4 @@
-// What an experiment found, as files.
+// Writes the results of an experiment to files.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace polhode {
 
-/// Writes the tables, the page, the pictures and this experiment's entry in provenance.json into the directory, tables
-/// as .csv and in those formats. Returns remarks for the user (a picture that could not be drawn). Throws
-/// std::runtime_error.
+/// Writes tables, page, figures and this experiment's entry in provenance.json to the directory. Tables are written as
+/// CSV and in the selected formats. Returns remarks for the user, for example about a figure that could not be drawn.
+/// Throws std::runtime_error.
 std::vector<std::string> write_report(const Plan& plan, const Findings& findings, const std::string& directory,
                                       const std::string& command_line, bool quick, const Formats& formats = {});
 

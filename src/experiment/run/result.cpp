@@ -1,3 +1,4 @@
+// Rows of results as tables and back. make_columns() lists all columns; writing and reading use this list only.
 #include "experiment/run/result.h"
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ bool has_column(const Table& table, const std::string& column) {
     return std::find(table.columns.begin(), table.columns.end(), column) != table.columns.end();
 }
 
-// nothing of an empty cell
+// parses a number; returns nothing for an empty cell
 template <class Number>
 std::optional<Number> number(const std::string& text) {
     if (text.empty()) return {};
@@ -34,7 +35,7 @@ template <class Enumeration>
 Enumeration named(const std::string& name, std::initializer_list<Enumeration> all) {
     for (const Enumeration one : all)
         if (name == name_of(one)) return one;
-    throw std::invalid_argument(one_line(name, 60) + " is not a known name");
+    throw std::invalid_argument(one_line(name, 60) + " is an unknown name");
 }
 
 std::optional<double> error_over_tolerance(const Result& r) {
@@ -43,7 +44,7 @@ std::optional<double> error_over_tolerance(const Result& r) {
     return *attitude / r.setting;
 }
 
-// the measures of the standard columns, in their order; further measures have columns at the end of a table
+// measures with standard columns, in order; the columns of other measures are at the end of a table
 const char* const standard_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
 
 std::vector<std::size_t> standard_indices() {
@@ -98,7 +99,7 @@ void read(const std::string& text, Formulation& value) {
     value = named(text, {Formulation::reduced, Formulation::full_principal, Formulation::full});
 }
 
-// a column of one member: a pointer to it, or a function that finds it
+// a column of one member, given by a pointer to it or by a function that returns it
 template <class At>
 ResultColumn column(std::string name, At at, std::string meaning = "", std::string page_name = "",
                     int page_digits = 0) {
@@ -110,7 +111,7 @@ ResultColumn column(std::string name, At at, std::string meaning = "", std::stri
             page_digits};
 }
 
-// the columns of a measure's errors; the report's document has those that every table has
+// appends the error columns of measures; the report's document has those that are in every table
 void append_errors(std::vector<ResultColumn>& all, const std::vector<std::size_t>& these) {
     for (const std::size_t m : these) {
         const Measure& measure = measures()[m];
@@ -126,7 +127,7 @@ void append_errors(std::vector<ResultColumn>& all, const std::vector<std::size_t
             all.push_back(std::move(one));
         };
         if (measure.tabled_at_end) append("_final", "at T", &ErrorOfRun::final);
-        append("_max", "the largest over all samples", &ErrorOfRun::max);
+        append("_max", "maximum over all samples", &ErrorOfRun::max);
     }
 }
 
@@ -139,12 +140,13 @@ std::vector<ResultColumn> make_columns() {
          [](const std::string& text, Result& r) { r.setting = number<double>(text).value_or(0); }, "", "setting", 5},
         column("status", &Result::status),
         column("seconds_min", &Result::seconds_min,
-               "Wall clock of the integration alone, the shortest of the repeats, s", "seconds_min"),
+               "Wall clock time of the integration alone, minimum of the repeats, s", "seconds_min"),
         column("seconds_median", &Result::seconds_median,
-               "Wall clock of the integration alone, the median of the repeats, s", "seconds"),
+               "Wall clock time of the integration alone, median of the repeats, s", "seconds"),
         column("repeats", &Result::repeats),
-        column("steps", &Result::steps, "Steps taken", "steps", 7),
-        column("rhs_evaluations", &Result::rhs_evaluations, "Evaluations of the right-hand side", "evaluations", 7)};
+        column("steps", &Result::steps, "Number of steps", "steps", 7),
+        column("rhs_evaluations", &Result::rhs_evaluations, "Number of evaluations of the right-hand side",
+               "evaluations", 7)};
     append_errors(all, standard_indices());
     all.insert(all.end(), {column("message", &Result::message),
                            column("step_taken", &Result::step_taken),
@@ -271,7 +273,7 @@ Table series_table(const ErrorSeries& series, SeriesOf which) {
     return table;
 }
 
-// the series of those results that have it
+// the series of the results that satisfy has()
 template <class Has>
 Table drift_table(const std::string& experiment, const std::vector<Result>& results, SeriesOf which, const Has& has) {
     Table table{{"scene", "method", "setting"}, {}};
@@ -303,8 +305,8 @@ ErrorSeries series_of(const Table& table) {
         std::vector<double>& values = column.values(s);
         for (std::size_t k = 0; k < table.rows.size(); ++k) {
             const auto value = number<double>(text_of(table.rows[k][index]));
-            if (!value && &values == &s.t) throw std::invalid_argument("a sample without its time");
-            if (value && values.size() < k) throw std::invalid_argument("an error behind a gap");
+            if (!value && &values == &s.t) throw std::invalid_argument("a sample has no time");
+            if (value && values.size() < k) throw std::invalid_argument("a column has a gap before a value");
             if (value) values.push_back(*value);
         }
     }

@@ -1,3 +1,6 @@
+// Runs experiments. Kinds with `conclude`: a sweep, then tables from the finished cases in the directory. Kinds with
+// `make`: the kind computes its tables, under a claim and the machine's lock. Locks make one process at a time write
+// the tables.
 #include "experiment/run/run_experiment.h"
 
 #include <fmt/format.h>
@@ -33,8 +36,8 @@ bool has_systems(const Plan& plan) {
     return std::ranges::any_of(plan.scenes, [](const PlannedScene& s) { return is_mechanism(s.scene); });
 }
 
-// What a reader of the page needs of the columns; the csv has them all. Beside each method, what the text that it is
-// from calls it, where any of the plan's is from one.
+// The columns that the page shows; the CSV file has all. If a method of the plan has a description in a source text, a
+// column "described as" follows the methods.
 Table page_of_rows(const Plan& plan, const Table& rows) {
     std::vector<ColumnChoice> choice{{"scene", "scene"},
                                      {"method", "method"},
@@ -71,7 +74,7 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
     return page;
 }
 
-/// The identity of what a kind makes as a whole: program, experiment, scenes.
+/// The key of a study that is computed as a whole: a hash of program, experiment, scenes and curves.
 std::string whole_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
     std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", running_program_key(), e.name, e.about,
@@ -92,7 +95,7 @@ void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions
     for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
 }
 
-// How many rows are missing: none, or all, but for what a resumable kind keeps. Nothing where it was interrupted.
+// Runs a kind with `make`. Returns the number of missing rows, or nothing if it was interrupted.
 std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     const std::string& name = plan.experiment.name;
     const ExperimentKind& kind = *plan.experiment.kind;
@@ -101,7 +104,7 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
         return is_done(options.directory, key) && has_table_formats(options.directory, name, options.formats);
     };
     bool done = is_made();
-    // what is made as a whole one process makes, and others wait for; the others share their searches out themselves
+    // One process computes the study and others wait for it. Processes of a resumable kind share its searches.
     const Claims claims(claims_file(options.directory));
     std::optional<Claims::Claim> claim;
     if (!done && !kind.resumable && options.shard == 1) {
@@ -111,7 +114,7 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
     }
     if (done || (options.shard > 1 && !kind.resumable)) {
         if (!options.quiet)
-            fmt::print(stderr, "{}: {}\n", name, done ? "nothing left to do" : "left to the first shard");
+            fmt::print(stderr, "{}: {}\n", name, done ? "already complete" : "runs in the first shard only");
         return 0;
     }
     Findings findings;
@@ -123,20 +126,20 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
         seconds = stopwatch.seconds();
     }
     if (Interruption::is_wanted() || (kind.resumable && sweep_interrupted())) {
-        fmt::print(stderr, "polhode: {} interrupted; run again to go on\n", name);
+        fmt::print(stderr, "polhode: {} interrupted; run again to continue\n", name);
         return {};
     }
     const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
     write_and_tell(plan, findings, options, command_line,
-                   fmt::format("{} tables, {} pictures in {}, {:.3g} s", findings.tables.size(),
+                   fmt::format("{} tables and {} figures in {}, {:.3g} s", findings.tables.size(),
                                findings.figures.size(), options.directory, seconds));
     if (!options.only_gather) save_duration(options.directory, name, seconds);
-    // the first shard also makes what is no search's
+    // the first shard also computes the parts that are not searches
     if (findings.missing == 0 && options.shard == 1) save_done(options.directory, key);
     return findings.missing;
 }
 
-// the plan, and its sequel where its kind has one
+// the plan, and its sequel if its kind has one
 std::vector<Plan> with_sequel(const Plan& plan) {
     std::vector<Plan> plans{plan};
     if (const auto sequel = plan.experiment.kind->sequel) plans.push_back(sequel(plan));
@@ -158,7 +161,7 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
     SweepCount count;
     for (const Plan& part : with_sequel(plan)) count.run += run_sweep(part, options).run;
     if (sweep_interrupted()) {
-        fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to go on\n", plan.experiment.name,
+        fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to continue\n", plan.experiment.name,
                    count.run);
         return false;
     }
@@ -176,7 +179,7 @@ Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
         table.rows.push_back(row_of(plan.experiment.name, r, which));
         if (r.seconds_min) machines.insert(r.machine);
     }
-    // times of several machines are to be told apart
+    // identify the machine of each row if there are several
     if (machines.size() > 1) {
         table.columns.emplace_back("machine");
         for (std::size_t i = 0; i < rows.size(); ++i) table.rows[i].emplace_back(rows[i].machine);
@@ -195,7 +198,7 @@ Findings conclude_finished(const Plan& plan, const std::string& directory) {
     Findings findings;
     for (const Plan& part : with_sequel(plan)) {
         const std::vector<Result> rows = finished_results(part, directory);
-        // a sequel's rows are told by its kind alone
+        // the rows of a sequel have no table of their own
         Findings more = findings.tables.empty() ? conclude(part, rows) : part.experiment.kind->conclude(part, rows);
         std::move(more.tables.begin(), more.tables.end(), std::back_inserter(findings.tables));
         std::move(more.figures.begin(), more.figures.end(), std::back_inserter(findings.figures));
@@ -243,7 +246,7 @@ Table costs_of_work(const Plan& plan, const std::string& measured) {
         for (std::vector<Cell>& row : cost_table(part, measured).rows) {
             std::vector<std::string> named_by;
             for (std::size_t c = 0; c + 2 < row.size(); ++c) named_by.push_back(text_of(row[c]));
-            // a sequel may need the truths of the first
+            // a sequel may need truths of the first plan
             if (told.insert(std::move(named_by)).second) costs.rows.push_back(std::move(row));
         }
     return costs;
@@ -254,7 +257,7 @@ bool run_experiment(const Plan& plan, const RunOptions& options, const std::stri
     record_experiment(plan, options.directory);
     const bool ended = plan.experiment.kind->make ? run_whole(plan, options, command_line).has_value()
                                                   : run_cases(plan, options, command_line);
-    // of other runs in the folder that were killed meanwhile
+    // of other runs in the directory that were killed meanwhile
     remove_abandoned_of_runs(options.directory);
     return ended;
 }

@@ -1,4 +1,4 @@
-// The engine: one experiment, of whatever kind, from its plan to its files.
+// Runs an experiment of any kind, from its plan to its files.
 #pragma once
 
 #include <string>
@@ -11,34 +11,34 @@
 
 namespace polhode {
 
-/// The table of the rows, and what the plan's kind concludes from them.
+/// Returns the table of the rows and the findings of the plan's kind.
 Findings conclude(const Plan& plan, const std::vector<Result>& rows);
 
-/// The same of the rows that stand in the directory, and behind it what the kind's sequel concludes.
+/// Returns the findings from the finished rows in the directory, followed by the findings of the kind's sequel.
 Findings conclude_finished(const Plan& plan, const std::string& directory);
 
 struct GatheredExperiment {
-    long missing = 0;           ///< cases that are not there
-    std::string first_missing;  ///< the words of one
+    long missing = 0;           ///< cases that are not in the directory
+    std::string first_missing;  ///< description of one of them
 };
 
-/// Makes tables, pictures and provenance of the cases that stand in the directory and runs none that is missing. Of a
-/// kind that makes its rows itself: only of a resumable one. Throws std::runtime_error where results cannot be stored.
+/// Writes tables, figures and provenance from the finished cases in the directory, without running missing cases.
+/// A kind with `make` must be resumable. Throws std::runtime_error if results cannot be stored.
 GatheredExperiment gather_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line);
 
-/// Whether what the plan's kind makes as a whole stands in the directory; and remembers that it does.
+/// Query and set the mark that the directory has the results of a kind with `make`.
 bool is_whole_done(const Plan& plan, const std::string& directory);
 void save_whole_done(const Plan& plan, const std::string& directory);
 
-/// cost_table() of the plan and of what follows from it.
+/// cost_table() of the plan and of its sequel.
 Table costs_of_work(const Plan& plan, const std::string& measured);
 
-/// What run_experiment() would run: cases, or the experiment as a whole where its kind makes the rows itself.
+/// What run_experiment() would run: cases, or the whole experiment if its kind has `make`.
 std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& options);
 
-/// Runs what is not in the directory yet, then gathers whatever is finished there, other shards' and earlier runs'
-/// included, and writes tables, pictures and provenance. Tells on standard error what it did. False where it was
-/// interrupted. Failures of methods are rows; throws std::runtime_error where results cannot be stored.
+/// Runs the cases that are missing in the directory. Then writes tables, figures and provenance from all finished
+/// cases there, including those of other shards and earlier runs. Reports on standard error. Returns false if it was
+/// interrupted. A failure of a method is a row. Throws std::runtime_error if results cannot be stored.
 bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line);
 
 }  // namespace polhode

@@ -66,7 +66,7 @@ void run_searches(const Plan& plan, const RunOptions& options, std::vector<Searc
             const Stopwatch stopwatch;
             Table rows = run(pending[i]);
             if (sweep_interrupted()) return;
-            // one search is what a plan has for all settings of the curve
+            // one search covers all planned settings of the curve
             const std::size_t settings = search.curve->settings.size();
             for (std::size_t rank = 0; rank < settings; ++rank)
                 save_duration(options.directory,
@@ -77,7 +77,7 @@ void run_searches(const Plan& plan, const RunOptions& options, std::vector<Searc
         }
         advance(plan.scenes[search.scene].label + " " + std::string(search.curve->method->name));
     };
-    // what other processes are at is looked at again once all else is done: they store it, or leave it to this one
+    // retry searches claimed by other processes: these either store the rows or release the claim
     while (!pending.empty() && !sweep_interrupted()) {
         const std::size_t before = pending.size();
         parallel_for(pending.size(), options.jobs, run_one);

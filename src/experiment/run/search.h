@@ -1,4 +1,4 @@
-// Curves whose settings are sought out: what is run next follows from what the runs before it found.
+// Searches: curves whose next setting depends on the results of the runs before it.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 
 namespace polhode {
 
-/// All runs of one curve on one scene: rows that are kept together, under one key.
+/// All runs of one curve on one scene. Their rows are stored together under one key.
 struct Search {
-    std::size_t scene;  ///< its place in the plan
+    std::size_t scene;  ///< index in plan.scenes
     const PlannedCurve* curve;
     std::string key;
     std::optional<Table> rows;  ///< empty: not run yet
 };
 
-/// Of each scene and each curve of the plan, in this order, with the rows that the directory has.
+/// The searches of all scenes and curves of the plan, scene by scene, with the rows stored in the directory.
 std::vector<Search> find_searches(const Plan& plan, const std::string& directory);
 
-/// Runs and stores what is without rows and asked for by filter and shard, `jobs` at a time: `prepare` is called once
-/// for each scene, told whether any of its searches will run, and then `run` with each place in `searches`. An
-/// interrupted search is not stored. Throws std::runtime_error where results cannot be stored.
+/// Runs and stores the searches without rows that filter and shard select, `jobs` at a time. Calls `prepare` once for
+/// each scene; `needed` is true if any of its searches will run. Then calls `run` with the index of each search. Does
+/// not store interrupted searches. Throws std::runtime_error if results cannot be stored.
 void run_searches(const Plan& plan, const RunOptions& options, std::vector<Search>& searches,
                   const std::function<void(std::size_t scene, bool needed)>& prepare,
                   const std::function<Table(std::size_t search)>& run);

@@ -1,3 +1,6 @@
+// Runs sweeps. First the truths of all scenes are computed in parallel. Then, scene by scene and setting by setting
+// from coarse to fine, the errors of all methods are measured in parallel and their runs are timed in turn. Each case
+// is claimed before it is run and stored when it is finished, so that several processes can share a directory.
 #include "experiment/run/sweep.h"
 
 #include <fmt/format.h>
@@ -44,15 +47,14 @@ std::vector<Case> cases_of(const Plan& plan, const RunOptions& options) {
     return cases;
 }
 
-// At the experiment's samples. It is a property of the scene and not timed; the limit is of steps, so that it is the
-// same on every machine.
+// The conditioning at the experiment's samples. A limit on steps, not on time, gives the same result on every machine.
 Conditioning conditioning_of(const Scene& scene, long samples) {
     ConditioningSettings settings;
     settings.max_steps = 10'000'000;
     return conditioning(scene, sample_times(scene.duration, samples), settings);
 }
 
-// All cases of one scene: truth, then setting by setting all methods side by side.
+// Runs all cases of one scene: for each setting, coarse to fine, errors in parallel and then timings in turn.
 class SceneSweep {
   public:
     SceneSweep(const Plan& plan, const RunOptions& options, std::vector<Case*> cases, const Reference& truth,
@@ -67,7 +69,7 @@ class SceneSweep {
           claims_(claims),
           progress_(progress) {}
 
-    // Runs what no other process is at; how many cases those were.
+    // Runs the cases that no other process has claimed. Returns their number.
     long run() {
         const Scene& scene = cases_.front()->scene->scene;
         std::size_t ranks = 0;
@@ -86,14 +88,14 @@ class SceneSweep {
     }
 
   private:
-    // the coarser case at which this one's curve was cut, if it was
+    // the coarser case at which the curve was cut; null if it was not cut
     const Case* cut_before(const Case& c) const {
         for (const Case* other : cases_)
             if (other->curve == c.curve && other->rank < c.rank && other->result && other->result->cut) return other;
         return nullptr;
     }
 
-    // whether a coarser case of its curve has no result yet: another process is at it, and it may be the last
+    // whether a coarser case of the curve has no result yet; another process runs it, and it may cut the curve
     bool waits(const Case& c) const {
         return std::any_of(cases_.begin(), cases_.end(), [&](const Case* other) {
             return other->curve == c.curve && other->rank < c.rank && !other->result;
@@ -104,14 +106,14 @@ class SceneSweep {
 
     long run_rank(const std::vector<Case*>& all) {
         std::vector<Case*> now;
-        std::vector<Claims::Claim> held;  // until all are stored
+        std::vector<Claims::Claim> held;  // released when all are stored
         for (Case* c : all) {
             if (waits(*c)) continue;
             std::optional<Claims::Claim> claim = claims_.take(c->key);
             if (!claim) continue;
             held.push_back(std::move(*claim));
             if ((c->result = load_case(options_.directory, c->key))) {
-                // another process has stored it since
+                // another process has stored it in the meantime
                 progress_.advance(words_of(plan_, *c));
             } else if (const Case* at = cut_before(*c)) {
                 cut_curve(*at, *c);
@@ -127,7 +129,7 @@ class SceneSweep {
             now[i]->spent = stopwatch.seconds();
         });
         if (interrupted) {
-            // errors without timings are no finished cases
+            // cases without timings are not finished
             for (Case* c : now) c->result.reset();
             return 0;
         }
@@ -175,7 +177,7 @@ class SceneSweep {
             for (std::size_t k = 0; k < series.t.size(); ++k)
                 series.float64_floor.push_back(conditioning_.floor(k, float64_roundoff));
         const std::string words = words_of(plan_, c);
-        // the case last: once it is there, nothing of it is missing
+        // the case last, so that a stored case is complete
         save_duration(options_.directory, words, c.spent);
         save_case(options_.directory, c.key, plan_.experiment.name, *c.result);
         progress_.advance(words);
@@ -229,7 +231,7 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
     Progress progress(
         static_cast<long>(std::count_if(cases.begin(), cases.end(), [](const Case& c) { return !c.result; })),
         options.quiet);
-    // what is known of a scene, while there is anything left to do with it
+    // a scene with unfinished cases
     struct SceneAtHand {
         std::vector<Case*> cases;
         Reference truth;
@@ -244,8 +246,8 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         }
         begin = end;
     }
-    // truths take the longest: all of them first, side by side
-    progress.say(fmt::format("{}: {} truths", plan.experiment.name, scenes.size()));
+    // truths take the longest time, so all of them are computed first, in parallel
+    progress.say(fmt::format("{}: computing {} truths", plan.experiment.name, scenes.size()));
     parallel_for(scenes.size(), options.jobs, [&](std::size_t i) {
         const FileLock beside_no_timing(machine_lock_file(), FileLock::Kind::shared, interrupted);
         if (interrupted) return;
@@ -255,7 +257,7 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options) {
         scenes[i].conditioning = conditioning_of(scene, plan.experiment.samples);
         save_truth_duration(options.directory, plan, *scenes[i].cases.front()->scene, stopwatch.seconds());
     });
-    // what other processes are at is looked at again once all else is done: they store it, or leave it to this one
+    // retry cases claimed by other processes: these either store the result or release the claim
     const Claims claims(claims_file(options.directory));
     while (!scenes.empty() && !interrupted) {
         const auto missing = [](const SceneAtHand& known) {

@@ -1,4 +1,4 @@
-// Runs the cases of a plan: errors first, then timings, interleaved over the methods.
+// Runs the cases of a plan: errors first, then timings with the methods in turn.
 #pragma once
 
 #include <memory>
@@ -15,21 +15,21 @@ namespace polhode {
 
 struct RunOptions {
     std::string filter;     ///< a regular expression on SCENE/METHOD; empty: all
-    std::string directory;  ///< where tables and finished cases go
+    std::string directory;  ///< for tables and finished cases
     int jobs = 1;           ///< threads for truths and errors; timings always run alone
     int shard = 1, shards = 1;
     bool quick = false, quiet = false;
-    std::shared_ptr<const Costs> costs{};  ///< by which shards share the cases out; none: every N-th scene to each
-    Formats formats{};                     ///< of tables and pictures, beside CSV
-    bool only_gather = false;              ///< runs no case: tables are made of what stands in the directory
+    std::shared_ptr<const Costs> costs{};  ///< distributes cases over shards; null: each shard takes every N-th scene
+    Formats formats{};                     ///< of tables and figures, in addition to CSV
+    bool only_gather = false;              ///< runs no cases; writes tables of the finished ones
 };
 
-/// Which curves on which scenes the shard and the filter of the options take.
+/// Whether shard and filter select a curve on a scene.
 class AskedFor {
   public:
-    /// The plan must outlive it. Throws std::invalid_argument where the filter is no regular expression.
+    /// The plan must outlive this object. Throws std::invalid_argument if the filter is not a regular expression.
     AskedFor(const Plan& plan, const RunOptions& options);
-    /// By the places of scene and curve in the plan.
+    /// Takes the indices of scene and curve in the plan.
     bool operator()(std::size_t scene, std::size_t curve) const;
 
   private:
@@ -37,31 +37,31 @@ class AskedFor {
     Pattern filter_;
     int shard_, shards_;
     bool none_;
-    std::vector<std::vector<int>> dealt_;  // by costs, where they are known
+    std::vector<std::vector<int>> dealt_;  // shard by scene and curve; empty without costs
 };
 
 struct SweepCount {
-    long cases = 0, run = 0;  ///< asked for by the options; run now (the others were there already)
+    long cases = 0, run = 0;  ///< cases selected by the options; cases run now (the others were finished)
 };
 
-/// Asks a running sweep to stop after the case at hand (async-signal-safe).
+/// Requests a running sweep to stop after the current case. Async-signal-safe.
 void interrupt_sweep();
 bool sweep_interrupted();
-/// Sweeps after an interrupted one may run.
+/// Clears the request of interrupt_sweep().
 void allow_sweeps();
 
-/// Runs what is not there yet. Failures of methods are rows; throws std::runtime_error where results cannot be stored.
+/// Runs the missing cases. A failure of a method is a row. Throws std::runtime_error if results cannot be stored.
 SweepCount run_sweep(const Plan& plan, const RunOptions& options);
 
-/// All finished cases of the plan in this directory, whoever ran them, in the plan's order: scene, curve, setting.
+/// All finished cases of the plan in this directory, from all processes, in the order scene, curve, setting.
 std::vector<Result> finished_results(const Plan& plan, const std::string& directory);
 
 struct PendingCase {
     std::string words;                     ///< experiment, scene, method, setting
-    std::optional<double> seconds_before;  ///< how long it took when it last ran in this directory, truth aside
+    std::optional<double> seconds_before;  ///< time of its last run in this directory, without the truth
 };
 
-/// What run_sweep() would run.
+/// The cases that run_sweep() would run.
 std::vector<PendingCase> pending_cases(const Plan& plan, const RunOptions& options);
 
 }  // namespace polhode

@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-constexpr double shortest_timing = 1e-4;  // s: a thousand times the clock's grain and the cost of reading it
-// what was expected holds the samples and a cold start: a closed form takes as little as a hundredth of it
+constexpr double shortest_timing = 1e-4;  // s, a thousand times the clock's resolution and the cost of reading it
+// the expected time includes samples and a cold start; a closed form can be a hundred times faster
 constexpr double most_beyond_warm = 100;
 
 }  // namespace
@@ -27,7 +27,7 @@ void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic
         run.settings.record = false;
         run.settings.repetitions = repetitions(run.expected);
         if (run.expected > most_beyond_warm * shortest_timing || !run.failure.empty() || stop) continue;
-        // twice: the first is cold as well
+        // two pilot runs, because the first one is cold too
         for (int pilots = 0; pilots < 2; ++pilots)
             if (const Trajectory pilot = solve(*run.problem, *run.method, run.settings); pilot.status == Status::ok)
                 run.settings.repetitions = repetitions(pilot.seconds);

@@ -1,4 +1,4 @@
-// Wall clock of several methods in one run, taken in turn.
+// Wall clock times of several methods, measured in turn.
 #pragma once
 
 #include <atomic>
@@ -9,25 +9,24 @@
 
 namespace polhode {
 
-/// A method at one setting, about to be timed, and then its times.
+/// A method at one setting, and its measured times.
 struct TimedRun {
     const Problem* problem;
     const Method* method;
     Settings settings;
-    double expected = 0;  ///< s, a first guess of one run's time
+    double expected = 0;  ///< s, estimated time of one run
 
-    std::vector<double> seconds{};  ///< one for each round it took part in
-    std::string failure{};          ///< why it has no times
-    bool limit_reached = false;     ///< it took longer than its limit
-    double spent = 0;               ///< s, over all rounds, set-up included
+    std::vector<double> seconds{};  ///< one time per round
+    std::string failure{};          ///< the message of a failed run; empty if none failed
+    bool limit_reached = false;     ///< a run exceeded its limit
+    double spent = 0;               ///< s, total over all rounds, with set-up
 
     double minimum() const;
     double median() const;
 };
 
-/// Times all runs to their end state only, round by round, each once a round, so that whatever disturbs the machine
-/// disturbs all alike. A run below 0.1 ms is repeated inside one timing until it
-/// is above.
+/// Times all runs, without recording samples. Each round times every run once, so that disturbances of the machine
+/// affect all runs alike. A run shorter than 0.1 ms is repeated within one timing.
 void time_interleaved(std::vector<TimedRun>& runs, int rounds, const std::atomic<bool>& stop);
 
 }  // namespace polhode

@@ -25,7 +25,7 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
         {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
         {"MPFR", mpfr_get_version()},
         {"GMP", gmp_version},
-        {"Arb", arb.empty() ? "none (no certified truth)" : arb},
+        {"Arb", arb.empty() ? "not available (no certified truth)" : arb},
         {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
         {"JSON for Modern C++", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                             NLOHMANN_JSON_VERSION_PATCH)},
@@ -38,7 +38,7 @@ std::string processor_name() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);)
         if (line.starts_with("model name") && line.find(": ") != line.npos) return line.substr(line.find(": ") + 2);
-    // without /proc, and on processors that give themselves no name
+    // without /proc, or on processors without a model name
     struct utsname machine {};
     if (::uname(&machine) != 0) return "unknown";
     return fmt::format("{}, {} processors, {} {}", machine.machine, std::thread::hardware_concurrency(),

@@ -1,4 +1,4 @@
-// What this build stands on: for --version, for provenance, and for the word beside every timing of SUNDIALS.
+// Versions of the libraries in use, and the processor, for --version and provenance.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 namespace polhode {
 
 /// Name and version of every library in use: SUNDIALS, Boost, Eigen, MPFR, GMP, Arb, fmt, JSON for Modern C++, and GSL
-/// in a program that has it.
+/// if it is linked.
 std::vector<std::pair<std::string, std::string>> library_versions();
 
-/// The name that this machine's processor gives itself, which timings are to be told with; where it gives none, its
-/// architecture, the number of processors and the operating system.
+/// The model name of the processor, to be reported with timings. If the system gives none: architecture, number of
+/// processors and operating system.
 std::string processor_name();
 
 }  // namespace polhode

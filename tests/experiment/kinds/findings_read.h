@@ -1,4 +1,4 @@
-// What the tests of the studies read from their findings.
+// Helpers that read tables of findings in tests.
 #pragma once
 
 #include <stdexcept>
@@ -16,19 +16,19 @@ inline RunOptions quickly() {
     return options;
 }
 
-/// The table of that name; throws if there is none.
+/// Returns the table of that name. Throws if there is none.
 inline const Table& table_of(const Findings& result, const std::string& name) {
     for (const NamedTable& named : result.tables)
         if (named.name == name) return named.table;
     throw std::invalid_argument("no table " + name);
 }
 
-/// A cell that holds a double; throws std::bad_variant_access if it does not.
+/// Returns a cell of type double. Throws std::bad_variant_access if it has another type.
 inline double number(const Table& table, const std::vector<Cell>& row, const char* column) {
     return std::get<double>(row[column_index(table, column)]);
 }
 
-/// A cell as the table prints it.
+/// Returns a cell as printed.
 inline std::string word(const Table& table, const std::vector<Cell>& row, const char* column) {
     return text_of(row[column_index(table, column)]);
 }

@@ -1,4 +1,4 @@
-// The studies of mechanisms: truths and published figures, the cost of a link, the joints of games.
+// The kinds `mechanism_truth` and `joints`, and the published numbers of mechanisms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ TEST(PublishedFigures, DecimalsKeepTheirDigits) {
     EXPECT_EQ(decimal_of_wide(Wide(0), 5), "0");
 }
 
-// The double four-bar moves as a pendulum does, whose quadrature somebody else did to 15 digits.
+// The double four-bar moves like a pendulum, whose motion by quadrature is known to 15 digits.
 TEST(PublishedFigures, TheFourBarIsItsQuadrature) {
     const FreshCache cache;
     int of_quadrature = 0;
@@ -54,7 +54,7 @@ TEST(MechanismTruthStudy, CountsAndAgrees) {
     EXPECT_EQ(word(table, table.rows[1], "loop_rows"), "5");
     EXPECT_EQ(word(table, table.rows[1], "redundant_rows"), "3");
     for (const auto& row : table.rows) {
-        if (!optimised_build && word(table, row, "bound").empty()) continue;  // not within the second that it has
+        if (!optimised_build && word(table, row, "bound").empty()) continue;  // not computed within its limit of 1 s
         EXPECT_LE(number(table, row, "bound"), 1e-25);
         EXPECT_LT(number(table, row, "joint_gap_max"), 1e-28);
         EXPECT_GE(std::get<long>(row[column_index(table, "digits_agreed")]), 25);

@@ -1,4 +1,4 @@
-// What the studies of orientation and gimbal lock must say, whatever the last digits.
+// Results of the kinds `orientation` and `gimbal_lock` that do not depend on the last digits.
 #include <gtest/gtest.h>
 
 #include "experiment/kinds/findings_read.h"
@@ -48,7 +48,7 @@ TEST_F(OrientationStudy, SlerpIsTheShortestWayAtOneSpeed) {
             longest = std::max(longest, real(t, row, "length_ratio"));
         }
     }
-    EXPECT_NEAR(longest, 17, 1e-6);  // 340 degrees for 20
+    EXPECT_NEAR(longest, 17, 1e-6);  // 340 degrees instead of 20
 }
 
 TEST_F(OrientationStudy, AnglesBetweenKeysAreWorseTheNearerToLock) {
@@ -59,11 +59,11 @@ TEST_F(OrientationStudy, AnglesBetweenKeysAreWorseTheNearerToLock) {
         const double error = real(t, row, "attitude_error");
         if (way == "slerp") {
             EXPECT_LT(error, 1e-14);
-        } else if (way == "euler_angles, full turns counted") {
+        } else if (way == "euler_angles, unwrapped") {
             EXPECT_GT(error, before);
             before = error;
         } else {
-            EXPECT_GT(error, 1);  // across 180 degrees the long way round
+            EXPECT_GT(error, 1);  // wrapped angles take the long way at 180 degrees
         }
     }
 }
@@ -95,7 +95,8 @@ TEST_F(OrientationStudy, TakesRotationsOnly) {
     }
 }
 
-/// Vertices turned on from where they are drift with every step; those from the originals by a normalised q do not.
+/// Vertices that are rotated incrementally drift in every step. Vertices computed from the originals with a normalised
+/// quaternion do not.
 TEST_F(OrientationStudy, VerticesFromTheOriginalsStay) {
     const Table& t = table_of(*result, "vertices");
     for (const char* scalar : {"binary32", "binary64"}) {
@@ -120,7 +121,7 @@ TEST_F(OrientationStudy, SummedInertiaIsTheTransformedOne) {
     const Table& t = table_of(*result, "inertia");
     for (const auto& row : t.rows) {
         const bool single = word(t, row, "scalar") == "binary32";
-        // a sum of n terms, each rounded, one way at worst
+        // worst case: all n terms of the sum are rounded in the same direction
         const double terms = word(t, row, "points").empty() ? 8 : real(t, row, "points");
         EXPECT_LT(real(t, row, "inertia_error"), (single ? 0x1p-23 : 0x1p-52) * (8 + terms));
         EXPECT_GT(real(t, row, "seconds_min"), 0);
@@ -147,7 +148,7 @@ TEST(GimbalLockStudy, CostsAnglesStepsAndQuaternionsNothing) {
             EXPECT_LT(real(t, row, "smallest_step"), smallest) << d;
             steps = real(t, row, "steps"), smallest = real(t, row, "smallest_step");
             if (d < 0.05) {
-                // roll and yaw turn like 1/d where the nose is nearest
+                // the rates of roll and yaw are proportional to 1/d when the nose is nearest to the vertical
                 EXPECT_GT(real(t, row, "largest_angle_rate") * d, 1) << d;
                 EXPECT_LT(real(t, row, "largest_angle_rate") * d, 4) << d;
             }

@@ -1,4 +1,4 @@
-// Decimals in 128 bits, there and back.
+// Conversion between decimals and 128-bit numbers, in both directions.
 #include "experiment/kinds/published_figures.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ TEST(PublishedFigures, DecimalsAreReadInAllTheirDigits) {
     EXPECT_EQ(static_cast<double>(wide_of_decimal("1e-3")), 1e-3);
     EXPECT_EQ(static_cast<double>(wide_of_decimal("+2.5E2")), 250);
     EXPECT_EQ(static_cast<double>(wide_of_decimal("0.0625")), 0.0625);
-    // a third to 33 digits: three of them leave of one what the digits leave
+    // 1/3 to 33 digits: 1 - 3 third equals the truncation error, 1e-33
     const Wide third = wide_of_decimal("0.333333333333333333333333333333333");
     EXPECT_NEAR(static_cast<double>((1 - 3 * third) * 1e33), 1, 0.2);
 }
@@ -31,7 +31,7 @@ TEST(PublishedFigures, DecimalsAreRoundedAndWrittenByTheirSize) {
     EXPECT_EQ(decimal_of_wide(Wide(-1234.5), 6), "-1234.50");
     EXPECT_EQ(decimal_of_wide(Wide(999.9996), 4), "1000");
     EXPECT_EQ(decimal_of_wide(Wide(0.000125), 2), "0.00013");
-    // beyond 1e-4 and 1e9 in scientific notation
+    // below 1e-4 and above 1e9: scientific notation
     EXPECT_EQ(wide_of_decimal(decimal_of_wide(Wide(0.5e-4), 3)), wide_of_decimal("5e-5"));
     EXPECT_NE(decimal_of_wide(Wide(0.5e-4), 3).find('e'), std::string::npos);
     EXPECT_NE(decimal_of_wide(Wide(2e9), 3).find('e'), std::string::npos);

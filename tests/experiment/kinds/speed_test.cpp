@@ -1,4 +1,4 @@
-// The study of speed: its factors against the times of its own runs, and what it says where nobody reaches an error.
+// The kind `speed`: factors computed from the times of its runs, and the text where no method reaches an error.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace polhode {
 namespace {
 
-// Runs the plan's cases, and the long runs that follow from it, in a directory of their own.
+// Runs the plan's cases and its long runs in a separate directory.
 Findings findings_of(const Plan& plan) {
     RunOptions options = quickly();
     const std::filesystem::path directory = std::filesystem::path(::testing::TempDir()) / "polhode_speed_study";
@@ -38,7 +38,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
                 &smallest = table_of(result, "smallest");
 
     ASSERT_EQ(runs.rows.size(), 9U);
-    // for each level: exact, then the fastest own method that chooses its steps
+    // for each level: exact, then polhode's fastest method that chooses its steps
     ASSERT_EQ(margins.rows.size(), 6U);
     for (const auto& row : margins.rows) {
         if (std::holds_alternative<std::monostate>(row[column_index(margins, "ratio")])) {
@@ -47,7 +47,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
         }
         const double ratio = number(margins, row, "ratio"), level = number(margins, row, "attitude_error");
         EXPECT_DOUBLE_EQ(ratio, number(margins, row, "peer_seconds") / number(margins, row, "own_seconds"));
-        // a time at an error lies between those of the runs on either side of it
+        // the time at an error is between the times of the neighbouring runs
         const std::string peer = word(margins, row, "peer");
         double least = HUGE_VAL, most = 0;
         for (const auto& run : runs.rows) {
@@ -66,7 +66,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
                 least = std::min(least, number(runs, run, "attitude_error_max"));
         EXPECT_EQ(number(smallest, row, "attitude_error_max"), least);
     }
-    // ours at the finest tolerance over T, 10 T and 100 T
+    // taylor at the finest tolerance over T, 10 T and 100 T
     const Table& longer = table_of(result, "long");
     ASSERT_EQ(longer.rows.size(), 3U);
     for (std::size_t i = 0; i < longer.rows.size(); ++i) {

@@ -9,8 +9,8 @@
 namespace polhode {
 namespace {
 
-// A step across a jump errs by h times the jump, across a jump of the derivative by h^2, and that is the order left of
-// a higher one. A symmetric place in the step, or a scheme that sees part of it, may gain.
+// The error of a step across a jump is proportional to h, across a jump of the derivative to h^2. This limits the order
+// of a method of higher order. A jump at a symmetric point of the step may cause a smaller error.
 TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
     const Table table = measure_discontinuities(true).table;
     const auto column = [&](const char* name) { return column_index(table, name); };
@@ -24,16 +24,16 @@ TEST(Discontinuities, CostTheOrderOfMethodsThatStepOverThem) {
         errors[key] = std::stod(text_of(row[column("error_at_finest")]));
     }
     for (const char* method : {"odeint_rk4", "munthe_kaas4"}) {
-        for (const char* what : {"torque jumps", "its derivative jumps", "pulse shorter than a step"})
+        for (const char* what : {"torque jumps", "torque derivative jumps", "pulse shorter than a step"})
             EXPECT_NEAR(orders.at(std::string(what) + "/" + method + "/onto"), 4, 0.3) << what;
         EXPECT_NEAR(orders.at(std::string("torque jumps/") + method + "/over"), 1, 0.15);
-        // the pulse is missed at every step: nothing converges
+        // every step misses the pulse, so the error does not converge
         const std::string missed = std::string("pulse shorter than a step/") + method + "/over";
         EXPECT_GT(errors.at(missed), 0.1);
         EXPECT_FALSE(orders.contains(missed));
     }
     EXPECT_NEAR(orders.at("torque jumps/odeint_fehlberg78/over"), 1, 0.3);
-    EXPECT_NEAR(orders.at("its derivative jumps/odeint_fehlberg78/over"), 2, 0.3);
+    EXPECT_NEAR(orders.at("torque derivative jumps/odeint_fehlberg78/over"), 2, 0.3);
     for (const char* method : {"dop853", "extrapolation", "cvode_adams"}) {
         EXPECT_LT(errors.at(std::string("pulse shorter than a step/") + method + "/onto"), 1e-6);
         EXPECT_LT(errors.at(std::string("torque jumps/") + method + "/onto"), 1e-6);

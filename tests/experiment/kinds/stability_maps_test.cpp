@@ -11,7 +11,8 @@
 namespace polhode {
 namespace {
 
-// h lambda of drag alone: below a method's interval nothing grows, beyond it all does; what is refused has no row
+// The eigenvalue of drag is real: h lambda below the method's real interval is stable, beyond it all runs diverge.
+// Unsupported methods have no rows.
 TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
     const Method* const chosen[] = {find_method("odeint_euler"), find_method("gyroscopic_explicit"),
                                     find_method("exact")};
@@ -28,7 +29,7 @@ TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
             EXPECT_TRUE(outcome == "accurate" || outcome == "close" || outcome == "wrong but bounded") << name << x;
             ++below;
         }
-        // from h lambda = 10 on the first two steps are enough
+        // for h lambda >= 10 the motion diverges within the first two steps
         if (x * number(maps, row, "step_least") >= 10) {
             EXPECT_EQ(outcome, "diverged") << name << x;
             ++beyond;
@@ -38,7 +39,7 @@ TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
     EXPECT_GT(below, 3);
     EXPECT_GT(beyond, 10);
 
-    // the explicit term adds h^2/2 (dw/dt . I dw/dt) of energy a step, and never takes any
+    // the explicit update adds the energy h^2/2 (dw/dt . I dw/dt) per step and never removes any
     const Table& gyroscopic = table_of(result, "gyroscopic");
     ASSERT_EQ(gyroscopic.rows.size(), 1u);
     EXPECT_TRUE(std::holds_alternative<std::monostate>(gyroscopic.rows[0][column_index(gyroscopic, "damps_from")]));
@@ -53,7 +54,7 @@ TEST(StepMaps, GrowBeyondTheLinearLimitAlone) {
     }
 }
 
-// the boundary of Euler's region is the circle |z + 1| = 1, of which half is drawn
+// the boundary of Euler's stability region is the circle |z + 1| = 1; the upper half is drawn
 TEST(StabilityRegions, DrawEulersCircle) {
     const std::vector<NamedFigure> figures = draw_stability_regions({});
     ASSERT_EQ(figures.size(), 2u);
@@ -76,7 +77,7 @@ TEST(StabilityRegions, MarkTheEigenvaluesOfScenes) {
     Drag drag;
     drag.rotational = {0, 0, 200};
     scene.scene.loads.emplace_back(drag);
-    // -c/I = -100/s, and +-i/2 of the attitude
+    // eigenvalues: -c/I = -100/s, and +-i/2 1/s from the attitude
     const std::vector<NamedFigure> figures = draw_stability_regions({&scene, 1});
     for (const Panel& panel : figures[0].figure.panels) {
         const Curve& points = panel.curves.back();

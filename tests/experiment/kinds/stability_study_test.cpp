@@ -1,4 +1,4 @@
-// The study of stability against published limits, and that it goes on where it was interrupted.
+// The kind `stability`: comparison with published limits, and continuation of an interrupted run.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ class StabilityStudy : public ::testing::Test {
 const StabilityFinding& finding(const StabilityFindings& found, const std::string& method, SettingKind kind) {
     for (const StabilityFinding& f : found.findings)
         if (f.method->name == method && f.kind == kind) return f;
-    throw std::logic_error("no finding of " + method);
+    throw std::logic_error("no finding for " + method);
 }
 
 TEST_F(StabilityStudy, FindsThePublishedLimitsOnDrag) {
@@ -64,12 +64,13 @@ TEST_F(StabilityStudy, FindsThePublishedLimitsOnDrag) {
         ASSERT_TRUE(f.accurate);
         EXPECT_LE(*f.accurate->result.errors["attitude"].max, accurate_attitude);
     }
-    // A-stable: stable at the longest step there is
+    // A-stable: stable at the largest step
     const StabilityFinding& midpoint = finding(found, "implicit_midpoint", SettingKind::step);
     ASSERT_TRUE(midpoint.stable);
     EXPECT_EQ(midpoint.stable->result.setting, found.scenes[0].duration / 8);
     EXPECT_FALSE(midpoint.beyond);
-    // L-stable, but the attitude turns too far for its simplified Newton iterations: it says so, and does not grow
+    // L-stable, but the attitude rotates too far per step for simplified Newton iterations: the run fails without
+    // growth
     const StabilityFinding& radau = finding(found, "radau5", SettingKind::step);
     ASSERT_TRUE(radau.stable);
     EXPECT_GT(100 * radau.stable->result.setting, 2.8);
@@ -95,7 +96,7 @@ TEST_F(StabilityStudy, NoRowHidesWhatIsWrong) {
                 }
             }
         }
-    // Radau's steps far beyond a spring's period damp it: |R(iy)| < 1
+    // Radau damps a spring at steps far above its period: |R(iy)| < 1
     EXPECT_GT(outcomes[Outcome::damped_to_rest], 0);
     EXPECT_GT(outcomes[Outcome::diverged], 0);
     EXPECT_GT(outcomes[Outcome::accurate], 0);
@@ -109,14 +110,14 @@ TEST_F(StabilityStudy, GoesOnWhereItWasInterrupted) {
     EXPECT_EQ(first.missing, 3);
     const StabilityFindings whole = run_stability_cases(plan, options);
     EXPECT_EQ(whole.missing, 0);
-    // nothing is run twice: not even the clock differs
+    // nothing is run twice, so even the times are equal
     const StabilityFindings again = run_stability_cases(plan, options);
     const Table all = stability_table(plan, whole);
     EXPECT_EQ(csv(stability_table(plan, again)), csv(all));
     const long before = static_cast<long>(first.findings[0].runs.size());
     EXPECT_EQ(csv(stability_table(plan, first)), csv({all.columns, {all.rows.begin(), all.rows.begin() + before}}));
-    // the maps take the longest, and have a test of their own
-    if (!optimised_build) GTEST_SKIP() << "the whole study takes minutes where nothing is optimised";
+    // the maps take the longest time and have a separate test
+    if (!optimised_build) GTEST_SKIP() << "the whole study takes minutes in an unoptimised build";
     RunOptions quick = options;
     quick.quick = true;
     const Findings result = find_kind("stability")->make(plan, quick);

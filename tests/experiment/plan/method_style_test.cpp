@@ -41,7 +41,7 @@ TEST(MethodStyle, ThoseFromOutsideStandBehindTheProgramsOwn) {
     EXPECT_EQ(marks.size(), engines().size());
 }
 
-// the palette has a place for each: engine is the last of them
+// the palette has a colour for each family; engine is the last family
 TEST(MethodStyle, EachFamilyHasAColor) { EXPECT_EQ(static_cast<int>(Family::engine), color_count - 1); }
 
 }  // namespace

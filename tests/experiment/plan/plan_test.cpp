@@ -159,10 +159,11 @@ TEST(Plan, QuickKeepsEveryThirdSetting) {
     EXPECT_EQ(plan.curves[0].settings, (std::vector<double>{0.4, 0.1}));
     EXPECT_EQ(plan.experiment.repeats, 3);
     EXPECT_EQ(plan.experiment.max_evaluations, 100000);
-    EXPECT_EQ(plan.experiment.seconds_per_run, 3);  // what the clock cuts would be another table on another machine
+    EXPECT_EQ(plan.experiment.seconds_per_run,
+              3);  // not reduced, because a time limit gives different tables on different machines
 }
 
-// the same in every plan, whatever else is in it
+// a method has the same style in every plan
 TEST(Plan, MethodsHaveOneStyleEverywhere) {
     for (const char* name : {"contrast", "work_precision", "leave_out", "projection", "convergence", "speed"})
         for (const PlannedCurve& curve : make_plan(find_experiment(name), name, false).curves) {

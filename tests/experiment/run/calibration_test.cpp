@@ -33,7 +33,7 @@ TEST(Calibrate, StepsAndTolerancesSpendWhatWasAskedFor) {
                                            {"cvode_adams", SettingKind::tolerance}}) {
             const Calibration found = calibrate(scene, *find_method(method), kind, evaluations);
             ASSERT_TRUE(found.found) << method << ": " << found.message;
-            // the start-up of a multistep method weighs more in the short pilot run
+            // the start-up of a multistep method has a larger share of the short pilot run
             const double ratio = spent(scene, method, kind, found.setting) / evaluations;
             EXPECT_LT(ratio, 1.1) << method;
             EXPECT_GT(ratio, 0.75) << method;
@@ -51,7 +51,7 @@ TEST(Calibrate, SaysWhatCannotBe) {
     const Calibration dear =
         calibrate(find_scene("symmetric"), *find_method("odeint_dopri5"), SettingKind::tolerance, 3);
     EXPECT_FALSE(dear.found);
-    EXPECT_NE(dear.message.find("evaluations a revolution at any tolerance"), std::string::npos) << dear.message;
+    EXPECT_NE(dear.message.find("evaluations per revolution at any tolerance"), std::string::npos) << dear.message;
     Scene rest = find_scene("symmetric");
     rest.initial.angular_velocity = {};
     const Calibration still = calibrate(rest, *find_method("odeint_rk4"), SettingKind::step, 100);

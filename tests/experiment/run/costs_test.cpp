@@ -26,7 +26,7 @@ Plan plan_of(const std::string& durations, const std::string& kind = "sweep") {
     return make_plan(parse_experiment(text, "t.json"), "t.json", false);
 }
 
-// a table as cost_table() writes it, with these seconds in turn
+// a table written by cost_table(), with seconds given by a function
 Costs costs_of(const Plan& plan, const std::function<double(const std::vector<Cell>&)>& seconds) {
     Table table = cost_table(plan, "/nowhere");
     for (auto& row : table.rows) row[6] = seconds(row);
@@ -71,16 +71,16 @@ TEST(Costs, WhatWasMeasuredIsTakenAndWhatWasNotIsLikeItsMethod) {
                                                                                   text_of(row[7])};
     using Cost = std::pair<double, std::string>;
     EXPECT_EQ(found["free_asymmetric{/duration=1} odeint_rk4 0.1"], Cost(5, "measured"));
-    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.1"], Cost(5, "as on other scenes"));
-    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.05"], Cost(5, "as its method at other settings"));
-    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_dopri5 1e-08"], Cost(5, "as the other cases"));
+    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.1"], Cost(5, "other scenes at this setting"));
+    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_rk4 0.05"], Cost(5, "this method at other settings"));
+    EXPECT_EQ(found["free_asymmetric{/duration=2} odeint_dopri5 1e-08"], Cost(5, "all other cases"));
     EXPECT_EQ(found["free_asymmetric{/duration=1} truth "], Cost(7, "measured"));
     EXPECT_EQ(found["free_asymmetric{/duration=3} truth "].first, 7);
     fs::remove_all(directory);
 }
 
-// Graham (1969): longest first gives no machine more than 4/3 of the least possible, which is no less than the mean
-// and the longest piece.
+// Graham (1969): assigning the longest work first gives no machine more than 4/3 of the optimum. The optimum is at
+// least the mean and at least the longest piece.
 TEST(Costs, NoShardGetsMoreThanGrahamsBound) {
     std::string durations;
     for (int i = 1; i <= 40; ++i) durations += (i > 1 ? "," : "") + std::to_string(i);
@@ -107,7 +107,7 @@ TEST(Costs, NoShardGetsMoreThanGrahamsBound) {
 
 TEST(Costs, ASceneStaysTogetherUnlessItCostsMoreThanAShare) {
     const Plan plan = plan_of("1, 2, 3, 4");
-    // the first scene costs as much as all others, and they all the same
+    // the first scene costs as much as all others together, which have equal costs
     const Costs costs = costs_of(plan, [&](const auto& row) {
         if (text_of(row[2]) == "truth") return 0.0;
         return text_of(row[1]) == plan.scenes[0].label ? 3.0 : 1.0;
@@ -150,7 +150,7 @@ TEST(Costs, AWrongPlanIsRefusedByItsLine) {
         EXPECT_NE(refused(head + "e,s,m,,,," + seconds + ",x\n").find("plan.csv: line 2: expected_seconds"),
                   std::string::npos)
             << seconds;
-    EXPECT_NE(refused(head + "e,s,m,,,,1,x\ne,s,m,,,,2,x\n").find("line 3: is of a case that stands above"),
+    EXPECT_NE(refused(head + "e,s,m,,,,1,x\ne,s,m,,,,2,x\n").find("line 3: repeats a case of an earlier line"),
               std::string::npos);
 }
 

@@ -42,7 +42,7 @@ TEST(Fastest, IsTheFirstOfTheMethodsThatReachIt) {
 
 TEST(RunTable, IsAligned) {
     EXPECT_EQ(run_table(some_rows(), {100, false}),
-              R"(scene                 error (rad)  fastest      setting     time  runner-up                    times
+              R"(scene                 error (rad)  fastest      setting     time  runner-up                    ratio
 free_asymmetric              1e-3  dop853       R 1e-4   6.00 us  taylor                        2.05
                              1e-6  taylor       R 1e-8   20.0 us  dop853                        1.25
                              1e-9  taylor       R 1e-12  4.50 ms

@@ -48,7 +48,7 @@ class Merge : public ::testing::Test {
         options.directory = (directory_ / name).string(), options.quiet = true;
         return options;
     }
-    // the names of folders that the shards have written
+    // runs the shards and returns their directories
     std::vector<std::string> run_shards(int shards, const std::string& more = "") const {
         std::vector<std::string> folders;
         for (int shard = 1; shard <= shards; ++shard) {
@@ -62,7 +62,7 @@ class Merge : public ::testing::Test {
     Merged merge(const std::vector<std::string>& folders, const std::string& name) const {
         return merge_results(folders, options(name), "test");
     }
-    // all but when and where from
+    // hashes of all files except the provenance, which has the date
     std::map<std::string, std::string> files(const std::string& name) const {
         std::map<std::string, std::string> found;
         for (const auto& entry : fs::directory_iterator(directory_ / name))
@@ -74,7 +74,7 @@ class Merge : public ::testing::Test {
         try {
             merge(folders, "refused");
         } catch (const InputError& error) {
-            EXPECT_FALSE(fs::exists(directory_ / "refused")) << "something was written";
+            EXPECT_FALSE(fs::exists(directory_ / "refused")) << "merge_results() refused but wrote files";
             return error.what();
         }
         return "not refused";
@@ -94,7 +94,7 @@ TEST_F(Merge, GivesTheFilesOfAnyOrderAndNumberOfFolders) {
     ASSERT_EQ(merged.experiments.size(), 1U);
     EXPECT_EQ(merged.experiments[0].missing, 0);
     EXPECT_EQ(merged.repeated, 0);
-    // one process in one folder with the same cases says the same, byte for byte
+    // one process in one directory with the same cases writes the same bytes
     fs::copy(folders[0], directory_ / "one", fs::copy_options::recursive);
     for (const std::string& other : {folders[1], folders[2]})
         fs::copy(fs::path(other) / ".cases", directory_ / "one" / ".cases",
@@ -111,14 +111,14 @@ TEST_F(Merge, GivesTheFilesOfAnyOrderAndNumberOfFolders) {
     const Merged again = merge(folders, "all");
     EXPECT_EQ(again.taken, 0);
     EXPECT_EQ(files("reversed"), files("all"));
-    // and what is merged is a folder of results like any other
+    // the merged directory is a normal result directory
     EXPECT_TRUE(pending_work(plan(), options("all")).empty());
 }
 
 TEST_F(Merge, CountsWhatIsMissing) {
     const std::vector<std::string> folders = run_shards(3);
     const Merged merged = merge({folders[0], folders[2]}, "part");
-    EXPECT_EQ(merged.experiments[0].missing, 5);  // a scene's five cases
+    EXPECT_EQ(merged.experiments[0].missing, 5);  // the five cases of one scene
     EXPECT_NE(merged.experiments[0].first_missing.find("duration=2"), std::string::npos);
 }
 
@@ -155,7 +155,7 @@ TEST_F(Merge, TimesKeepTheirMachines) {
 
 TEST_F(Merge, RefusesRowsOfOneCaseThatDifferAndShowsBoth) {
     const std::vector<std::string> folders = run_shards(1);
-    // far down, where a path would fill the message
+    // a long path, which alone would fill the message
     const fs::path deep = directory_ / std::string(120, 'a') / std::string(120, 'b');
     fs::create_directories(deep.parent_path());
     fs::copy(folders[0], deep, fs::copy_options::recursive);
@@ -172,12 +172,12 @@ TEST_F(Merge, RefusesRowsOfOneCaseThatDifferAndShowsBoth) {
 
 TEST_F(Merge, RefusesWhatIsNotOfOneExperiment) {
     const std::vector<std::string> folders = run_shards(1);
-    EXPECT_NE(refusal({folders[0], "/nowhere"}).find("is no folder"), std::string::npos);
+    EXPECT_NE(refusal({folders[0], "/nowhere"}).find("is not a directory"), std::string::npos);
     fs::create_directories(directory_ / "empty");
-    EXPECT_NE(refusal({(directory_ / "empty").string()}).find("holds no results"), std::string::npos);
+    EXPECT_NE(refusal({(directory_ / "empty").string()}).find("contains no results"), std::string::npos);
     RunOptions other = options("other");
     run_experiment(plan(R"(, "about": "another")"), other, "test");
-    EXPECT_NE(refusal({folders[0], other.directory}).find("is another experiment"), std::string::npos);
+    EXPECT_NE(refusal({folders[0], other.directory}).find("does not record the same experiment"), std::string::npos);
     const fs::path record = fs::path(other.directory) / ".cases" / "t.experiment.json";
     std::string text = content(record);
     text.replace(text.find(running_program_key()), 4, "beef");
@@ -185,7 +185,7 @@ TEST_F(Merge, RefusesWhatIsNotOfOneExperiment) {
     EXPECT_NE(refusal({other.directory}).find("another build"), std::string::npos);
     std::ofstream(record) << "{";
     EXPECT_NE(refusal({other.directory}).find("t.experiment.json"), std::string::npos);
-    // an empty folder beside others is a shard that has not begun
+    // an empty directory beside others is a shard that has not started
     EXPECT_EQ(merge({folders[0], (directory_ / "empty").string()}, "fine").remarks.size(), 1U);
 }
 

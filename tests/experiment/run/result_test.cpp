@@ -38,7 +38,7 @@ TEST(ResultOfSeveralBodies, ReadsBack) {
     EXPECT_EQ(row_of("e", back, TableOf::systems), row_of("e", r, TableOf::systems));
     EXPECT_EQ(back.errors.worst_body, "third");
     EXPECT_EQ(back.errors["reaction"].max, 0.5);
-    // from a table of single bodies: none of it
+    // a table of single bodies has no columns for joints
     const Result without = result_of(parse_csv(csv({result_columns(), {row_of("e", r)}})), 0);
     EXPECT_EQ(without.errors["attitude"].max, 0.25);
     EXPECT_FALSE(without.errors["joint_gap"].max || without.errors["position"].max);
@@ -48,7 +48,7 @@ TEST(ResultOfSeveralBodies, ReadsBack) {
     EXPECT_EQ(series["attitude"], r.series["attitude"]);
 }
 
-// drift.csv is shared among experiments: its columns are always the same.
+// drift.csv is shared by all experiments, so its columns are always the same.
 TEST(ResultOfSeveralBodies, HasSeriesInATableOfTheirOwn) {
     Result single;
     single.scene = "top", single.method = "m", single.series.t = {0}, single.series["attitude"] = {0.5};

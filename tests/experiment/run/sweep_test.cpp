@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A directory of its own for tables and for the cache of truths.
+// Uses a separate directory for tables and for the cache of truths.
 class Sweep : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -49,7 +49,7 @@ class Sweep : public ::testing::Test {
             if (entry.path().extension() == ".csv") files.push_back(entry.path());
         return files;
     }
-    // rows without their times
+    // the rows without times
     std::string rows() const {
         Table table{result_columns(), {}};
         for (Result r : finished_results(plan(), options_.directory)) {
@@ -94,7 +94,7 @@ TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
     const auto files = stored();
     ASSERT_EQ(files.size(), 12U);
     fs::remove(files[3]);
-    // a torn file is no finished case
+    // a truncated file is not a finished case
     fs::resize_file(files[7], fs::file_size(files[7]) / 2);
     EXPECT_EQ(pending_cases(p, options_).size(), 2U);
     EXPECT_EQ(run_sweep(p, options_).run, 2);
@@ -146,14 +146,14 @@ TEST_F(Sweep, GivesTheSameRowsForAnyNumberOfJobsAndShards) {
 TEST_F(Sweep, ADryRunKnowsHowLongACaseTookEvenByAnotherProgram) {
     for (const PendingCase& one : pending_cases(plan(), options_)) EXPECT_FALSE(one.seconds_before);
     run_sweep(plan(), options_);
-    // other limits, other keys: the same cases to the reader
+    // another limit changes the keys but not the descriptions of the cases
     const auto again = pending_cases(plan(R"(, "max_steps": 500000)"), options_);
     ASSERT_EQ(again.size(), 12U);
     for (const PendingCase& one : again) EXPECT_GT(one.seconds_before.value_or(0), 0) << one.words;
 }
 
 TEST_F(Sweep, ALimitOnEvaluationsCutsByCountAlone) {
-    // rk4: 4 a step, 30 steps and 60 on the longer scene
+    // rk4 needs 4 evaluations per step; the longer scene takes 30 or 60 steps
     const Plan p = plan(R"(, "max_evaluations": 130)", R"("odeint_rk4")");
     run_sweep(p, options_);
     const std::vector<Result> results = finished_results(p, options_.directory);
@@ -175,7 +175,7 @@ TEST_F(Sweep, LeaveOutRunsEveryCaseByAllFormulations) {
     ASSERT_EQ(table.rows.size(), 6U);  // two scenes; rk4 by step, dopri5 by step and by tolerance
     for (const auto& row : table.rows) {
         EXPECT_GT(std::get<double>(row[column_index(table, "gain")]), 0);
-        // 13 variables and 7 take the same steps: the same error where the steps are fixed
+        // formulations with 13 and 7 variables have the same error at fixed steps
         if (text_of(row[2]) == "step") {
             EXPECT_NEAR(std::get<double>(row[column_index(table, "error_ratio")]), 1, 1e-6);
         }
@@ -200,7 +200,7 @@ TEST_F(Sweep, ConservationSpendsTheSameOnEveryMethod) {
     }
     const Table growth = growth_table(p, results).table;
     ASSERT_EQ(growth.rows.size(), 6U);
-    // truncation errors of a method that conserves nothing: energy drifts like t, attitude like t^2 in the end
+    // a method that conserves nothing: the energy error grows as t, the attitude error finally as t^2
     const auto number = [&](std::size_t row, const char* column) {
         return std::get<double>(growth.rows[row][column_index(growth, column)]);
     };
@@ -212,7 +212,7 @@ TEST_F(Sweep, ConservationSpendsTheSameOnEveryMethod) {
 }
 
 TEST_F(Sweep, AnInducedFailureIsARowAndCutsItsCurveOnly) {
-    // 3 s at h = 0.1 are 30 steps, at 0.05 60: the limit cuts the second
+    // 3 s are 30 steps at h = 0.1 and 60 steps at h = 0.05, so the limit cuts the second run
     const Plan p = plan(R"(, "max_steps": 45)");
     run_sweep(p, options_);
     const std::vector<Result> results = finished_results(p, options_.directory);
@@ -285,7 +285,7 @@ TEST_F(Sweep, DriftExperimentsShareTheirFile) {
     };
     drift("b", "odeint_rk4");
     const std::string both = drift("a", "odeint_dopri5");
-    EXPECT_EQ(drift("b", "odeint_rk4"), both);  // neither twice nor lost
+    EXPECT_EQ(drift("b", "odeint_rk4"), both);  // rows are neither repeated nor lost
     const Table table = parse_csv(both);
     ASSERT_EQ(table.rows.size(), 10U);
     EXPECT_EQ(text_of(table.rows[0].back()), "a");
@@ -294,7 +294,7 @@ TEST_F(Sweep, DriftExperimentsShareTheirFile) {
     EXPECT_EQ(table.columns[4], "attitude_error");
 }
 
-// every row of a scene tells its floors, those of failed and unsupported runs and of cut curves too
+// every row has the floors of its scene, including rows of failed and unsupported runs and of cut curves
 TEST_F(Sweep, RowsCarryTheFloorsOfTheirScene) {
     const Plan p = make_plan(parse_experiment(R"({"name": "t", "scenes": ["dzhanibekov"], "vary": {"/duration": [5, 9]},
                                                    "methods": ["odeint_rk4", "odeint_euler"],
@@ -353,7 +353,7 @@ TEST_F(Sweep, PicturesHaveTheFloorsThatBelongToThem) {
     EXPECT_EQ(guides(convergence_figures(p, results))[0].y[0], *floors.float64_final);
 }
 
-// the columns that others hold on to, in their order; what comes later is found by name
+// the standard columns, on which users depend, come first and in this order; later columns are found by name
 TEST(Result, HasTheContractsColumnsFirst) {
     const std::vector<std::string> standard{"experiment",
                                             "scene",
@@ -381,7 +381,7 @@ TEST(Result, HasTheContractsColumnsFirst) {
 }
 
 TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
-    // an unstable spin for long: errors of the tolerance's size grow e-fold in about a second
+    // a long unstable spin: errors grow by a factor of e in about a second
     const Plan p = make_plan(parse_experiment(R"({"name": "t", "scenes": ["dzhanibekov"], "vary": {"/duration": [60]},
                                                    "methods": ["odeint_dopri5"], "settings": {"tolerances": [1e-2]},
                                                    "samples": 4, "repeats": 1})",
@@ -409,11 +409,11 @@ TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
     EXPECT_EQ(back.counts.rejected_steps, 12);
     EXPECT_EQ(back.counts.newton_failures, 3);
     EXPECT_FALSE(back.counts.order_reductions.has_value());
-    // by a step there is no tolerance
+    // a run by step has no tolerance
     r.setting_kind = SettingKind::step;
     row.rows = {row_of("e", r)};
     EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "");
-    // rows from before there were counts
+    // older rows have no counts
     row.columns.resize(row.columns.size() - 4), row.rows[0].resize(row.columns.size());
     EXPECT_FALSE(result_of(row, 0).counts.rejected_steps.has_value());
 }

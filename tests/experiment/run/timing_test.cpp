@@ -11,8 +11,8 @@
 namespace polhode {
 namespace {
 
-// A method that takes what it is told to: `times` one after the other, then the last of them for ever. What it was
-// asked for is remembered.
+// A method with prescribed run times: `times` in order, then the last of them repeatedly. Records the requested
+// repetitions.
 struct Told {
     std::vector<double> times;  // s
     std::vector<int> repetitions{};
@@ -28,7 +28,7 @@ struct Told {
     }
 };
 
-// The runs of such a method that was expected to take `expected` s, timed in so many rounds.
+// Times this method in `rounds` rounds, with `expected` s as the estimated time of a run.
 TimedRun time_told(Told& told, double expected, int rounds) {
     const Problem problem = pose(find_scene("free_asymmetric"));
     Method method;
@@ -38,16 +38,17 @@ TimedRun time_told(Told& told, double expected, int rounds) {
     return runs[0];
 }
 
-// a closed form takes less than a microsecond, and its first run, with all that is cold, ten thousand times that
+// a closed form takes less than a microsecond, but its first run, with cold caches, takes ten thousand times longer
 TEST(Timing, IsOfManyRunsWhereTheFirstGuessWasACold) {
     Told told{{2e-3, 3e-7}};
     const TimedRun run = time_told(told, 5e-3, 3);
-    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 334, 334, 334})) << "two pilots: the first is cold as well";
+    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 334, 334, 334}))
+        << "two pilot runs, because the first one is cold too";
     EXPECT_EQ(run.seconds.size(), 3u);
     EXPECT_EQ(run.median(), 3e-7);
 }
 
-// a run that takes long is not run more often than it is timed
+// a long run is not repeated within a timing
 TEST(Timing, IsOfOneRunThatTakesLong) {
     Told told{{0.3, 0.1, 0.2}};
     const TimedRun run = time_told(told, 0.05, 3);
@@ -56,7 +57,7 @@ TEST(Timing, IsOfOneRunThatTakesLong) {
     EXPECT_EQ(run.median(), 0.2);
 }
 
-// the clock's own: a real method is repeated until a timing is well above its grain
+// a real method is repeated until a timing is well above the clock's resolution
 TEST(Timing, OfAMethodIsAboveTheGrainOfTheClock) {
     const Problem problem = pose(find_scene("free_asymmetric"));
     Settings settings;

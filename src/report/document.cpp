@@ -115,10 +115,10 @@ class DocumentWriter {
             }
         if (shown_.size() < total)
             remarks_.push_back(
-                fmt::format("Of {} result rows {} are in this page, spread over each curve; the folder has "
-                            "them all.",
-                            total, shown_.size()));
-        if (detail_.digits < 4) remarks_.push_back(fmt::format("Numbers have {} digits here.", detail_.digits));
+                fmt::format("This page contains {} of {} result rows, spread over each curve; the directory has all.",
+                            shown_.size(), total));
+        if (detail_.digits < 4)
+            remarks_.push_back(fmt::format("Numbers are rounded to {} significant digits.", detail_.digits));
     }
 
     static Json experiments(const ResultFolder& folder) {
@@ -262,8 +262,8 @@ class DocumentWriter {
         Json list = Json::array();
         for (const FolderSeries& series : folder_.series) {
             if (list.size() == detail_.series) {
-                remarks_.push_back(fmt::format("Of {} runs with errors over time the first {} are in this page.",
-                                               folder_.series.size(), detail_.series));
+                remarks_.push_back(fmt::format("This page contains the first {} of {} runs with errors over time.",
+                                               detail_.series, folder_.series.size()));
                 break;
             }
             const std::vector<std::size_t> kept = spread(series.t.size(), detail_.series_points);
@@ -409,9 +409,8 @@ class DocumentWriter {
                        {"high", bound(c.all.high)},
                        {"scenes", c.all.groups}};
         json["how"] =
-            "Geometric mean of the scenes' geometric means of the median times' ratios, with Student's 95 % interval "
-            "of "
-            "the scenes' logarithms; fewer than three scenes give no interval.";
+            "The ratio is the geometric mean over scenes of each scene's geometric mean ratio of median run times. The "
+            "interval is Student's 95 % confidence interval of the logarithms; it needs at least three scenes.";
         return json;
     }
 
@@ -440,11 +439,11 @@ class DocumentWriter {
                 Json& method = *own[i];
                 method["track"] = nullptr;
                 const std::string before = method["message"].get<std::string>();
-                method["message"] = before + (before.empty() ? "" : "; ") + "its motion is left out of this page";
+                method["message"] = before + (before.empty() ? "" : "; ") + "its motion is omitted from this page";
             }
         }
         remarks_.push_back(fmt::format(
-            "Of {} methods' motions {} are left out to keep the page small; their errors are here.", tracks, dropped));
+            "{} of {} motions are omitted to keep the page small; their errors are included.", dropped, tracks));
         return list;
     }
 

@@ -99,12 +99,11 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
         if (!others.empty()) one.text = fmt::format("Elsewhere: {}. ", listed(others));
         if (!factors.empty())
             one.text += fmt::format(
-                "The best of another library takes {} times as long in the median of {}, at most {} times "
-                "({}).",
+                "The fastest method of another library takes {} times as long (median of {}; at most {} times, on {}).",
                 plain(median(factors)), counted(factors.size(), "scene", "scenes"), plain(largest_factor),
                 shown(folder.scenes[peers_scene]));
         else
-            one.text += "Compared are methods of one library.";
+            one.text += "All compared methods are from one library.";
         one.link = "#section=work-precision&scene=" + in_fragment(scene);
         finding = one;
     }
@@ -132,13 +131,13 @@ std::optional<Finding> hidden_finding(const ResultFolder& folder) {
     if (!worst) return std::nullopt;
     return Finding{
         fmt::format("Energy hides a lost attitude in {}", counted(runs, "run", "runs")),
-        fmt::format("{}: the attitude is more than 1 rad off and the energy less than 1 %. {} on {}{}: attitude {} "
-                    "rad, momentum {}, energy {}.",
+        fmt::format("{}: attitude error above 1 rad, energy error below 1 %. {} on {}{}: attitude {} rad, momentum {}, "
+                    "energy {}.",
                     counted(methods.size(), "method", "methods"), shown(folder.methods[worst->method]),
                     shown(folder.scenes[worst->scene]),
                     worst->kind == SettingKind::none
                         ? ""
-                        : fmt::format(" at a {} of {:.3g}{}", name_of(worst->kind), (*worst)["setting"],
+                        : fmt::format(" with a {} of {:.3g}{}", name_of(worst->kind), (*worst)["setting"],
                                       worst->kind == SettingKind::step ? " s" : ""),
                     plain(worst->attitude()), plain((*worst)["momentum_error_max"]),
                     plain((*worst)["energy_error_max"])),
@@ -165,11 +164,10 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
     std::vector<std::string> kept(bounded.begin(), bounded.end());
     if (kept.size() > 5) kept.resize(5), kept.emplace_back("..");
     const std::string& scene = folder.scenes[example->scene];
-    return Finding{
-        fmt::format("{} no drift of energy, {} in proportion to time",
-                    counted(bounded.size(), "method shows", "methods show"), counted(growing.size(), "grows", "grow")),
-        fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", listed(kept), longest),
-        "#section=drift&scene=" + in_fragment(scene)};
+    return Finding{fmt::format("{} without energy drift, {} with energy errors that grow in proportion to time",
+                               counted(bounded.size(), "method", "methods"), growing.size()),
+                   fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", listed(kept), longest),
+                   "#section=drift&scene=" + in_fragment(scene)};
 }
 
 std::optional<Finding> order_finding(const ResultFolder& folder) {
@@ -185,9 +183,9 @@ std::optional<Finding> order_finding(const ResultFolder& folder) {
     }
     if (told < 3) return std::nullopt;
     const std::string& scene = folder.scenes[worst->scene];
-    return Finding{off == 0 ? fmt::format("All {} observed orders are those claimed", told)
-                            : fmt::format("{} of {} observed orders are those claimed", told - off, told),
-                   fmt::format("Within 0.2. The furthest off: {} on {}, {:.2f} where {} is claimed.",
+    return Finding{off == 0 ? fmt::format("All {} observed orders match the claimed orders", told)
+                            : fmt::format("{} of {} observed orders match the claimed orders", told - off, told),
+                   fmt::format("Matches are within 0.2. Largest difference: {} on {}, {:.2f} observed, {} claimed.",
                                shown(folder.methods[worst->method]), shown(scene), *worst->observed, worst->claimed),
                    "#section=convergence&scene=" + in_fragment(scene)};
 }
@@ -206,10 +204,11 @@ std::optional<Finding> failure_finding(const ResultFolder& folder) {
     const auto most = std::ranges::max_element(by_method, {}, [](const auto& m) { return m.second; });
     const auto of = [&](Status status) { return by_status[static_cast<std::size_t>(status)]; };
     return Finding{
-        fmt::format("{} of {} runs did not end well",
+        fmt::format("{} of {} runs did not succeed",
                     of(Status::diverged) + of(Status::tolerance_not_met) + of(Status::failed), folder.rows.size()),
-        fmt::format("{} diverged, {} did not meet their tolerance, {} failed; most of {} ({}).", of(Status::diverged),
-                    of(Status::tolerance_not_met), of(Status::failed), shown(most->first), most->second),
+        fmt::format("{} diverged, {} did not meet the tolerance, {} failed. The method with most of them is {} ({}).",
+                    of(Status::diverged), of(Status::tolerance_not_met), of(Status::failed), shown(most->first),
+                    most->second),
         "#section=work-precision&scene=" + in_fragment(folder.scenes[example->scene])};
 }
 
@@ -223,9 +222,9 @@ std::optional<Finding> floor_finding(const ResultFolder& folder) {
         if (!best || row.attitude() / row.floor() < best->attitude() / best->floor()) best = &row;
     }
     if (!best) return std::nullopt;
-    return Finding{fmt::format("{} of {} methods reach the floor of binary64's rounding", reached.size(), all.size()),
-                   fmt::format("Within ten times. The nearest: {} on {}, {} rad where rounding the start costs "
-                               "{} rad.",
+    return Finding{fmt::format("{} of {} methods reach the binary64 rounding floor", reached.size(), all.size()),
+                   fmt::format("Their errors are at most 10 times the floor. The closest is {} on {}: error {} rad, "
+                               "floor {} rad.",
                                shown(folder.methods[best->method]), shown(folder.scenes[best->scene]),
                                plain(best->attitude()), plain(best->floor())),
                    "#section=work-precision&scene=" + in_fragment(folder.scenes[best->scene])};
@@ -245,13 +244,13 @@ std::optional<Finding> gain_finding(const ResultFolder& folder) {
                     gains.push_back(*value);
                     if (*value > largest)
                         largest = *value,
-                        where = fmt::format("{} by {}", shown(text_of(row[scene])), shown(text_of(row[method])));
+                        where = fmt::format("{} with {}", shown(text_of(row[scene])), shown(text_of(row[method])));
                 }
             if (gains.empty()) continue;
             return Finding{
-                fmt::format("Leaving out what a scene does not need makes it {:.2g} times as fast", median(gains)),
-                fmt::format("In the median of {}; most on {}: {:.3g} times.", counted(gains.size(), "pair", "pairs"),
-                            where, largest),
+                fmt::format("The reduced formulation is {:.2g} times as fast as the full one", median(gains)),
+                fmt::format("Median of {}. The largest factor is {:.3g}, on {}.",
+                            counted(gains.size(), "pair", "pairs"), largest, where),
                 "#section=leave-out"};
         } catch (const std::invalid_argument&) {
             continue;

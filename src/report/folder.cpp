@@ -35,7 +35,7 @@ std::string read_file(const fs::path& path) {
 // Names in a folder's files are no paths: only the catalogue is asked.
 Experiment builtin_experiment(const std::string& name) {
     const std::string_view text = builtin_experiment_text(name);
-    if (text.empty()) throw InputError(name, "", "is no experiment of the catalogue", "give one");
+    if (text.empty()) throw InputError(name, "", "is not a built-in experiment", "give the name of one");
     return parse_experiment(text, name);
 }
 
@@ -113,7 +113,7 @@ class FolderReader {
         } catch (const std::invalid_argument& fault) {
             folder_.rows.resize(rows_before), folder_.series.resize(series_before);
             folder_.remarks.push_back(
-                fmt::format("{}.csv is left out: {}.", one_line(name, 100), one_line(fault.what(), 300)));
+                fmt::format("{}.csv is omitted: {}.", one_line(name, 100), one_line(fault.what(), 300)));
             return;
         }
         if (kind == Kind::other) folder_.tables.push_back(std::move(other));
@@ -222,8 +222,9 @@ int NameList::find(const std::string& name) const {
 ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
     std::error_code none;
     if (!fs::is_directory(directory, none))
-        throw InputError(one_line(directory, 300), "", fs::exists(directory, none) ? "is no folder" : "is not there",
-                         "give a folder that `polhode run` has written");
+        throw InputError(one_line(directory, 300), "",
+                         fs::exists(directory, none) ? "is not a directory" : "does not exist",
+                         "give a directory written by `polhode run`");
     ResultFolder folder;
     folder.directory = directory;
     folder.name = fs::weakly_canonical(directory, none).filename().string();
@@ -231,8 +232,8 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
     for (const auto& entry : fs::directory_iterator(directory, none))
         if (entry.path().extension() == ".csv" && entry.is_regular_file(none)) files.push_back(entry.path());
     if (files.empty())
-        throw InputError(one_line(directory, 300), "", "holds no table (.csv)",
-                         "give a folder that `polhode run` has written");
+        throw InputError(one_line(directory, 300), "", "contains no table (.csv)",
+                         "give a directory written by `polhode run`");
     std::ranges::sort(files);
 
     FolderReader reader(folder, most_rows);

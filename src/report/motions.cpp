@@ -158,7 +158,7 @@ class MotionWriter {
         }
         const SampledMotion motion = sampled_motion(rounded(reference));
         if (motion.t.size() < 2) {
-            fault_ = "its numbers are too large to draw";
+            fault_ = "its values are too large to draw";
             return nullptr;
         }
         const std::vector<NamedBody> bodies =
@@ -198,7 +198,7 @@ class MotionWriter {
             !is_mechanism(scene_) && problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
         json["energy"] = number_json(is_mechanism(scene_) ? 0 : energy(motion.at(0, 0)), 6);
         json["truth"] = track_json(motion, keyframes);
-        json["how"] = fmt::format("{}; within {:.1e}", reference.message, reference.bound);
+        json["how"] = fmt::format("{}; error bound {:.1e}", reference.message, reference.bound);
         json["methods"] = Json::array();
         for (const DrawnRun& run : runs) json["methods"].push_back(run_json(run, folder.methods[run.method], truth));
         for (const DrawnFile* file : files) json["methods"].push_back(file_json(*file, truth));
@@ -250,9 +250,8 @@ class MotionWriter {
                   {"attitude", Json::array()}};
         const Method* const method = find_method(name);
         if (!method) {
-            json["message"] = find_engine(name)
-                                  ? "a physics engine, in a process of its own, which this page does not start"
-                                  : "this program has no method of that name";
+            json["message"] = find_engine(name) ? "`polhode report` does not start physics engines in other processes"
+                                                : "this version of polhode has no method of this name";
             return json;
         }
         for (const bool dense : {false, true}) {

@@ -53,7 +53,7 @@ std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, s
     std::string stem = fs::path(request.trajectories.front()).stem().string();
     if (scenes.contains(stem)) return stem;
     if (scenes.size() == 1) return scenes.begin()->first;
-    throw InputError(one_line(request.trajectories.front(), 300), "", "is of a scene that is not told",
+    throw InputError(one_line(request.trajectories.front(), 300), "", "is not named after a scene of the directory",
                      "give --scene SCENE");
 }
 
@@ -94,8 +94,9 @@ ReportMade write_report_page(const ReportRequest& request) {
             filled_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
         if (page.size() > largest_page && &detail != &details[std::size(details) - 1]) continue;
         if (page.size() > largest_page)
-            throw std::runtime_error(fmt::format("{}: holds more than a page can show; give a folder of fewer scenes",
-                                                 one_line(request.directory, 300)));
+            throw std::runtime_error(
+                fmt::format("{}: contains more than a page can show; give a directory with fewer scenes",
+                            one_line(request.directory, 300)));
         write_atomically(made.path, page);
         made.bytes = page.size();
         made.remarks = document["remarks"].get<std::vector<std::string>>();

@@ -411,8 +411,8 @@ for (const [name, make] of hostile) {
 test("a page that is cut short, empty or of another format says so", async () => {
   const whole = embed(template, oneRow());
   const cases: [string, string, RegExp][] = [
-    ["empty", template, /holds no data/],
-    ["cut", whole.replace(/(application\/gzip">[A-Za-z0-9+/]{400})[^<]*/, "$1"), /does not decompress/],
+    ["empty", template, /contains no data/],
+    ["cut", whole.replace(/(application\/gzip">[A-Za-z0-9+/]{400})[^<]*/, "$1"), /cannot be decompressed/],
     ["letters", whole.replace(/application\/gzip">/, 'application/gzip">%%'), /not base64/],
     ["format", embed(template, { ...oneRow(), format: 2 as 1 }), /format 1/],
   ];

@@ -67,7 +67,7 @@ TEST_F(FolderDocument, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) 
     EXPECT_LE(count, 150u);
     EXPECT_GE(count, 70u);
     EXPECT_EQ(thin["rows"]["total"], 404);
-    EXPECT_TRUE(says(thin, "Of 404 result rows " + std::to_string(count) + " are in this page"));
+    EXPECT_TRUE(says(thin, "This page contains " + std::to_string(count) + " of 404 result rows"));
     for (const Json& page : {thin, whole}) {
         const Json& rows = page["rows"];
         std::set<std::pair<int, int>> curves;
@@ -122,7 +122,7 @@ TEST_F(FolderDocument, CurvesOfARowEachAreThinnedToo) {
     detail.rows = 100, detail.digits = 3;
     const Json page = document(detail);
     EXPECT_LE(page["rows"]["count"].get<int>(), 150);
-    EXPECT_TRUE(says(page, "Numbers have 3 digits here."));
+    EXPECT_TRUE(says(page, "Numbers are rounded to 3 significant digits."));
 }
 
 TEST_F(FolderDocument, TablesTellNumbersFromWords) {
@@ -183,7 +183,7 @@ TEST_F(FolderDocument, OfRunsOverTimeKeepsTheFirstWithPointsSpreadOverThem) {
     detail.series = 2, detail.series_points = 11;
     const Json page = document(detail);
     ASSERT_EQ(page["drift"].size(), 2u);
-    EXPECT_TRUE(says(page, "Of 3 runs with errors over time the first 2 are in this page."));
+    EXPECT_TRUE(says(page, "This page contains the first 2 of 3 runs with errors over time."));
     const Json& run = page["drift"][1];
     EXPECT_EQ(run["setting"], 1.5);
     EXPECT_EQ(run["t"], Json({0, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000}));
@@ -205,18 +205,18 @@ TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
     Detail detail;
     detail.tracks = 4;
     const Json page = document(detail);
-    EXPECT_TRUE(says(page, "Of 10 methods' motions 4 are left out"));
+    EXPECT_TRUE(says(page, "4 of 10 motions are omitted"));
     EXPECT_TRUE(says(page, "c is not drawn: why."));
     for (const Json& motion : page["motions"]) {
         // two of each scene: a published update, then binary64; a file of the user's own always
         const bool kept[] = {false, false, true, true, true};
         for (std::size_t i = 0; i < 5; ++i) EXPECT_NE(motion["methods"][i]["track"].is_null(), kept[i]) << i;
-        EXPECT_EQ(motion["methods"][0]["message"], "its motion is left out of this page");
+        EXPECT_EQ(motion["methods"][0]["message"], "its motion is omitted from this page");
         EXPECT_EQ(motion["methods"][2]["message"], "slow");
     }
     EXPECT_EQ(document()["motions"], motions.list);
     detail.tracks = 2;
-    EXPECT_EQ(document(detail)["motions"][1]["methods"][2]["message"], "slow; its motion is left out of this page");
+    EXPECT_EQ(document(detail)["motions"][1]["methods"][2]["message"], "slow; its motion is omitted from this page");
 }
 
 TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {

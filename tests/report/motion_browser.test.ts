@@ -213,10 +213,10 @@ test("the view is turned by dragging and by buttons, and the address has it", as
   const dragged = await picture();
   assert.notEqual(dragged, first);
   assert.match(decodeURIComponent(page.url()), /motion_view=-?[\d.]+,-?[\d.]+,1\.00/);
-  await page.click('.motion-turn button[title="Nearer"]');
+  await page.click('.motion-turn button[title="Zoom in"]');
   await settled(page);
   assert.notEqual(await picture(), dragged);
-  await page.click('.motion-turn button[title="Reset to what it was at first"]');
+  await page.click('.motion-turn button[title="Reset the view"]');
   await settled(page);
   assert.equal(await picture(), first);
   assert.doesNotMatch(page.url(), /motion_view/);
@@ -248,17 +248,17 @@ test("the address brings scene, methods, layout, time and arrows back", async ()
 test("it is said what is not drawn as it is", async () => {
   const { page } = await open("scene=t_handle&motion_methods=cvode_adams,odeint_fehlberg78,radau&motion_time=9");
   const said = await textOf(page, ".motion-remarks");
-  assert.match(said, /cvode_adams: no further than [\d.e-]+\srad from the truth: drawn as the truth\./);
-  assert.match(said, /odeint_fehlberg78 diverged after 6\.28 s and stands still from there: the energy is beyond all bounds\./);
-  assert.match(said, /radau failed: only motion under loads; there is nothing to draw\./);
-  assert.match(said, /Drawn from keyframes: off by at most 1\.9\s*mrad\./);
-  assert.match(said, /The truth: Jacobi's elliptic functions; within 1\.0e-17\./);
-  assert.match(said, /Shown are the first 10\.5\s*s of the scene's 20\s*s\./);
-  assert.match(await textOf(page, ".motion-ended:not([hidden])"), /ended at 6\.28 s\n.*nothing to draw/);
+  assert.match(said, /cvode_adams is within [\d.e-]+\srad of the truth and is drawn as the truth\./);
+  assert.match(said, /odeint_fehlberg78 diverged after 6\.28 s and does not move from then on: the energy is beyond all bounds\./);
+  assert.match(said, /radau failed: only motion under loads; there is no motion to draw\./);
+  assert.match(said, /Interpolated between keyframes to within 1\.9\s*mrad\./);
+  assert.match(said, /Truth: Jacobi's elliptic functions; error bound 1\.0e-17\./);
+  assert.match(said, /Only the first 10\.5\s*s of the scene's 20\s*s are shown\./);
+  assert.match(await textOf(page, ".motion-ended:not([hidden])"), /ended at 6\.28 s\n.*no motion/);
   assert.match(await textOf(page, ".motion-now"), /odeint_fehlberg78 ended/);
   assert.match((await page.$eval(".motion-pane canvas", (one) => one.getAttribute("aria-label"))) ?? "", /t_handle, truth: At 9\.00 s/);
   const other = await open("scene=unknown");
-  assert.match(await textOf(other.page, ".motion-view .note"), /There is no motion of unknown; this is t_handle\./);
+  assert.match(await textOf(other.page, ".motion-view .note"), /No motion is available for unknown; showing t_handle\./);
   await other.page.close();
   await page.close();
 });
@@ -289,7 +289,7 @@ test("without WebGL the bodies are wires, it is said, and the rest is there", as
     await page.keyboard.press(".");
     await settled(page);
     assert.ok((await drawn(page)) > 2);
-    assert.match(await textOf(page, ".motion-now"), /rk4 [\d.]+\srad off/);
+    assert.match(await textOf(page, ".motion-now"), /rk4 error [\d.]+\srad/);
   } finally {
     await bare.close();
   }
@@ -319,7 +319,7 @@ test("a lost context is told, and its return brings the picture back; scenes com
     lose?.loseContext();
   });
   await settled(kept);
-  assert.match(await textOf(kept, ".motion-view .fault:not([hidden])"), /took the graphics context away/);
+  assert.match(await textOf(kept, ".motion-view .fault:not([hidden])"), /released the WebGL context/);
   await kept.evaluate(() => (window as unknown as { lose: WEBGL_lose_context }).lose.restoreContext());
   await pause(1000);
   assert.equal(await textOf(kept, ".motion-view .fault:not([hidden])"), "");

@@ -104,7 +104,7 @@ const part = (type: string, sizes: Part["sizes"], position: Vector = [0, 0, 0], 
   ({ type, sizes, position: [...position], orientation: [...orientation], hole });
 const motion = (more: Partial<Motion> & Pick<Motion, "bodies" | "truth" | "duration">): Motion => ({
   scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, about: null, planes: [], gravity: null, moving: false,
-  free: false, energy: 0, how: "Jacobi's elliptic functions; within 1.0e-17", methods: [], ...more,
+  free: false, energy: 0, how: "Jacobi's elliptic functions; error bound 1.0e-17", methods: [], ...more,
 });
 
 const quarter = Math.SQRT1_2;
@@ -168,7 +168,7 @@ function doublePendulum(): Motion {
   const truth = by(2.2);
   const hinge = { type: "revolute", child_point: [0, 0, 0.5], axis: [0, 1, 0] };
   return motion({
-    duration, moving: true, gravity: [0, 0, -g], truth: trackOf(truth), how: "extrapolation in 32 digits; within 3.0e-15",
+    duration, moving: true, gravity: [0, 0, -g], truth: trackOf(truth), how: "extrapolation in 32 digits; error bound 3.0e-15",
     bodies: ["upper", "lower"].map((name) => body(name, { moments: [0.0833, 0.0833, 0.001], parts: [part("capsule", { radius: 0.06, half_height: 0.44 })] })),
     joints: [{ ...hinge, name: "shoulder", parent: -1, child: 0, parent_point: [0, 0, 0] }, { ...hinge, name: "elbow", parent: 0, child: 1, parent_point: [0, 0, -0.5] }],
     methods: [methodOf(0, "article_as_written", truth, by(2.21), { step: 0.01 }), methodOf(1, "rk4", truth, by(2.201), { step: 0.01 })],

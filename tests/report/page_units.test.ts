@@ -110,9 +110,9 @@ test("the filter's grammar", () => {
   assert.deepEqual(kept("status!=ok"), [1]);
   assert.deepEqual(kept("attitude_error=0.001"), [1]);
   assert.deepEqual(kept("rk4 att>1"), []);
-  assert.match(parseFilter("nothing>1", columns).fault, /no column is called nothing/);
-  assert.match(parseFilter("stat>1", columns).fault, /several columns begin with stat/);
-  assert.match(parseFilter("attitude_error>much", columns).fault, /a number must follow/);
+  assert.match(parseFilter("nothing>1", columns).fault, /no column is named nothing/);
+  assert.match(parseFilter("stat>1", columns).fault, /several columns start with stat/);
+  assert.match(parseFilter("attitude_error>much", columns).fault, /attitude_error> needs a number/);
   assert.deepEqual(kept('unclosed "quotation'), []);
 });
 
@@ -205,7 +205,7 @@ test("rows by scene, and documents that are broken", () => {
   assert.match(faultOf({ ...data, format: 2 }), /format is 2/);
   assert.match(faultOf({ ...data, tables: undefined }), /no list "tables"/);
   assert.match(faultOf({ ...data, rows: { ...data.rows, seconds: [] } }), /rows\.seconds must have/);
-  assert.match(faultOf({ ...data, methods: data.methods.slice(0, 3) }), /rows\.method\[\d+\] is \d+, and there are 3/);
+  assert.match(faultOf({ ...data, methods: data.methods.slice(0, 3) }), /rows\.method\[\d+\] is \d+, but there are only 3 methods/);
 });
 
 test("a column of numbers that the page's code does not name", () => {

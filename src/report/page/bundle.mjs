@@ -46,7 +46,7 @@ const licence = (name) => {
 };
 
 const style = bundle("style.css");
-if (/<\/style/i.test(style)) fail("style.css: holds the end of a style element; take it out");
+if (/<\/style/i.test(style)) fail("style.css: contains the end of a style element; remove it");
 
 // What would end the script element, or begin a comment in the eyes of the HTML parser, is written in ways that mean the
 // same inside of a JavaScript string.
@@ -60,10 +60,10 @@ const script = gzipSync(bundle("main.ts"), { level: 9 }).toString("base64");
 
 let page = readFileSync(join(source, "page.html"), "utf8");
 for (const [place, text] of [["/*polhode:style*/", style], ["/*polhode:script*/", script], ["/*polhode:loader*/", loader]]) {
-  if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
+  if (page.split(place).length !== 2) fail(`page.html: must contain ${place} exactly once`);
   page = page.replace(place, () => text);
 }
 for (const place of ["<!--polhode:title-->", "<!--polhode:data-->"]) {
-  if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
+  if (page.split(place).length !== 2) fail(`page.html: must contain ${place} exactly once`);
 }
 process.stdout.write(page);

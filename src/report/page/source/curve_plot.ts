@@ -57,8 +57,8 @@ export class CurvePlot {
       if (typeof method === "number" && !this.lit().includes(method)) this.toggle(method);
     });
     this.legend = element("div", { class: "legend-list" });
-    this.familyChoice = new Choice("Light a family", (family) => this.lightFamily(Number(family)));
-    this.numbers = element("details", { class: "numbers", ontoggle: () => this.showNumbers() }, element("summary", {}, "The lit curves in numbers"));
+    this.familyChoice = new Choice("Highlight family", (family) => this.lightFamily(Number(family)));
+    this.numbers = element("details", { class: "numbers", ontoggle: () => this.showNumbers() }, element("summary", {}, "Data of the highlighted curves"));
     this.root = element(
       "div",
       { class: "curve-plot" },
@@ -99,8 +99,8 @@ export class CurvePlot {
     this.write(after);
     const gone = before.find((one) => one !== method && !after.includes(one));
     this.tools.page.announce(
-      `${methodName(this.tools, method).slice(0, 80)} ${after.includes(method) ? "lit" : "dimmed"}` +
-        (gone === undefined ? "" : `, ${methodName(this.tools, gone).slice(0, 80)} dimmed`) + `; ${after.length} of ${mostLit} lit`,
+      `${methodName(this.tools, method).slice(0, 80)} ${after.includes(method) ? "highlighted" : "dimmed"}` +
+        (gone === undefined ? "" : `, ${methodName(this.tools, gone).slice(0, 80)} dimmed`) + `; ${after.length} of ${mostLit} highlighted`,
     );
   }
 
@@ -154,7 +154,7 @@ export class CurvePlot {
     const families = this.tools.data.families;
     const byFamily = families.map((_, f) => methods.filter((method) => this.tools.data.methods[method]?.family === f));
     this.familyChoice.update(
-      [["", "the standard choice"], ...byFamily.flatMap((some, f): [string, string][] => (some.length > 0 ? [[String(f), `${oneLine(families[f]?.label ?? "").slice(0, 60)} (${some.length})`]] : []))],
+      [["", "default selection"], ...byFamily.flatMap((some, f): [string, string][] => (some.length > 0 ? [[String(f), `${oneLine(families[f]?.label ?? "").slice(0, 60)} (${some.length})`]] : []))],
       "",
     );
     const focused = document.activeElement instanceof HTMLElement && this.legend.contains(document.activeElement) ? document.activeElement.dataset.method : undefined;
@@ -164,9 +164,9 @@ export class CurvePlot {
     const scrolled = this.legend.scrollTop;
     fill(
       this.legend,
-      element("p", { class: "legend-head" }, `Lit: ${inOrder.length - unlit} of ${count(inOrder.length)} methods`, picture.detailHead === undefined ? null : element("span", { class: "detail" }, picture.detailHead)),
+      element("p", { class: "legend-head" }, `Highlighted: ${inOrder.length - unlit} of ${count(inOrder.length)}`, picture.detailHead === undefined ? null : element("span", { class: "detail" }, picture.detailHead)),
       element("ul", {}, ...inOrder.filter((method) => lit.has(method)).map(entry)),
-      unlit > 0 ? element("p", { class: "legend-head" }, "In grey; choose to light") : null,
+      unlit > 0 ? element("p", { class: "legend-head" }, "Grey; click to highlight") : null,
       ...others.flatMap((some, f) => some.length === 0 ? [] : [
         element("p", { class: "family" }, oneLine(families[f]?.label ?? "").slice(0, 60)), element("ul", {}, ...some.map(entry)),
       ]),
@@ -192,7 +192,7 @@ export class CurvePlot {
         for (const i of thinned(curve.y, each)) {
           x.push(curve.x[i] ?? null);
           y.push(curve.y[i] ?? null);
-          text.push(`${label}<br>click to light`);
+          text.push(`${label}<br>click to highlight`);
           method.push(curve.method);
         }
         x.push(null);
@@ -206,7 +206,7 @@ export class CurvePlot {
       if (lone.length > 0) {
         traces.push({
           type: "scatter", mode: "markers", x: lone.map((curve) => curve.x[0] ?? null), y: lone.map((curve) => curve.y[0] ?? null), ...look,
-          text: lone.map((curve) => `${plotText(methodName(this.tools, curve.method))}<br>click to light`), customdata: lone.map((curve) => curve.method) as never,
+          text: lone.map((curve) => `${plotText(methodName(this.tools, curve.method))}<br>click to highlight`), customdata: lone.map((curve) => curve.method) as never,
         } as Trace);
       }
       traces.push({
@@ -297,7 +297,7 @@ export class CurvePlot {
       }
     }
     const content = {
-      caption: "The lit curves in numbers",
+      caption: "Data of the highlighted curves",
       columns: [
         { name: "method", numeric: false }, { name: "curve", numeric: false }, { name: picture.x.title, numeric: true },
         { name: picture.y.title, numeric: true }, { name: "remarks", numeric: false },

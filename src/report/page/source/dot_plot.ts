@@ -46,7 +46,7 @@ export class DotPlot {
     const shown = dots.filter((dot) => Number.isFinite(dot.value)).slice(0, mostDots);
     this.root.hidden = shown.length === 0;
     this.note.hidden = dots.length <= shown.length;
-    this.note.textContent = `The first ${shown.length} of ${dots.length} are drawn; the table has all.`;
+    this.note.textContent = `Only the first ${shown.length} of ${dots.length} rows are plotted; the table has all rows.`;
     if (shown.length === 0) return;
     const values = shown.map((dot) => dot.value);
     const logarithmic = log ?? (values.every((value) => value > 0) && Math.max(...values) > 20 * Math.min(...values));
@@ -95,8 +95,8 @@ export function tableDots(tools: Tools, table: Table, key: string, preferred: re
   if (firstColumn === undefined || !table.columns.some((column) => !column.numeric)) return null;
   const standard = preferred.flatMap((pattern) => drawable.filter((c) => pattern.test(table.columns[c]?.name ?? "")))[0] ?? firstColumn;
   const name = (c: number): string => table.columns[c]?.name ?? "";
-  const plot = new DotPlot(tools, `${shorten(oneLine(table.title || table.name), 80)}: dots`, () => table.name);
-  const choice = new Choice("Drawn", (value) => tools.page.set({ [key]: value === name(standard) ? "" : value }));
+  const plot = new DotPlot(tools, `${shorten(oneLine(table.title || table.name), 80)}: dot plot`, () => table.name);
+  const choice = new Choice("Plotted column", (value) => tools.page.set({ [key]: value === name(standard) ? "" : value }));
   const methods = new Map(tools.data.methods.map((method, m) => [method.name, m]));
   const methodColumn = table.columns.findIndex((column) => column.name === "method" || column.name === "own");
   const show = (): void => {

@@ -45,7 +45,7 @@ export function parseFilter(line: string, columns: readonly string[]): Filter {
       const value = unquoted(rest).trim();
       const number = value === "" ? NaN : Number(value);
       if (Number.isNaN(number) && sign !== "=" && sign !== "!=") {
-        return { fault: `${unquoted(name)}${sign}: a number must follow, such as ${unquoted(name)}${sign}1e-9`, matches: () => true };
+        return { fault: `${unquoted(name)}${sign} needs a number, such as ${unquoted(name)}${sign}1e-9`, matches: () => true };
       }
       tests.push((row) => compare(row[column] ?? null, sign, value, number));
       continue;
@@ -67,7 +67,7 @@ export function parseFilter(line: string, columns: readonly string[]): Filter {
 }
 
 function columnFault(name: string, column: number): string {
-  return column === -2 ? `several columns begin with ${name}: write more of its name` : `no column is called ${name}`;
+  return column === -2 ? `several columns start with ${name}; write more of the name` : `no column is named ${name}`;
 }
 
 function compare(cell: Cell, sign: string, value: string, number: number): boolean {

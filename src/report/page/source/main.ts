@@ -25,16 +25,16 @@ function header(page: Page, tools: Tools | null): void {
   const show = (): void => {
     const dark = page.dark();
     theme.textContent = dark ? "Light" : "Dark";
-    theme.title = dark ? "Dark on light" : "Light on dark";
+    theme.title = dark ? "Switch to the light theme" : "Switch to the dark theme";
   };
   theme.addEventListener("click", () => page.set({ theme: page.dark() ? "light" : "dark" }));
   page.onTheme(show);
   show();
   const link = element("button", {
-    type: "button", title: "The address of the page as it is seen now",
+    type: "button", title: "Copy a link to the current view",
     onclick: () => {
       const address = page.address();
-      void copyText(address).then((done) => page.announce(done ? "link copied" : "the address bar has the link"));
+      void copyText(address).then((done) => page.announce(done ? "link copied" : "cannot copy; the link is in the address bar"));
       link.textContent = "Copied";
       window.setTimeout(() => (link.textContent = "Copy link"), 1500);
     },
@@ -158,7 +158,7 @@ async function begin(): Promise<void> {
     const value = await readDocument(holder);
     holder?.remove();
     const fault = faultOf(value);
-    if (fault !== "") throw new Error(`${fault}; make the page anew with this version of polhode`);
+    if (fault !== "") throw new Error(`${fault}; create the page again with this version of polhode`);
     const data = value as ReportData;
     const tools: Tools = { data, page, index: new RowIndex(data.rows, data.scenes.length) };
     // every section shows the same scene, also where the address names none, or one that is not here

@@ -90,25 +90,25 @@ export class Plot {
     const tool = (text: string, title: string, act: () => void): HTMLButtonElement =>
       element("button", { type: "button", title, onclick: act }, text);
     this.dragButtons = [
-      tool("Zoom", "Dragging zooms in", () => this.setDrag("zoom")),
-      tool("Pan", "Dragging moves the view", () => this.setDrag("pan")),
+      tool("Zoom", "Drag to zoom in", () => this.setDrag("zoom")),
+      tool("Pan", "Drag to move the view", () => this.setDrag("pan")),
     ];
     this.root = element(
       "figure",
       { class: "figure" },
       element(
         "div",
-        { class: "plot-tools", role: "toolbar", "aria-label": `Tools of the plot: ${label}` },
+        { class: "plot-tools", role: "toolbar", "aria-label": `Plot tools: ${label}` },
         ...this.dragButtons,
         tool("−", "Zoom out", () => this.scale(1.5)),
         tool("+", "Zoom in", () => this.scale(1 / 1.5)),
-        tool("Reset", "The whole view", () => this.reset()),
+        tool("Reset", "Show the whole range", () => this.reset()),
         element("span", { class: "gap" }),
-        tool("SVG", "Save as SVG, on white", () => void this.save("svg")),
-        tool("PNG", "Save as PNG, on white", () => void this.save("png")),
+        tool("SVG", "Save as SVG with a white background", () => void this.save("svg")),
+        tool("PNG", "Save as PNG with a white background", () => void this.save("png")),
       ),
       this.host,
-      element("p", { id: help, class: "unseen" }, "Arrow keys move the view, plus and minus zoom, 0 shows all. The numbers stand in a table below."),
+      element("p", { id: help, class: "unseen" }, "Arrow keys move the view, plus and minus zoom, 0 shows the whole range. A table below lists the data."),
     );
     this.showDrag();
     page.onTheme(() => this.redraw());
@@ -292,7 +292,7 @@ export class Plot {
       } as never);
       this.page.announce(`${format.toUpperCase()} saved`);
     } catch (fault) {
-      this.page.announce(`The picture could not be saved: ${String(fault)}`);
+      this.page.announce(`Cannot save the picture: ${String(fault)}`);
     }
   }
 }

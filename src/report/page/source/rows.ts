@@ -50,7 +50,7 @@ export type Limit = "unsupported" | "limit" | "instability" | "tolerance" | "fai
 export function limitOf(row: Row, precision: string): { kind: Limit; text: string } {
   const told = row.message === "" ? "" : `: ${row.message}`;
   if (row.status === 1) return { kind: "unsupported", text: `unsupported${told}` };
-  if (row.cut) return { kind: "limit", text: "the limit on a run's time or steps" };
+  if (row.cut) return { kind: "limit", text: "limit on run time, steps or evaluations" };
   if (row.status === 2) return { kind: "instability", text: `instability${told}` };
   if (row.status === 3) return { kind: "tolerance", text: `tolerance not met${told}` };
   if (row.status === 4) return { kind: "failure", text: `failed${told}` };
@@ -98,7 +98,7 @@ export function numbersOf(rows: Rows): Map<string, (number | null)[]> {
 export function faultOf(value: unknown): string {
   if (typeof value !== "object" || value === null) return "the document is not an object";
   const data = value as ReportData;
-  if (data.format !== 1) return `the document's format is ${String(data.format)}, and this page reads format 1`;
+  if (data.format !== 1) return `the document's format is ${String(data.format)}; this page supports format 1`;
   for (const key of ["experiments", "families", "methods", "scenes", "findings", "orders", "drift", "maps", "tables", "checks", "motions", "remarks"] as const) {
     if (!Array.isArray(data[key])) return `the document has no list "${key}"`;
   }
@@ -110,12 +110,12 @@ export function faultOf(value: unknown): string {
   }
   const within = (key: "experiment" | "scene" | "method", size: number): string => {
     const bad = rows[key].findIndex((place) => !(place >= 0 && place < size));
-    return bad < 0 ? "" : `rows.${key}[${bad}] is ${String(rows[key][bad])}, and there are ${size}`;
+    return bad < 0 ? "" : `rows.${key}[${bad}] is ${String(rows[key][bad])}, but there are only ${size} ${key}s`;
   };
   return (
     within("experiment", data.experiments.length) ||
     within("scene", data.scenes.length) ||
     within("method", data.methods.length) ||
-    (data.methods.some((method) => !data.families[method.family]) ? "a method is of no family" : "")
+    (data.methods.some((method) => !data.families[method.family]) ? "a method's family is not in the list of families" : "")
   );
 }

@@ -124,20 +124,20 @@ export class TableView {
     return element(
       "details",
       { class: "pop" },
-      element("summary", {}, "how"),
+      element("summary", {}, "syntax"),
       element(
         "div",
         { class: "pop-body" },
-        element("p", {}, "A row has to meet all of the conditions:"),
+        element("p", {}, "Rows must satisfy all conditions:"),
         element(
           "ul",
           {},
-          line("word", "some cell holds it; “two words” in straight quotation marks"),
-          line("-word", "no cell holds it"),
-          line("column:word", "that column's cell holds it"),
+          line("word", "a cell contains the word; put “two words” in straight quotation marks"),
+          line("-word", "no cell contains the word"),
+          line("column:word", "the cell in this column contains the word"),
           line(`${shorten(example, 24)}>1e-9`, "compares numbers: < <= > >= = !="),
         ),
-        element("p", {}, "A column is named as its head says, with _ for a space, or by its beginning."),
+        element("p", {}, "Write a column's name as in the header, with _ for each space, or a unique prefix of it."),
       ),
     );
   }
@@ -243,7 +243,7 @@ export class TableView {
       }
       body.append(line);
     }
-    if (this.places.length === 0) body.append(element("tr", {}, element("td", { colspan: Math.max(1, columns.length), class: "empty" }, "no row")));
+    if (this.places.length === 0) body.append(element("tr", {}, element("td", { colspan: Math.max(1, columns.length), class: "empty" }, "no rows")));
     const focused = document.activeElement instanceof HTMLElement && this.scroller.contains(document.activeElement) ? document.activeElement.dataset.column : undefined;
     fill(this.scroller, element("table", {}, element("caption", { class: "unseen" }, shorten(oneLine(this.content.caption), 200)), element("thead", {}, head), body));
     if (focused !== undefined) this.scroller.querySelector<HTMLElement>(`button[data-column="${focused}"]`)?.focus({ preventScroll: true });
@@ -266,7 +266,7 @@ export class TableView {
       }, text);
     fill(
       this.pager,
-      button("First", 0, "first page"), button("Back", here - 1, "page before"), ` page ${count(here + 1)} of ${count(pages)} `,
+      button("First", 0, "first page"), button("Previous", here - 1, "previous page"), ` page ${count(here + 1)} of ${count(pages)} `,
       button("Next", here + 1, "next page"), button("Last", pages - 1, "last page"),
     );
   }
@@ -277,7 +277,7 @@ export class TableView {
     const [sorted, descending] = this.sorting();
     const next = sorted !== column ? name : descending ? "" : `-${name}`;
     this.store("sort", next);
-    this.page.announce(next === "" ? "as in the file" : `sorted by ${name}, ${next.startsWith("-") ? "descending" : "ascending"}`);
+    this.page.announce(next === "" ? "original order" : `sorted by ${name}, ${next.startsWith("-") ? "descending" : "ascending"}`);
   }
 
   private async copy(format: "CSV" | "LaTeX"): Promise<void> {
@@ -298,7 +298,7 @@ export class TableView {
     const area = element("textarea", { rows: 8, readonly: true, "aria-label": "Text to copy" });
     area.value = text;
     this.root.querySelector(".offered")?.remove();
-    const box = element("div", { class: "offered" }, element("p", {}, "The browser does not let the page copy; here is the text:"), area);
+    const box = element("div", { class: "offered" }, element("p", {}, "The browser does not allow copying. Copy this text by hand:"), area);
     add(this.root, box);
     area.select();
   }

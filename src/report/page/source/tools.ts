@@ -87,7 +87,7 @@ export function otherScenes(tools: Tools, what: string, scenes: readonly number[
   return element(
     "div",
     { class: "note" },
-    element("p", {}, `${what} of this scene ${scenes.length > 0 ? "are not here; they are of:" : "are not here."}`),
+    element("p", {}, `No ${what} for this scene${scenes.length > 0 ? "; available for:" : "."}`),
     element(
       "p",
       { class: "buttons" },
@@ -108,7 +108,7 @@ export function standIn(tools: Tools, scene: number, having: readonly number[]):
 
 /** Says which scene is seen where it is not the chosen one. */
 export function standInNote(tools: Tools, chosen: number, seen: number): HTMLElement | null {
-  return chosen === seen ? null : element("p", { class: "note" }, "Shown is ", named(sceneName(tools, seen), 60), ", for there is nothing of the chosen scene itself.");
+  return chosen === seen ? null : element("p", { class: "note" }, "Showing ", named(sceneName(tools, seen), 60), ": there are no results for the selected scene itself.");
 }
 
 export function columnPlace(table: Table, name: string): number {

@@ -159,7 +159,7 @@ export class BodyView {
       const canvas = renderer.domElement;
       canvas.addEventListener("webglcontextlost", (event) => {
         event.preventDefault();
-        this.fault = "The browser took the graphics context away, so the bodies are not drawn for now; they come back as soon as it gives it back. The numbers and the other pictures go on.";
+        this.fault = "The browser released the WebGL context: bodies are drawn as wireframes until it restores the context.";
         this.changed();
       });
       canvas.addEventListener("webglcontextrestored", () => {
@@ -167,7 +167,7 @@ export class BodyView {
         this.changed();
       });
     } catch {
-      this.fault = "This browser gives no WebGL context, so the bodies are drawn as wires. To have them solid, switch hardware acceleration on, or take a browser that has WebGL 2.";
+      this.fault = "This browser provides no WebGL context: bodies are drawn as wireframes. For solid bodies, enable hardware acceleration or use a browser with WebGL 2.";
     }
     this.camera.up.set(0, 0, 1);
     this.camera.add(this.lamp);

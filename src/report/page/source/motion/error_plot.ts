@@ -144,7 +144,7 @@ export class ErrorPlot {
         made.push(vector("path", { d: `M${x - 4} ${y - 4}L${x + 4} ${y + 4}M${x - 4} ${y + 4}L${x + 4} ${y - 4}`, class: "motion-curve", stroke: actor.color }));
       }
     }
-    if (this.actors.length === 0) text("no method with errors over time is chosen", margin.left + this.inner() / 2, height / 2, "middle");
+    if (this.actors.length === 0) text("no method with errors over time is selected", margin.left + this.inner() / 2, height / 2, "middle");
     fill(this.still, ...made);
   }
 
@@ -174,6 +174,6 @@ export class ErrorPlot {
       made.push(label);
     }
     fill(this.cursor, ...made);
-    this.root.setAttribute("aria-label", `Attitude error over time, logarithmic. At ${significant(time)} s: ${words.join(", ") || "no method is chosen"}`);
+    this.root.setAttribute("aria-label", `Attitude error over time, logarithmic. At ${significant(time)} s: ${words.join(", ") || "no method is selected"}`);
   }
 }

@@ -121,14 +121,14 @@ export class Orbit {
           this.settled();
         },
       }, sign);
-    return element("div", { class: "motion-turn", role: "group", "aria-label": `Point of view: ${what}` },
+    return element("div", { class: "motion-turn", role: "group", "aria-label": `Camera: ${what}` },
       button("←", "Turn left", () => this.turn(-step, 0)),
       button("→", "Turn right", () => this.turn(step, 0)),
       button("↑", "Look from above", () => this.turn(0, step)),
       button("↓", "Look from below", () => this.turn(0, -step)),
-      button("+", "Nearer", () => this.turn(0, 0, 1.2)),
-      button("−", "Further away", () => this.turn(0, 0, 1 / 1.2)),
-      button("Reset", "Reset to what it was at first", () => this.reset()),
+      button("+", "Zoom in", () => this.turn(0, 0, 1.2)),
+      button("−", "Zoom out", () => this.turn(0, 0, 1 / 1.2)),
+      button("Reset", "Reset the view", () => this.reset()),
     );
   }
 }

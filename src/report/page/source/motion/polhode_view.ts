@@ -66,11 +66,11 @@ export class PolhodeView {
   /** What the two pictures show, in words. */
   captions(): [string, string] {
     const world = this.plane !== null
-      ? `Herpolhode: the path of ω in the invariable plane, which is across L at the distance 2E/|L| = ${this.plane.distance.toPrecision(3)} rad/s from the centre; dotted, the two circles that it runs between`
-      : "The path of ω in world axes";
+      ? `Herpolhode: path of ω in the invariable plane, perpendicular to L at the distance 2E/|L| = ${this.plane.distance.toPrecision(3)} rad/s from the centre. Dotted: the two circles that bound it`
+      : "Path of ω in world axes";
     const ellipsoid = this.free
-      ? "Polhode: ω in principal axes, on the ellipsoid ΣIω² = 2E; thin, the whole of the truth's closed curve"
-      : "ω in principal axes, with the ellipsoid ΣIω² = 2E of the energy at this time";
+      ? "Polhode: path of ω in principal axes, on the ellipsoid ΣIω² = 2E. Thin: the truth's whole closed curve"
+      : "Path of ω in principal axes, with the ellipsoid ΣIω² = 2E for the energy at the current time";
     return [ellipsoid, world];
   }
 

@@ -72,7 +72,7 @@ export const convergence: Section = {
     const { data, page } = tools;
     const experiments = experimentsOf(data);
     const set = (key: string) => (value: string): void => page.set({ [`convergence.${key}`]: value, "convergence.zoom": "" });
-    const kindChoice = new Choice("Against", set("kind"));
+    const kindChoice = new Choice("x axis", set("kind"));
     const measureChoice = new Choice("Error", set("error"));
     const experimentChoice = new Choice("Experiment", set("experiment"));
     const chart = new CurvePlot(tools, "convergence", "Convergence: error against step or tolerance", () => `convergence_${sceneName(tools, chosenScene(tools))}`);
@@ -80,7 +80,7 @@ export const convergence: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, `Beside each method stand the order it claims and the one fitted here; an exclamation mark where they differ by more than ${mostOrderDifference}, unless all the errors are rounding. Dotted lines show slopes to read the curves by.`),
+      element("p", { class: "explain" }, `The legend lists each method's claimed and fitted order. An exclamation mark flags a difference above ${mostOrderDifference}, unless all fitted errors are at the rounding floor. Dotted lines are reference slopes.`),
       element("div", { class: "choices" }, experimentChoice.root, kindChoice.root, measureChoice.root), message, chart.root, below,
     );
     const having = [...new Set([...data.orders.map((order) => order.scene), ...data.rows.scene.filter((_, i) => experiments.has(data.rows.experiment[i] ?? -1))])].sort((a, b) => a - b);
@@ -100,13 +100,13 @@ export const convergence: Section = {
       measureChoice.update(measures.map((one) => [one.key, one.title]), measure.key);
       const x = (row: Row): number | null => (row.setting !== null && row.setting > 0 ? row.setting : null);
       const y = (place: number): number | null => positive(data.rows[measure.key][place]);
-      const curves = curvesOf(tools, places.filter((place) => data.rows.setting_kind[place] === kind), x, y, (row) => hoverOf(tools, row, `${measure.title}: ${quantity(data.rows[measure.key][row.place], measure.unit) || "not known"}`))
+      const curves = curvesOf(tools, places.filter((place) => data.rows.setting_kind[place] === kind), x, y, (row) => hoverOf(tools, row, `${measure.title}: ${quantity(data.rows[measure.key][row.place], measure.unit) || "unknown"}`))
         .map((curve) => ({ ...curve, variant: curve.variant.split(", ").slice(1).join(", ") }));
       const ofKind = orders.filter((order) => order.setting_kind === kind);
       const floor = places.map((place) => data.rows.floor[place] ?? null).find((one) => one !== null && one > 0) ?? null;
       const atFloor = (order: Order): boolean => isAtFloor(order, curves.find((curve) => curve.method === order.method), floor);
       const byMethod = new Map(ofKind.map((order) => [order.method, order]));
-      if (curves.length === 0 && orders.length === 0) fill(message, otherScenes(tools, "Convergence results", having));
+      if (curves.length === 0 && orders.length === 0) fill(message, otherScenes(tools, "convergence results", having));
       else fill(message, standInNote(tools, chosen, scene));
       chart.root.hidden = curves.length === 0;
       if (curves.length > 0) {
@@ -124,7 +124,7 @@ export const convergence: Section = {
             const off = isOff(order, atFloor(order));
             return {
               text: `${order.claimed === null || order.claimed === 0 ? "–" : significant(order.claimed)} / ${order.observed === null ? "–" : order.observed.toFixed(2).replace(/^-0\.00$/, "0.00")}${off ? " !" : ""}`,
-              flag: off ? `claims ${significant(order.claimed)}, shows ${significant(order.observed)}` : "",
+              flag: off ? `claimed ${significant(order.claimed)}, fitted ${significant(order.observed)}` : "",
             };
           },
         });

@@ -31,9 +31,9 @@ export const inertia: Section = {
     const ways = [...new Set(table.rows.map((row) => textIn(row, place.way)))];
     const chosen = (): string => (shapes.includes(tools.page.get("inertia.shape")) ? tools.page.get("inertia.shape") : (shapes[0] ?? ""));
     const choice = new Choice("Shape", (value) => tools.page.set({ "inertia.shape": value, "inertia.zoom": "" }));
-    const plot = new Plot(tools.page, "Error of the moments of inertia against run time, by way", "inertia.zoom", () => fileName(tools.data.folder, "inertia", chosen()), 400);
+    const plot = new Plot(tools.page, "Error of the moments of inertia against run time, by method", "inertia.zoom", () => fileName(tools.data.folder, "inertia", chosen()), 400);
     const legend = element("ul", { class: "inline-legend" });
-    host.append(element("p", { class: "explain" }, "How exactly moments of inertia are got, in what time, a shape at a time."), element("div", { class: "choices" }, choice.root), legend, plot.root);
+    host.append(element("p", { class: "explain" }, "Error of the computed moments of inertia against run time, for the selected shape."), element("div", { class: "choices" }, choice.root), legend, plot.root);
     const show = (): void => {
       const shape = chosen();
       choice.update(shapes.map((one) => [one, shorten(oneLine(one), 40)]), shape);

@@ -38,7 +38,7 @@ export const scenes: Section = {
         const entry = scene.fastest.find((one) => one.error === error);
         if (entry === undefined) return [null, null];
         const method = entry.row === null ? undefined : data.methods[data.rows.method[entry.row] ?? -1];
-        return [method?.name ?? "none reaches it", method === undefined ? null : factorOf(tools, entry)];
+        return [method?.name ?? "not reached", method === undefined ? null : factorOf(tools, entry)];
       }),
       scene.floor, scene.duration, scene.about, s,
     ]);
@@ -73,7 +73,7 @@ export const scenes: Section = {
         element("p", {}, [scene.about, scene.source === "" ? "" : `Source: ${scene.source}`].filter((part) => part !== "").map((part) => part.replace(/[^.!?]$/, "$&.")).join(" ").slice(0, 900)),
         element("p", { class: "faint" }, [
           scene.duration === null ? "" : `duration ${duration(scene.duration)}`,
-          scene.floor === null ? "" : `floor of binary64 ${significant(scene.floor)} rad (what rounding the start costs)`,
+          scene.floor === null ? "" : `binary64 floor ${significant(scene.floor)} rad (error caused by rounding the start)`,
         ].filter((part) => part !== "").join(" · ")),
       );
       for (const button of view.root.querySelectorAll<HTMLElement>("button.pick")) {
@@ -81,7 +81,7 @@ export const scenes: Section = {
       }
     };
     host.append(
-      element("p", { class: "explain" }, "The chosen scene is the one that all sections below show. The factor is by how much the fastest beats the runner-up; an empty one: nobody else gets there."),
+      element("p", { class: "explain" }, "All sections below show the selected scene. The factor is the run time of the second fastest method divided by that of the fastest; it is empty if no other method reaches the accuracy."),
       view.root, chosen,
     );
     page.watch(["scene"], show);

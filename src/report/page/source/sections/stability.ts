@@ -32,7 +32,7 @@ function percent(share: number): string {
 
 function inWords(map: StabilityMap): string {
   const { run, shares } = sharesOf(map);
-  if (run === 0) return "nothing was run";
+  if (run === 0) return "not run";
   return map.outcomes.flatMap((name, i) => ((shares[i] ?? 0) > 0 ? [`${percent(shares[i] ?? 0)} ${shorten(oneLine(name), 40)}`] : [])).join(", ");
 }
 
@@ -116,7 +116,7 @@ export const stability: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, "What came of each pair of step and parameter, from light for the best to dark for the worst. Choose a map to enlarge and read it; the table has the shares."),
+      element("p", { class: "explain" }, "Outcome for each pair of step and parameter, from light (best) to dark (worst). Select a map to enlarge it and to read its cells. The table lists the share of each outcome."),
       element("div", { class: "choices" }, mapChoice.root, familyChoice.root), legend, element("div", { class: "maps" }, multiples, large), below,
     );
 
@@ -134,7 +134,7 @@ export const stability: Section = {
       const frame = element(
         "div",
         {
-          class: "frame", tabindex: 0, role: "group", "aria-label": `Stability of ${shorten(oneLine(methodName(tools, map.method)), 60)}: ${inWords(map)}. Arrow keys read cells.`,
+          class: "frame", tabindex: 0, role: "group", "aria-label": `Stability of ${shorten(oneLine(methodName(tools, map.method)), 60)}: ${inWords(map)}. Use the arrow keys to read cells.`,
           onkeydown: (event: KeyboardEvent) => {
             const move: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
             const by = move[event.key];
@@ -154,7 +154,7 @@ export const stability: Section = {
         canvas, cursor,
       );
       const save = element("button", {
-        type: "button", title: "Save as SVG, on white",
+        type: "button", title: "Save as SVG with a white background",
         onclick: () => {
           const address = URL.createObjectURL(new Blob([svgText(map, methodName(tools, map.method))], { type: "image/svg+xml" }));
           element("a", { href: address, download: `${fileName(data.folder, "stability", map.map, methodName(tools, map.method))}.svg` }).click();

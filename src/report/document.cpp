@@ -36,7 +36,7 @@ constexpr FamilyWords families[] = {{Family::unnamed, "unnamed", "Others"},
                                     {Family::rotation_group, "rotation_group", "Rotation group"},
                                     {Family::published_update, "published_update", "Published updates"},
                                     {Family::engine_update, "engine_update", "Engine updates"},
-                                    {Family::points, "points", "Points"},
+                                    {Family::points, "points", "Point masses"},
                                     {Family::reference, "reference", "Reference"},
                                     {Family::engine, "engine", "Engines"}};
 

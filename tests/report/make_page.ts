@@ -11,7 +11,7 @@ const samples: Record<string, () => ReportData> = {
 };
 const [template, output, kind] = process.argv.slice(2);
 if (template === undefined || output === undefined || kind === undefined) {
-  process.stderr.write("make_page: wants TEMPLATE OUTPUT SAMPLE\n");
+  process.stderr.write("usage: make_page TEMPLATE OUTPUT SAMPLE\n");
   process.exit(2);
 }
 const data = samples[kind]?.() ?? (JSON.parse(readFileSync(kind, "utf8")) as ReportData);

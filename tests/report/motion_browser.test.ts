@@ -93,7 +93,7 @@ async function violations(page: Page): Promise<string[]> {
   });
 }
 
-test("every motion is drawn, in both layouts and themes, wide and narrow, and nothing is wider than the screen", async () => {
+test("draws every motion in both layouts and themes, on wide and narrow screens, without overflow", async () => {
   for (const [width, dark] of [[1440, false], [400, true]] as const) {
     for (const scene of ["t_handle", "lagrange_top", "double_pendulum", "every_shape", "small_and_far"]) {
       for (const layout of ["side", "overlay"]) {
@@ -110,7 +110,7 @@ test("every motion is drawn, in both layouts and themes, wide and narrow, and no
         assert.ok(panes >= 1);
         for (let pane = 0; pane < panes; ++pane) {
           const share = await filled(page, pane);
-          assert.ok(share > 0.008 && share < 0.7, `${scene}, ${layout}, ${width}: ${share} of pane ${pane} is drawn upon`);
+          assert.ok(share > 0.008 && share < 0.7, `${scene}, ${layout}, ${width}: ${share} of pane ${pane} is filled`);
         }
         assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth)) <= 0, `${scene} at ${width}`);
         const view = await page.$(".motion-view");
@@ -122,7 +122,7 @@ test("every motion is drawn, in both layouts and themes, wide and narrow, and no
   }
 });
 
-test("accessible, in both themes", async () => {
+test("is accessible in both themes", async () => {
   for (const dark of [false, true]) {
     for (const scene of ["t_handle", "double_pendulum", "unknown"]) {
       const { page, faults } = await open(`scene=${scene}`, { dark });
@@ -133,7 +133,7 @@ test("accessible, in both themes", async () => {
   }
 });
 
-test("plays when asked, at its speed, to the end, and not before; pauses where it is out of sight", async () => {
+test("plays only on request, at the chosen speed, to the end; pauses when out of view", async () => {
   const { page, faults } = await open("scene=t_handle", { reduced: true });
   await pause(700);
   assert.equal(await drawn(page), 0);
@@ -177,7 +177,7 @@ test("plays when asked, at its speed, to the end, and not before; pauses where i
   await page.close();
 });
 
-test("keys: the slider's own, one step, play", async () => {
+test("keys move the slider, step and play", async () => {
   const { page } = await open("scene=t_handle&motion_time=2");
   assert.equal(await drawn(page), 2);
   await page.focus(".motion-time input");
@@ -199,7 +199,7 @@ test("keys: the slider's own, one step, play", async () => {
   await page.close();
 });
 
-test("the view is turned by dragging and by buttons, and the address has it", async () => {
+test("dragging and buttons rotate the view, and the address stores it", async () => {
   const { page } = await open("scene=t_handle");
   const picture = (): Promise<string> => page.$eval(".motion-pane canvas", (canvas) => (canvas as HTMLCanvasElement).toDataURL());
   const first = await picture();
@@ -223,7 +223,7 @@ test("the view is turned by dragging and by buttons, and the address has it", as
   await page.close();
 });
 
-test("the address brings scene, methods, layout, time and arrows back", async () => {
+test("the address restores scene, methods, layout, time and arrows", async () => {
   const { page } = await open("scene=t_handle&motion_methods=rk4,cvode_adams&motion_layout=overlay&motion_time=1.25&motion_show=trail");
   assert.equal(await drawn(page), 1.25);
   assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 1);
@@ -245,7 +245,7 @@ test("the address brings scene, methods, layout, time and arrows back", async ()
   await page.close();
 });
 
-test("it is said what is not drawn as it is", async () => {
+test("reports motions that are not drawn, or not drawn exactly", async () => {
   const { page } = await open("scene=t_handle&motion_methods=cvode_adams,odeint_fehlberg78,radau&motion_time=9");
   const said = await textOf(page, ".motion-remarks");
   assert.match(said, /cvode_adams is within [\d.e-]+\srad of the truth and is drawn as the truth\./);
@@ -277,7 +277,7 @@ test("a click on the errors sets the time", async () => {
   await page.close();
 });
 
-test("without WebGL the bodies are wires, it is said, and the rest is there", async () => {
+test("draws wireframes and a message without WebGL, and everything else", async () => {
   const bare = await launch(["--disable-gpu", "--disable-3d-apis"]);
   try {
     const { page } = await open("scene=double_pendulum&motion_time=2", { in: bare });
@@ -295,7 +295,7 @@ test("without WebGL the bodies are wires, it is said, and the rest is there", as
   }
 });
 
-test("a lost context is told, and its return brings the picture back; scenes come and go without growth", async () => {
+test("reports a lost context and redraws when it is restored; changing scenes leaks no buffers", async () => {
   const { page, faults } = await open("scene=t_handle&motion_time=1");
   // three.js asks for its context once: it is kept from there on
   await page.close();

@@ -34,7 +34,7 @@ export function readPng(file: Uint8Array): Picture {
     if (name === "IHDR") {
       [width, height] = [body.readUInt32BE(0), body.readUInt32BE(4)];
       channels = ({ 2: 3, 3: 1, 6: 4 } as Record<number, number>)[body[9] ?? -1] ?? 0;
-      if (body[8] !== 8 || channels === 0 || body[12] !== 0) throw new Error("a PNG of a kind that browsers do not make of screens");
+      if (body[8] !== 8 || channels === 0 || body[12] !== 0) throw new Error("unsupported kind of PNG: only 8 bits without interlacing, with palette, RGB or RGBA");
     } else if (name === "PLTE") palette = body;
     else if (name === "IDAT") data.push(body);
     at += size + 12;

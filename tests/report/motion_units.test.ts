@@ -68,7 +68,7 @@ function offBy(h: number): { attitude: number; rate: number } {
   return { attitude, rate };
 }
 
-test("attitudes between keyframes are of order 4, their angular velocity of order 3", () => {
+test("interpolated attitudes converge with order 4, angular velocities with order 3", () => {
   const errors = [0.4, 0.2, 0.1, 0.05].map(offBy);
   for (let i = 1; i < errors.length; ++i) {
     const [coarse, fine] = [errors[i - 1]!, errors[i]!];
@@ -80,7 +80,7 @@ test("attitudes between keyframes are of order 4, their angular velocity of orde
   assert.ok(errors[2]!.attitude < bound, `${errors[2]!.attitude} against ${bound}`);
 });
 
-test("at the keyframes attitude and angular velocity are theirs", () => {
+test("interpolation reproduces attitude and angular velocity at the keyframes", () => {
   const [a, b] = [top(0.3), top(0.5)];
   for (const [s, exact] of [[0, a], [1, b]] as const) {
     const made = attitudeBetween(a.q, a.w, b.q, b.w, 0.2, s);
@@ -89,7 +89,7 @@ test("at the keyframes attitude and angular velocity are theirs", () => {
   }
 });
 
-test("a track of integers gives the motion back within its rounding", () => {
+test("an integer track reproduces the motion to within its rounding", () => {
   const h = 0.05;
   const times = Array.from({ length: 81 }, (_, i) => i * h);
   const path = (t: number): { q: Quaternion; w: Vector; p: Vector; v: Vector } => ({ ...top(t), p: [Math.sin(t), 1 + t * t, -t], v: [Math.cos(t), 2 * t, -1] });
@@ -118,7 +118,7 @@ test("cubic positions are exact for cubics", () => {
   }
 });
 
-test("a method's angular velocities are gone through, whatever its attitudes do", () => {
+test("a method's angular velocities are interpolated independently of its attitudes", () => {
   const error = (h: number): number => {
     const times = Array.from({ length: Math.round(4 / h) + 1 }, (_, i) => i * h);
     // attitudes that turn twice as fast as they say
@@ -133,7 +133,7 @@ test("a method's angular velocities are gone through, whatever its attitudes do"
   assert.ok(error(0.2) < 2e-3);
 });
 
-test("the interval of a time, also of times that stand twice", () => {
+test("finds the interval of a time, also among repeated times", () => {
   const times = [0, 1, 1, 2, 5];
   assert.deepEqual([-1, 0, 0.5, 1, 1.5, 2, 4.9, 5, 9].map((t) => findInterval(times, t)), [0, 0, 0, 2, 2, 3, 3, 3, 3]);
   assert.equal(findInterval([0], 3), 0);
@@ -145,20 +145,20 @@ test("the interval of a time, also of times that stand twice", () => {
   assert.ok(angleBetween(keyframes.at(0, 1).attitude, turned) < 1e-4);
 });
 
-test("without keyframes, and with a single one, nothing breaks", () => {
+test("accepts no keyframes and a single keyframe", () => {
   assert.deepEqual(new Keyframes({ t: [], bodies: [] }).at(0, 1).attitude, [1, 0, 0, 0]);
   const single = new Keyframes(track([0], top));
   assert.ok(angleBetween(single.at(0, 7).attitude, top(0).q) < 1e-4);
   assert.deepEqual(single.dense(4), [0]);
 });
 
-test("dense times are ascending, with the keyframes among them, up to a time", () => {
+test("dense times ascend, include the keyframes and end at the given time", () => {
   const keyframes = new Keyframes(track([0, 1, 3], top));
   assert.deepEqual(keyframes.dense(2), [0, 0.5, 1, 2, 3]);
   assert.deepEqual(keyframes.dense(2, 1.7), [0, 0.5, 1, 1.7]);
 });
 
-test("the box of a box's moments is the box", () => {
+test("the box of a box's moments is that box", () => {
   const [mass, a, b, c] = [2.5, 0.3, 0.2, 0.1];
   const moments: Vector = [(mass * (b * b + c * c)) / 3, (mass * (a * a + c * c)) / 3, (mass * (a * a + b * b)) / 3];
   const made = boxOfMoments(mass, moments);
@@ -171,7 +171,7 @@ test("the box of a box's moments is the box", () => {
   assert.ok(boxOfMoments(1, [1, 1, 2 + 1e-15]).every((x) => x > 0));
 });
 
-test("a body without a shape is drawn as its box, in its principal frame", () => {
+test("draws a body without a shape as the box of its moments, in the principal frame", () => {
   const turn = about([0, 0, 1], Math.PI / 2);
   const [a, b, c] = [0.3, 0.2, 0.1];
   const body: BodyShape = { name: "", mass: 1, moments: [(b * b + c * c) / 3, (a * a + c * c) / 3, (a * a + b * b) / 3], principal: [...turn], parts: [], vertices: null, faces: null, points: null };
@@ -202,7 +202,7 @@ function solidOf(type: string, sizes: Record<string, number | number[]>): { volu
   return { volume, center: scale(1 / volume, moment) };
 }
 
-test("shapes have the volumes of scene files' shapes, about their centres of mass, along z", () => {
+test("shapes have the volume, centre of mass and axis that scene files define", () => {
   const p = Math.PI;
   const shapes: [string, Record<string, number | number[]>, number][] = [
     ["box", { half_extents: [0.3, 0.2, 0.1] }, 0.048],
@@ -259,7 +259,7 @@ function free(moments: Vector, w0: Vector, h: number, count: number): { q: Quate
   return made;
 }
 
-test("the polhode keeps energy and momentum, and is the body's way", () => {
+test("the polhode conserves energy and momentum and contains the body's motion", () => {
   for (const [moments, w] of [[[1, 2, 3], [1, 0.3, 2]], [[1, 2, 3], [2, 0.3, -0.4]], [[3, 1, 2], [0.1, -2, 0.3]], [[2, 2, 3], [0.5, 0, 1]], [[1, 3, 3], [1, 0.5, 0.2]]] as [Vector, Vector][]) {
     const curve = polhode(moments, w);
     assert.ok(curve.length > 200);
@@ -282,7 +282,7 @@ test("the polhode keeps energy and momentum, and is the body's way", () => {
   assert.deepEqual(polhode([1, 1, 3], [1, 0, 0]), [[1, 0, 0]]);
 });
 
-test("the herpolhode runs between its two circles and touches both, at the plane's distance", () => {
+test("the herpolhode lies in the invariable plane, between its two circles, and touches both", () => {
   for (const [moments, w] of [[[1, 2, 3], [1, 0.3, 2]], [[1, 2, 3], [2, 0.3, -0.4]], [[2, 2, 3], [0.5, 0.4, 1]]] as [Vector, Vector][]) {
     const [least, greatest] = herpolhodeRadii(moments, w);
     const motion = free(moments, w, 1e-3, 20000);
@@ -309,7 +309,7 @@ test("the herpolhode runs between its two circles and touches both, at the plane
   assert.deepEqual(herpolhodeRadii([1, 2, 3], [0, 0, 0]), [0, 0]);
 });
 
-test("angular momentum in world axes stays", () => {
+test("angular momentum in world axes is constant", () => {
   const start = worldMomentum(top(0).q, [1, 0, 0, 0], [I1, I1, I3], top(0).w);
   for (const t of [0, 0.7, 2.1]) {
     const now = worldMomentum(top(t).q, [1, 0, 0, 0], [I1, I1, I3], top(t).w);
@@ -323,7 +323,7 @@ test("angular momentum in world axes stays", () => {
   assert.ok(Math.abs(dot(w, expected) - twiceEnergy([1, 2, 3], toPrincipal(principal, w))) < 1e-14);
 });
 
-test("the outline is on the ellipsoid, where its normal is across the line of sight", () => {
+test("the outline lies on the ellipsoid, where the normal is perpendicular to the line of sight", () => {
   const axes = semiAxes([1, 2, 3], 6);
   assert.deepEqual(axes.map((a) => a * a).map((a) => Math.round(a * 1e12) / 1e12), [6, 3, 2]);
   const n = scale(1 / Math.hypot(1, 2, 0.5), [1, 2, 0.5]);
@@ -334,7 +334,7 @@ test("the outline is on the ellipsoid, where its normal is across the line of si
   assert.ok(isSeen(axes, n, [0, axes[1], 0]) && !isSeen(axes, n, [0, -axes[1], 0]));
 });
 
-test("errors between samples, and none beyond the last", () => {
+test("interpolates errors between samples, and returns none beyond the last", () => {
   const method = { t: [0, 1, 2], attitude: [0, 1e-4, 1e-2] } as MotionMethod;
   assert.ok(Math.abs(errorAt(method, 1.5)! - 1e-3) < 1e-15);
   assert.equal(errorAt(method, 0.5), 0.5e-4);
@@ -344,7 +344,7 @@ test("errors between samples, and none beyond the last", () => {
   assert.equal(errorAt({ ...method, t: [], attitude: [] }, 0), null);
 });
 
-test("the first choice: a trajectory of the user's, else the furthest, then the nearest that is seen", () => {
+test("first selects a user's trajectory, or the largest error, then the smallest visible error", () => {
   const seen = {} as Track;
   const one = (label: string, method: number, difference: number, track: Track | null): MotionMethod =>
     ({ label, method, difference, track, setting_kind: 0, setting: null, status: 0, message: "", t: [], attitude: [] });
@@ -366,7 +366,7 @@ test("ticks and decades", () => {
   assert.deepEqual(decades([0, null]), [-16, 0]);
 });
 
-test("an upright plane is looked at from its front", () => {
+test("views motion in a vertical plane from the front", () => {
   const plane = Array.from({ length: 20 }, (_, i): Vector => [Math.cos(i) * Math.cos(1), Math.cos(i) * Math.sin(1), Math.sin(i)]);
   const azimuth = azimuthOf(plane);
   // the line of sight is 0.4 rad off the plane's normal
@@ -375,7 +375,7 @@ test("an upright plane is looked at from its front", () => {
   assert.equal(azimuthOf(round), azimuthOf([]));
 });
 
-test("the T-handle turns over when Jacobi's elliptic functions say so", () => {
+test("the T-handle flips at the times given by Jacobi's elliptic functions", () => {
   const [A, B, C] = [2.2375e-4, 3.75e-4, 5.7625e-4];
   const w: Vector = [0.01, 15, 0.02];
   const E2 = twiceEnergy([A, B, C], w);
@@ -394,7 +394,7 @@ test("the T-handle turns over when Jacobi's elliptic functions say so", () => {
   for (let i = 1; i < found.length; ++i) assert.ok(Math.abs(found[i]! - found[i - 1]! - between) < 2e-3, `${found[i]! - found[i - 1]!} for ${between}`);
 });
 
-test("pictures are written without loss, with and without a palette", () => {
+test("writes PNG pictures without loss, with and without a palette", () => {
   for (const colors of [5, 256, 300]) {
     const [width, height] = [40, 30];
     const rgba = new Uint8Array(4 * width * height);

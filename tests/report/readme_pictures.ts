@@ -20,11 +20,11 @@ const colors = 40;
 
 function documentOf(page: string): ReportData {
   const found = /<script id="polhode-data"[^>]*>([^<]*)<\/script>/.exec(readFileSync(page, "utf8"));
-  if (found?.[1] === undefined || found[1] === "") throw new Fault(`${page} holds no data of a report: make it by \`polhode report DIR\``);
+  if (found?.[1] === undefined || found[1] === "") throw new Fault(`${page} contains no report data; create it with \`polhode report DIR\``);
   try {
     return JSON.parse(gunzipSync(Buffer.from(found[1], "base64")).toString("utf8")) as ReportData;
   } catch {
-    throw new Fault(`${page}: its data cannot be read: make it anew by \`polhode report DIR\``);
+    throw new Fault(`${page}: cannot read its data; create it again with \`polhode report DIR\``);
   }
 }
 
@@ -37,8 +37,8 @@ function shownBy(data: ReportData, scene: string, method: string): { name: strin
   }
   const methods = of.flatMap((one) => data.motions[one.motion ?? -1]?.methods.filter((run) => run.track !== null).map((run) => run.label) ?? []);
   throw new Fault(of.length === 0
-    ? `the page shows no motion of ${scene}: report a folder with results of it`
-    : `the page does not show ${scene} by ${method}: report a folder with results of it, or choose ${[...new Set(methods)].slice(0, 8).join(", ") || "another scene"}`);
+    ? `the page has no motion of ${scene}; report a directory with results for it`
+    : `the page has no motion of ${scene} with ${method}; report a directory with results for it, or choose ${[...new Set(methods)].slice(0, 8).join(", ") || "another scene"}`);
 }
 
 const pause = (milliseconds: number): Promise<void> => new Promise((done) => setTimeout(done, milliseconds));
@@ -62,7 +62,7 @@ function write(file: string, bytes: Uint8Array): void {
 /** Header, findings and the first diagram. */
 async function overviewPicture(browser: Browser, page: string): Promise<Uint8Array> {
   const tab = await open(browser, page, "section=work-precision", 1280, 900);
-  if ((await tab.$("#section-work-precision")) === null) throw new Fault(`${page} has no work-precision diagram: report a folder with results of a sweep`);
+  if ((await tab.$("#section-work-precision")) === null) throw new Fault(`${page} has no work-precision diagram; report a directory with results of a sweep`);
   await tab.addStyleTag({
     content: `main > section:not(#section-overview):not(#section-work-precision) { display: none }
       #section-overview .body > :not(.lead, .cards) { display: none }
@@ -87,7 +87,7 @@ async function overviewPicture(browser: Browser, page: string): Promise<Uint8Arr
 /** Frames over a global palette; what stays as it was is left transparent. */
 function animation(pictures: readonly Picture[]): Uint8Array {
   const [first] = pictures;
-  if (first === undefined) throw new Fault("there is no frame");
+  if (first === undefined) throw new Fault("no frames to encode");
   const { width, height } = first;
   // the palette of some frames together
   const some = pictures.filter((_, i) => i % 12 === 0);
@@ -124,7 +124,7 @@ async function motionPicture(browser: Browser, page: string, data: ReportData, s
   const fault = await tab.$eval(".motion-view .fault", (one) => (one as HTMLElement).hidden ? "" : one.textContent ?? "");
   if (fault !== "") process.stderr.write(`readme_pictures: ${fault}\n`);
   const stage = await tab.$(".motion-panes");
-  if (stage === null) throw new Fault(`${page} has no motion view: make it anew by \`polhode report DIR\``);
+  if (stage === null) throw new Fault(`${page} has no motion view; create it again with \`polhode report DIR\``);
   const pictures: Picture[] = [];
   for (let i = 0; i < frames; ++i) {
     const t = Number((begin + ((end - begin) * i) / (frames - 1)).toPrecision(6));
@@ -141,7 +141,7 @@ async function motionPicture(browser: Browser, page: string, data: ReportData, s
 
 async function main(): Promise<void> {
   const [page = "", output = "", scene = "", method = "", chromium = ""] = process.argv.slice(2);
-  if (!existsSync(page)) throw new Fault(`${page} is not there: make it by \`polhode report DIR\`, or name another one by --page`);
+  if (!existsSync(page)) throw new Fault(`${page} does not exist; create it with \`polhode report DIR\`, or name another page with --page`);
   const data = documentOf(page);
   shownBy(data, scene, method);
   mkdirSync(output, { recursive: true });

@@ -134,7 +134,7 @@ export const workPrecision: Section = {
     const choices = {
       error: new Choice("Error", set("error")), x: new Choice("x axis", set("x")), experiment: new Choice("Experiment", set("experiment")),
       family: new Choice("Family", set("family")), library: new Choice("Library", set("library")), precision: new Choice("Precision", set("precision")),
-      other: new Choice("Other directory", set("other")),
+      other: new Choice("Comparison", set("other")),
     };
     const chart = new CurvePlot(tools, "work", "Work-precision diagram: error against work", () => `work_precision_${sceneName(tools, chosenScene(tools))}`);
     const message = element("div", {});

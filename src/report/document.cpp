@@ -1,3 +1,8 @@
+// Writes the page's document (ReportData of src/report/page/source/data.ts) from a result directory.
+//
+// DocumentWriter first selects the rows that `Detail` permits, then writes each section: methods, scenes with their
+// fastest runs, findings, rows by column, orders, errors over time, stability maps, tables, the comparison, motions.
+// Rows are referred to by their index in the page. Each reduction of the data adds a remark.
 #include "report/document.h"
 
 #include <fmt/chrono.h>
@@ -85,7 +90,7 @@ class DocumentWriter {
 
     Json number(double value) const { return number_json(value, detail_.digits); }
 
-    // Which rows stand in the page: all, or of each curve some, and those that others speak of.
+    // Selects the rows of the page: all, or some of each curve and all rows that scenes_json() refers to.
     void choose_rows() {
         const auto by_scene = rows_by_scene(folder_);
         std::set<std::size_t> needed;
@@ -104,7 +109,7 @@ class DocumentWriter {
         for (std::size_t r = 0; r < total; ++r) {
             if (stride <= 1 || counts[folder_.rows[r].curve()]++ % stride == 0 || needed.contains(r)) kept.push_back(r);
         }
-        // curves of a row each: of the curves some
+        // many curves of a single row: keep only some of them
         const std::size_t again = 2 * kept.size() > 3 * detail_.rows
                                       ? (kept.size() + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows)
                                       : 1;
@@ -292,7 +297,7 @@ class DocumentWriter {
         return list;
     }
 
-    // stability_maps.csv tells of each method, map and x intervals of steps with one outcome
+    // stability_maps.csv lists intervals of steps with the same outcome, for each method, map and x.
     Json maps_json() const {
         Json list = Json::array();
         const auto found = std::ranges::find(folder_.tables, "stability_maps", &FolderTable::name);
@@ -414,7 +419,8 @@ class DocumentWriter {
         return json;
     }
 
-    // Who is kept where not all motions can be: first what people copy, then by the rest of the list.
+    // Priority of a method if not all motions fit: updates of articles and engines, then other methods in binary64,
+    // then other precisions, then unknown methods.
     static int rank(const std::string& name) {
         const Method* const method = find_method(name);
         if (!method) return 3;
@@ -428,7 +434,7 @@ class DocumentWriter {
         for (const Json& motion : list)
             for (const Json& method : motion["methods"]) tracks += method["track"].is_null() ? 0 : 1;
         if (tracks <= detail_.tracks) return list;
-        // to each scene its share
+        // every scene keeps the same number of motions
         const std::size_t share = detail_.tracks / std::max<std::size_t>(1, list.size());
         for (Json& motion : list) {
             std::vector<Json*> own;
@@ -451,7 +457,7 @@ class DocumentWriter {
     const ResultFolder& folder_;
     const Detail& detail_;
     std::vector<std::size_t> shown_;
-    std::map<std::size_t, int> place_;  // among the shown
+    std::map<std::size_t, int> place_;  // index among the rows of the page
     std::vector<std::vector<Fastest>> fastest_;
     std::vector<std::string> remarks_;
 };

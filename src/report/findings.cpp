@@ -1,3 +1,5 @@
+// Findings of a result directory. Each function .._finding computes one finding from the rows, series or tables, or
+// returns nullopt if they do not contain the data. findings_of() takes the first three in a fixed order of importance.
 #include "report/findings.h"
 
 #include <fmt/format.h>
@@ -18,7 +20,7 @@
 namespace polhode {
 namespace {
 
-// A value of the page's state: what a fragment does not take as it is becomes %XX.
+// Percent-encodes a value of the page's state for a URL fragment.
 std::string in_fragment(std::string_view text) {
     std::string out;
     for (const char c : text) {
@@ -30,7 +32,7 @@ std::string in_fragment(std::string_view text) {
     return out;
 }
 
-// To two digits, powers of ten without padding: "0.12", "7.2e-4".
+// Two significant digits, exponents without padding: "0.12", "7.2e-4".
 std::string plain(double value) {
     std::string text = fmt::format("{:.2g}", value);
     const std::size_t power = text.find('e');
@@ -52,7 +54,7 @@ std::string counted(std::size_t n, const char* one, const char* many) {
 
 std::optional<Finding> fastest_finding(const ResultFolder& folder) {
     const auto by_scene = rows_by_scene(folder);
-    // at the finest accuracy that half of the scenes can be told at
+    // from fine to coarse: a coarser accuracy is used only if it compares more than twice as many scenes
     std::optional<Finding> finding;
     std::size_t most = 0;
     for (const double error : {1e-9, 1e-6, 1e-3}) {
@@ -70,7 +72,7 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
             const std::string& name = folder.methods[first.method];
             ++wins[name];
             example.try_emplace(name, first.scene);
-            // against the best of another library
+            // the fastest method of another library
             std::optional<double> other;
             for (const std::size_t r : rows) {
                 const FolderRow& row = folder.rows[r];
@@ -119,12 +121,12 @@ std::optional<Finding> hidden_finding(const ResultFolder& folder) {
         if (!(row.attitude() > 1 && row["energy_error_max"] < 1e-2) || row.status == Status::unsupported) continue;
         ++runs;
         methods.insert(folder.methods[row.method]);
-        // the plainest: an update as people copy it, and a momentum that is off by as much as can be
+        // the clearest example: a published update with a large momentum error
         const Method* const method = find_method(folder.methods[row.method]);
         const double plain =
             std::min(2.0, std::isfinite(row["momentum_error_max"]) ? row["momentum_error_max"] : 0) +
             (method && method->family == Family::published_update && method->precision == Precision::binary64 ? 3 : 0) +
-            // families of extremes stand in folders
+            // extreme scenes are in subdirectories or are variations
             (folder.scenes[row.scene].find_first_of("/{") == std::string::npos ? 1 : 0);
         if (plain > plainest) plainest = plain, worst = &row;
     }
@@ -294,7 +296,7 @@ std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeri
         all.emplace_back();
         const std::vector<double>& error = series.errors[i];
         if (std::ranges::any_of(error, [](double e) { return !std::isfinite(e); })) continue;
-        // an attitude is lost at about a radian
+        // attitude errors saturate at about 1 rad
         const auto growth =
             drift_measures[i] == "attitude" ? error_growth(series.t, error, 1.0) : error_growth(series.t, error);
         if (growth) all.back() = {growth->exponent, growth->uncertainty};
@@ -313,7 +315,7 @@ std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
         const FolderExperiment& experiment = folder.experiments[static_cast<std::size_t>(row.experiment)];
         if ((some && experiment.kind != "convergence") || row.kind == SettingKind::none) continue;
         if (row.status != Status::ok || !std::isfinite(row["attitude_error_final"])) continue;
-        // what rounding makes of an error has no order
+        // errors near the rounding floor have no order
         if (row["attitude_error_final"] < 100 * row["float64_floor_final"]) continue;
         Points& points = curves[row.curve()];
         points.setting.push_back(row["step_taken"] > 0 ? row["step_taken"] : row["setting"]);

@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 
 std::string gzip(std::string_view text) {
     z_stream stream{};
-    // 15 bits of window, and 16 for a gzip header, whose time is zero: the same document gives the same bytes
+    // 15 window bits plus 16 for a gzip header. Its time is zero, so the same document gives the same bytes.
     if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK)
         throw std::runtime_error("zlib cannot start compression");
     std::string out(deflateBound(&stream, text.size()) + 32, '\0');
-    // zlib does not write to what it reads
+    // zlib does not write to its input
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));  // NOLINT
     stream.avail_in = static_cast<uInt>(text.size());
     stream.next_out = reinterpret_cast<Bytef*>(out.data());  // NOLINT

@@ -25,10 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// as many as a page may hold, with those that maps of outcomes are made of
+// enough for stability maps, whose cells are read from table rows
 constexpr std::size_t most_table_rows = 50'000;
 
-// From all to little: the first that a page has room for.
+// Levels of detail in descending order. The first one that fits into largest_page is used.
 constexpr Detail details[] = {
     {100'000, 5, 2000, 2000, 200, 100'000}, {100'000, 5, 2000, 2000, 200, 2000},
     {100'000, 4, 1000, 1000, 100, 1500},    {100'000, 4, 1000, 1000, 100, 1000},
@@ -37,7 +37,7 @@ constexpr Detail details[] = {
     {10'000, 3, 100, 50, 50, 50},           {3'000, 3, 30, 20, 40, 0},
 };
 
-// The scene of the user's trajectories among those of the folder, which gets it where it is not there yet.
+// Returns the name of the trajectories' scene, and adds the scene to the directory's scenes if it is new.
 std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, std::map<std::string, Scene>& scenes) {
     if (request.trajectories.empty()) return "";
     if (!request.scene.empty()) {

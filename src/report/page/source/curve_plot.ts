@@ -1,5 +1,5 @@
-// Curves of many methods in one plot: at most twelve are lit, the others are drawn thin and grey, and the legend beside
-// lights and dims them.
+// Curves of many methods in one plot: at most twelve are highlighted ("lit" in the code and in the address), the others
+// are thin and grey. The legend beside the plot toggles them.
 
 import { Choice, element, fill } from "./dom.ts";
 import { count } from "./format.ts";
@@ -14,13 +14,13 @@ import { oneLine, plotText, type Cell } from "./text.ts";
 
 export interface Curve {
   method: number;
-  variant: string; // tells several curves of one method apart: "step", "tolerance", ..
-  place: number; // 0: the method's first curve, 1 its second, ..
+  variant: string; // distinguishes curves of one method: "step", "tolerance", ..
+  place: number; // index among the method's curves
   x: (number | null)[];
   y: (number | null)[];
-  hover: (i: number) => string[]; // lines, as texts
+  hover: (i: number) => string[]; // lines of text
   failures: { x: number | null; y: number | null; hover: string[] }[];
-  other?: { x: number[]; y: number[]; hover: string[] }; // of the folder compared with
+  other?: { x: number[]; y: number[]; hover: string[] }; // of the directory compared with
 }
 
 export interface Picture {
@@ -29,7 +29,7 @@ export interface Picture {
   y: { title: string; log: boolean };
   bands: { from: number; to: number; label: string; short: string }[];
   guides: { x: number[]; y: number[]; label: string }[];
-  standard: number[]; // methods to be lit unless the reader says otherwise, the most important first
+  standard: number[]; // default selection of highlighted methods, the most important first
   detail?: (method: number) => { text: string; flag: string } | null;
   detailHead?: string;
 }
@@ -73,7 +73,7 @@ export class CurvePlot {
     this.refresh();
   }
 
-  /** Methods that are lit: the reader's, as far as they are here, else the standard ones. */
+  /** Highlighted methods: the reader's selection among the plotted methods, else the default selection. */
   lit(): number[] {
     if (this.picture === null) return [];
     const here = new Set(this.picture.curves.map((curve) => curve.method));
@@ -88,7 +88,7 @@ export class CurvePlot {
   }
 
   private write(methods: number[]): void {
-    // a list with a name longer than an address bears would make the link useless
+    // very long names would make the address unusable
     const names = methods.map((method) => methodName(this.tools, method)).filter((name) => name.length <= 400);
     this.tools.page.set({ lit: names.length === 0 ? "none" : writeList(names) });
   }
@@ -201,7 +201,7 @@ export class CurvePlot {
         method.push(null);
       }
       const look = { line: { color: theme.grey, width: 1 }, marker: { size: 4, color: theme.grey }, hoverinfo: "text", showlegend: false };
-      // lines do for most; marks are slow to draw, and only a lone point needs one
+      // marks are slow to draw; only single points need one
       const lone = grey.filter((curve) => curve.x.length === 1);
       if (lone.length > 0) {
         traces.push({
@@ -250,7 +250,7 @@ export class CurvePlot {
     const layout: Layout = {
       xaxis: axis(theme, picture.x.title, picture.x.log),
       yaxis: axis(theme, picture.y.title, picture.y.log),
-      // failures stand at the edge, however the reader zooms
+      // failures are marked at the edge of the plot at any zoom
       xaxis2: { overlaying: "x", anchor: "y", range: [0, 1], fixedrange: true, visible: false },
       yaxis2: { overlaying: "y", anchor: "x", range: [0, 1], fixedrange: true, visible: false },
       shapes: picture.bands.flatMap((band) => [
@@ -267,7 +267,7 @@ export class CurvePlot {
     return { traces, layout };
   }
 
-  /** Runs that failed: where they have both coordinates there, else at the edge. */
+  /** Marks failed runs at their coordinates, or at the edge if a coordinate is undefined. */
   private failures(traces: Trace[], curve: Curve, nth: number, rank: number, color: string): void {
     const lane = 0.985 - 0.016 * (rank % 6);
     const kinds: [boolean, boolean][] = [[true, true], [true, false], [false, true], [false, false]];

@@ -1,6 +1,6 @@
-// What the page holds, out of its elements: base64, gzip.
+// Reads the contents of the page's elements: base64, gzip.
 
-/** The text of an element that holds it compressed; `what` it is for messages. */
+/** Decompressed text of an element; `what` names it in messages. */
 export async function readCompressed(holder: Element | null, what: string): Promise<string> {
   const text = holder?.textContent?.trim() ?? "";
   if (text === "" || text.startsWith("<!--")) throw new Error(`the page contains no ${what}; create it with \`polhode report DIR\``);
@@ -22,7 +22,7 @@ export async function readCompressed(holder: Element | null, what: string): Prom
   }
 }
 
-/** The document that the page shows. */
+/** Reads the page's document. */
 export async function readDocument(holder: Element | null): Promise<unknown> {
   const json = await readCompressed(holder, "data");
   try {

@@ -1,4 +1,4 @@
-// A table that is sorted, filtered, copied and read a page at a time.
+// A table with sorting, filtering, paging, a choice of columns, and copying as CSV and LaTeX.
 
 import { add, copyText, element, fill, identity } from "./dom.ts";
 import { parseFilter } from "./filter.ts";
@@ -11,28 +11,28 @@ export interface Column {
   name: string;
   numeric: boolean;
   integral?: boolean;
-  hidden?: boolean; // until the reader asks for it
+  hidden?: boolean; // not shown by default
 }
 
 export interface Content {
   caption: string;
   columns: Column[];
   rows: readonly (readonly Cell[])[];
-  total?: number; // rows there are beyond those given
-  /** A cell's own look; null for the usual. */
+  total?: number; // rows in the file, if more than given
+  /** Custom rendering of a cell; null for the default. */
   render?: (column: number, cell: Cell, row: readonly Cell[]) => Node | null;
 }
 
 const rowsPerPage = 100;
 
-/** As it is shown. */
+/** Displayed text of a cell. */
 export function shownCell(column: Column, cell: Cell | undefined): string {
   if (cell === null || cell === undefined) return "";
   if (typeof cell === "number") return column.integral === true ? String(cell) : significant(cell, 4);
   return oneLine(cell);
 }
 
-/** Places of the rows in order: numbers before texts, what is empty last, equal ones as they were. */
+/** Sorts row indices stably: numbers before texts before empty cells. */
 export function sortedPlaces(rows: readonly (readonly Cell[])[], places: number[], column: number, descending: boolean): number[] {
   const sign = descending ? -1 : 1;
   const kind = (cell: Cell | undefined): number => (typeof cell === "number" ? 0 : cell === null || cell === undefined || cell === "" ? 2 : 1);
@@ -59,7 +59,7 @@ export class TableView {
   private at = 0;
   private timer = 0;
 
-  /** `key` begins the names of its values in the state, "" for none. */
+  /** `key` is the prefix of the table's keys in the state; "" does not store them. */
   constructor(
     private readonly page: Page,
     private readonly key: string,
@@ -271,7 +271,7 @@ export class TableView {
     );
   }
 
-  /** Ascending, descending, as it was. */
+  /** Cycles through ascending, descending and original order. */
   private sortBy(column: number): void {
     const name = this.content.columns[column]?.name ?? "";
     const [sorted, descending] = this.sorting();
@@ -293,7 +293,7 @@ export class TableView {
     this.state.dataset.copied = format;
   }
 
-  /** Where the clipboard is closed to the page: the text, to be copied by hand. */
+  /** Shows the text to copy by hand if the clipboard is not accessible. */
   private offer(text: string): void {
     const area = element("textarea", { rows: 8, readonly: true, "aria-label": "Text to copy" });
     area.value = text;

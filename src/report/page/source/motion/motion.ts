@@ -1,7 +1,10 @@
-// The motion of a scene: the truth and methods beside it, in three dimensions, with their errors and the polhode.
+// The motion view of a scene: the truth and methods in three dimensions, their errors, and the polhode. MotionView
+// connects the page's state with the clock, the cameras and the three drawings (bodies, errors, polhode). It redraws
+// after changes only, at most once per frame.
 //
-// State: scene (else motion), motion_methods (labels, a list), motion_layout (side, overlay), motion_time (s), motion_show
-// (momentum, angular_velocity, trail), motion_body, motion_speed, motion_view (azimuth, elevation in degrees, zoom).
+// State: scene (else motion), motion_methods (list of labels), motion_layout (side, overlay), motion_time (s),
+// motion_show (momentum, angular_velocity, trail), motion_body, motion_speed, motion_view (azimuth and elevation in
+// degrees, zoom).
 
 import type { PageContext } from "../context.ts";
 import type { Motion, MotionMethod, ReportData } from "../data.ts";
@@ -22,10 +25,10 @@ import { gravitySentence, methodSentence, thinningSentence, truthSentence, windo
 
 const speeds = ["0.1", "0.25", "0.5", "1", "2", "5", "10"];
 const atFirst = "angular_velocity,momentum";
-// between two texts for screen readers, ms
+// delay of texts for screen readers, ms
 const quiet = 1500;
 
-/** Puts the view into an empty element. */
+/** Mounts the view in an empty element. */
 export function mountMotion(host: HTMLElement, data: ReportData, page: PageContext): void {
   if (data.motions.length === 0) {
     host.append(element("p", {}, "The directory has no scene with a motion to draw."));
@@ -45,7 +48,7 @@ class MotionView {
   private readonly bodies: BodyView;
   private readonly errors: ErrorPlot;
   private readonly polhode: PolhodeView;
-  private asked = ""; // the state that is shown
+  private asked = ""; // state of the last build()
   private frame = 0;
   private spoken = 0;
 
@@ -116,7 +119,7 @@ class MotionView {
       this.follow();
     });
     new ResizeObserver(() => this.redraw()).observe(root);
-    // what is out of sight stands still
+    // pauses when out of view
     new IntersectionObserver((entries) => {
       if (entries.every((entry) => !entry.isIntersecting)) clock.pause();
     }).observe(root);
@@ -147,7 +150,7 @@ class MotionView {
     return { momentum: keys.includes("momentum"), angularVelocity: keys.includes("angular_velocity"), trail: keys.includes("trail"), body: Math.max(0, body) };
   }
 
-  /** Takes over what the state says. What costs is only done where it has changed. */
+  /** Applies the state. Expensive parts are rebuilt only after a change. */
   private follow(): void {
     const { page } = this;
     const motion = this.chosenMotion();
@@ -210,7 +213,7 @@ class MotionView {
     this.which.root.hidden = !isSubstitute || scenes.length < 2;
     this.substitute.hidden = !isSubstitute;
     this.substitute.textContent = isSubstitute ? `No motion is available for ${shorten(oneLine(asked), 100)}; showing ${shorten(oneLine(this.nameOf(motion)), 100)}.` : "";
-    // those that cannot be watched come last, and say so
+    // methods without a motion come last and are marked
     const offered = [true, false].flatMap((drawn) => motion.methods.filter((method) => isDrawn(method) === drawn)
       .map((method): [string, string] => [method.label, `${shorten(titleOf(method), 60)}${drawn ? "" : " (no motion)"}`]));
     this.methodChoices.forEach((choice, i) => {
@@ -296,11 +299,11 @@ class MotionView {
     this.play.textContent = this.clock.playing ? "Pause" : "Play";
     this.now.textContent = told;
     this.speak(told);
-    // what drives the page from outside waits for this
+    // external drivers of the page wait for this
     this.root.dataset.drawn = t.toPrecision(6);
   }
 
-  /** World axes, and the way things fall. */
+  /** World axes and the direction of gravity. */
   private drawAxes(svg: SVGElement): void {
     const [right, upward] = this.orbit.axes();
     const place = (v: Vector): [number, number] => [24 * dot(right, v), -24 * dot(upward, v)];
@@ -332,7 +335,7 @@ class MotionView {
   }
 
   private speak(text: string): void {
-    // while it plays, nothing is told again and again; the last word comes when it stands
+    // no announcements during playback, only after it stops
     window.clearTimeout(this.spoken);
     if (this.clock.playing) return;
     this.spoken = window.setTimeout(() => {
@@ -384,7 +387,7 @@ class MotionView {
   private chooseMethods(): void {
     const labels = this.methodChoices.filter((choice) => !choice.root.hidden).map((choice) => choice.root.querySelector("select")?.value ?? "");
     const chosen = [...new Set(labels.filter((label) => label !== ""))];
-    // an empty list is a choice, too
+    // "-" stores an empty selection
     this.page.set({ motion_methods: chosen.length > 0 ? writeList(chosen) : "-" });
   }
 
@@ -396,7 +399,7 @@ class MotionView {
   }
 }
 
-/** A time with as many decimals as the duration wants, so that it does not jump about. */
+/** A time with a fixed number of decimals for the duration, so that its width is constant. */
 function fixed(t: number, duration: number): string {
   const decimals = Math.max(0, Math.min(12, 3 - Math.floor(Math.log10(duration || 1))));
   return duration >= 1e5 || duration < 1e-6 ? quantity(t, "s", 4) : `${t.toFixed(decimals)} s`;

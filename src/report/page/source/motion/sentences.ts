@@ -1,4 +1,4 @@
-// What must be said beside the picture.
+// Sentences below the motion view.
 
 import type { Motion } from "../data.ts";
 import { duration, engineering, quantity, significant } from "../format.ts";
@@ -9,7 +9,7 @@ const statuses = ["finished", "does not support this scene", "diverged", "did no
 
 const ended = (text: string): string => (/[.!?]$/.test(text) ? text : `${text}.`);
 
-/** How far the picture is off. */
+/** Error bound of the interpolation. */
 export function thinningSentence(motion: Motion): string {
   const { angle, length } = motion.thinning;
   const place = motion.moving ? ` and ${engineering(length, "m", 2)}` : "";
@@ -26,7 +26,7 @@ export function truthSentence(motion: Motion): string {
   return motion.how === "" ? "" : ended(`Truth: ${oneLine(motion.how)}`);
 }
 
-/** What must be known of a method's picture; "" where it is drawn as it went, to the end. */
+/** Remark on a method that is not drawn exactly or completely; "" for all others. */
 export function methodSentence(actor: Actor): string {
   const { method, name } = actor;
   if (method === null) return "";

@@ -41,7 +41,7 @@ function errorPlot(tools: Tools, check: Check): HTMLElement | null {
     const layout: Layout = {
       xaxis: axis(theme, "time (s)", false), yaxis: axis(theme, "error", true),
       shapes: limits.map((block) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: block.limit, y1: block.limit, line: { color: colorAt(drawable.findIndex((error) => error.name === block.name), theme.dark), width: 1.4, dash: "dash" } })) as Layout["shapes"],
-      // limits of one value share their label
+      // equal limits share a label
       annotations: [...new Set(limits.map((block) => block.limit))].map((limit) => ({
         xref: "paper", x: 0.01, xanchor: "left", y: Math.log10(limit ?? 1), yanchor: "bottom", showarrow: false, font: { size: 11, color: theme.faint },
         text: plotText(`limit: ${limits.filter((block) => block.limit === limit).map((block) => block.name).join(", ")}`, 60),

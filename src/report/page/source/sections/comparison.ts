@@ -6,7 +6,7 @@ import { methodLabel, methodName, type Section } from "../tools.ts";
 import { oneLine, shorten } from "../text.ts";
 import type { Experiment } from "../data.ts";
 
-/** What the two folders were made with, where it differs. */
+/** Facts of the provenance that differ between the two directories. */
 function differences(here: readonly Experiment[], there: readonly Experiment[]): [string, string, string][] {
   const facts = (experiments: readonly Experiment[]): Map<string, Set<string>> => {
     const found = new Map<string, Set<string>>();

@@ -8,14 +8,14 @@ import type { Order, ReportData } from "../data.ts";
 import { settingKinds, type Row } from "../rows.ts";
 import { oneLine, shorten } from "../text.ts";
 
-/** From here on a fitted order is called off. */
+/** Largest accepted difference between the fitted and the claimed order. */
 export const mostOrderDifference = 0.2;
 
 export function isOff(order: Order, atFloor = false): boolean {
   return !atFloor && order.claimed !== null && order.observed !== null && order.claimed > 0 && Math.abs(order.claimed - order.observed) > mostOrderDifference;
 }
 
-/** Whether all that an order was fitted to is rounding, so that none is to be seen. */
+/** Whether all fitted errors are at the rounding floor, so that no order can be observed. */
 export function isAtFloor(order: Order, curve: Curve | undefined, floor: number | null): boolean {
   if (curve === undefined || floor === null || order.from === null || order.to === null) return false;
   const [low, high] = [Math.min(order.from, order.to) * 0.999, Math.max(order.from, order.to) * 1.001];
@@ -31,14 +31,14 @@ function experimentsOf(data: ReportData): Set<number> {
   return found;
 }
 
-/** Lines of slopes from the coarse end, as far down as the curves go. */
+/** Reference lines of given slopes from the coarse end down to the smallest error. */
 export function guidesOf(curves: readonly Curve[], slopes: readonly number[], name: (slope: number) => string): { x: number[]; y: number[]; label: string }[] {
   const points = curves.flatMap((curve) => curve.x.flatMap((x, i) => (x !== null && (curve.y[i] ?? null) !== null ? [{ x, y: curve.y[i] as number }] : [])));
   if (points.length < 2) return [];
   const coarse = Math.max(...points.map((point) => point.x));
   const fine = Math.min(...points.map((point) => point.x));
   const low = Math.min(...points.map((point) => point.y));
-  // from the upper end of what the coarsest settings give
+  // start at the largest error of the coarsest settings
   const top = Math.max(...points.filter((point) => point.x >= coarse / 4).map((point) => Math.min(point.y, 1)));
   if (!(coarse > fine) || !(top > low)) return [];
   return slopes.map((slope) => {

@@ -10,7 +10,7 @@ import { measures as all, positive } from "./work_precision.ts";
 type Measure = "attitude" | "omega" | "energy" | "momentum" | "norm";
 const measures = all.filter((one) => one.key !== "attitude_final").map((one) => ({ ...one, key: one.key as Measure, title: one.title.replace("largest ", "") }));
 
-/** "1.01 ± 0.05", to the digits that the deviation leaves. */
+/** "1.01 ± 0.05", with the digits that the deviation permits. */
 export function exponentText(growth: readonly [number, number] | undefined): string {
   if (growth === undefined) return "";
   const [exponent, deviation] = growth;

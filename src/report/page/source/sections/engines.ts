@@ -8,7 +8,7 @@ import type { ReportData, Table } from "../data.ts";
 const leaderboards = (data: ReportData): Table[] => data.tables.filter((table) => /_leaderboard$/.test(table.name));
 const mechanismTables = (data: ReportData): Table[] => data.tables.filter((table) => /^(mechanism|jointed|mass_ratio)/.test(table.name));
 
-/** One of several tables, with the picture that its numbers allow. */
+/** A selected table with a dot plot of one of its columns. */
 function pictured(host: HTMLElement, tools: Tools, tables: readonly Table[], key: string, preferred: readonly RegExp[]): void {
   const choice = new Choice("Table", (value) => tools.page.set({ [key]: value }));
   const place = element("div", { class: "body" });

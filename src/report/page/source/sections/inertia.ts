@@ -8,7 +8,7 @@ import { oneLine, plotText, shorten } from "../text.ts";
 import type { ReportData, Table } from "../data.ts";
 import { positive } from "./work_precision.ts";
 
-// told apart by the colour-blind: after Okabe & Ito 2008, lighter on a dark ground
+// distinguishable with colour blindness: after Okabe & Ito 2008, lighter on a dark background
 export const palette: { light: string; dark: string }[] = [
   { light: "#0072b2", dark: "#56b4e9" }, { light: "#b04a00", dark: "#ff9d4d" }, { light: "#00795a", dark: "#3fd1a5" }, { light: "#1c2127", dark: "#e6e9ed" },
   { light: "#9c3f76", dark: "#e79ac6" }, { light: "#8a6d00", dark: "#e6c200" }, { light: "#7f4f24", dark: "#d9a676" }, { light: "#5b6570", dark: "#a0a8b2" },

@@ -5,7 +5,7 @@ import { oneLine, shorten } from "../text.ts";
 import type { Experiment } from "../data.ts";
 import type { Section, Tools } from "../tools.ts";
 
-/** Facts that hold for more than half of the experiments, told once. */
+/** Facts shared by more than half of the experiments. */
 export function sharedFacts(experiments: readonly Experiment[]): [string, string][] {
   const held = new Map<string, Map<string, number>>();
   for (const { facts } of experiments) {

@@ -5,7 +5,7 @@ import { chosenScene, methodLabel, named, type Section, type Tools } from "../to
 import type { Cell } from "../text.ts";
 import type { Scene } from "../data.ts";
 
-/** The runner-up's time over the fastest's. */
+/** Run time of the second fastest method over that of the fastest. */
 function factorOf(tools: Tools, entry: Scene["fastest"][number]): number | null {
   const seconds = tools.data.rows.seconds;
   const first = entry.row === null ? null : (seconds[entry.row] ?? null);
@@ -31,7 +31,7 @@ export const scenes: Section = {
       { name: "duration (s)", numeric: true },
       { name: "about", numeric: false },
     ];
-    // one more cell than columns: the scene that a row is of
+    // one cell more than columns: the index of the scene
     const rows = data.scenes.map((scene, s): Cell[] => [
       scene.name,
       ...errors.flatMap((error): Cell[] => {
@@ -86,7 +86,7 @@ export const scenes: Section = {
     );
     page.watch(["scene"], show);
     show();
-    // the chosen one is in view, without moving the page
+    // scrolls the table, not the page, to the selected scene
     window.setTimeout(() => {
       const row = view.root.querySelector<HTMLElement>('button.pick[aria-pressed="true"]')?.closest("tr");
       const scroller = view.root.querySelector(".scroller");

@@ -5,16 +5,16 @@ import { fileName, methodLabel, methodName, type Section } from "../tools.ts";
 import { oneLine, shorten } from "../text.ts";
 import type { StabilityMap } from "../data.ts";
 
-/** From light to dark, as in the printed maps: told apart without colour as well. */
+/** From light to dark, as in the printed maps; distinguishable in greyscale. */
 const shades = ["#f4f4dc", "#b9e2e6", "#e8b04a", "#6ea3d8", "#b8702a", "#46669e", "#7d2a1e", "#1d1a33"];
 
-/** Spreads so many outcomes over the shades. */
+/** Shade of an outcome; the outcomes are spread over all shades. */
 export function shadeOf(outcome: number, outcomes: number): string {
   const last = shades.length - 1;
   return shades[outcomes < 2 ? 0 : Math.min(last, Math.round((outcome * last) / (outcomes - 1)))] ?? "#1d1a33";
 }
 
-/** The share of each outcome among the cells that were run. */
+/** Share of each outcome among the cells that were run. */
 export function sharesOf(map: StabilityMap): { run: number; shares: number[] } {
   const counts = map.outcomes.map(() => 0);
   let run = 0;
@@ -36,7 +36,7 @@ function inWords(map: StabilityMap): string {
   return map.outcomes.flatMap((name, i) => ((shares[i] ?? 0) > 0 ? [`${percent(shares[i] ?? 0)} ${shorten(oneLine(name), 40)}`] : [])).join(", ");
 }
 
-/** One pixel a cell, enlarged by the style; y grows upward. */
+/** Canvas with one pixel per cell, enlarged by the style sheet; y points upward. */
 function cells(map: StabilityMap): HTMLCanvasElement {
   const canvas = element("canvas", { width: Math.max(1, map.x.length), height: Math.max(1, map.y.length), class: "cells" });
   const context = canvas.getContext("2d");
@@ -52,7 +52,7 @@ function cells(map: StabilityMap): HTMLCanvasElement {
   return canvas;
 }
 
-/** Places of a few labels along an axis: at powers of ten where there are some, else evenly. */
+/** Indices of the labels along an axis: at powers of ten if there are at least two, else evenly spaced. */
 export function tickPlaces(values: readonly number[], most: number): number[] {
   const { length } = values;
   const powers = values.flatMap((value, i) => (/^1(\.0)?e/.test(value.toExponential(1)) ? [i] : []));
@@ -71,7 +71,7 @@ function ticks(values: readonly number[], most: number, vertical: boolean): HTML
   );
 }
 
-/** The map as a drawing for a paper. */
+/** The map as SVG. */
 function svgText(map: StabilityMap, title: string): string {
   const size = 8;
   const [width, height] = [map.x.length * size, map.y.length * size];

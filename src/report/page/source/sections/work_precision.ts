@@ -18,7 +18,7 @@ export const measures: { key: Measure; title: string; unit: string }[] = [
   { key: "norm", title: "quaternion norm error", unit: "" },
 ];
 
-/** A value that an axis of logarithms can show. Nought means below all rounding, and stands at the smallest double. */
+/** The value if a logarithmic axis can show it, else null. Zero is plotted at 2^-54. */
 export function positive(value: number | null | undefined): number | null {
   if (value === null || value === undefined || !Number.isFinite(value) || value < 0) return null;
   return value === 0 ? 2 ** -54 : value > 1e300 ? null : value;
@@ -36,7 +36,8 @@ export function hoverOf(tools: Tools, row: Row, error: string): string[] {
   ].filter((line) => line !== "");
 }
 
-/** Which methods to light: those no other beats, then each family's best, then the rest by how good they are. */
+/** Default selection: the Pareto front, the fastest methods of the scene, the best of each family, then all others by a
+ * score of time and error. */
 export function standardChoice(tools: Tools, scene: number, curves: readonly Curve[]): number[] {
   const x: number[] = [];
   const y: number[] = [];
@@ -64,7 +65,7 @@ export function standardChoice(tools: Tools, scene: number, curves: readonly Cur
   return [...new Set([...unbeaten, ...named, ...best, ...ranked, ...rest])].filter((method) => method >= 0);
 }
 
-/** The rows of a scene as curves: one for each method, kind of setting and formulation, from coarse to fine. */
+/** Groups rows of a scene into curves: one per method, kind of setting and formulation, from coarse to fine. */
 export function curvesOf(tools: Tools, places: Iterable<number>, x: (row: Row) => number | null, y: (place: number) => number | null, hover: (row: Row) => string[]): Curve[] {
   const groups = new Map<string, Row[]>();
   for (const place of places) {
@@ -99,7 +100,7 @@ export function curvesOf(tools: Tools, places: Iterable<number>, x: (row: Row) =
   });
 }
 
-/** Unsupported methods with the reason they give, several of one reason together. */
+/** Lists unsupported methods, grouped by reason. */
 export function unsupportedList(tools: Tools, places: Iterable<number>): HTMLElement | null {
   const reasons = new Map<string, Set<number>>();
   for (const place of places) {
@@ -152,7 +153,7 @@ export const workPrecision: Section = {
       for (const place of ofScene) counts.set(rows.experiment[place] ?? -1, (counts.get(rows.experiment[place] ?? -1) ?? 0) + 1);
       const known = [...new Set([...experiments, ...counts.keys()])].filter((e) => counts.has(e));
       const asked = known.find((e) => data.experiments[e]?.name === page.get("work.experiment"));
-      // sweeps are made for this diagram; of several the largest
+      // prefer sweeps, which are intended for this diagram, then the experiment with the most rows
       const rank = (e: number): number => (isSweep(data, e) ? 1e9 : 0) + (counts.get(e) ?? 0);
       const experiment = asked ?? [...known].sort((a, b) => rank(b) - rank(a))[0] ?? -1;
       const measure = measures.find((one) => one.key === page.get("work.error")) ?? (measures[0] as (typeof measures)[number]);
@@ -209,7 +210,7 @@ export const workPrecision: Section = {
   },
 };
 
-/** The other folder's times and errors at the same settings. */
+/** Adds the other directory's times and errors at the same settings to the curves. */
 function overlay(tools: Tools, curves: Curve[], kept: readonly number[]): void {
   const comparison = tools.data.comparison;
   if (comparison === null) return;

@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-// 12 bits and a sign: rounds attitudes by half a milliradian, which is invisible
+// 12 bits and a sign: rounds attitudes by up to half a milliradian, which is invisible
 constexpr double grid_steps = 4095;
 // finer: a path may be much longer than the body
 constexpr double path_steps = 1e6, speed_steps = 32767;

@@ -1,5 +1,5 @@
-// The page in browsers, from file:// as it will be read: every section, the tools, links, both themes, screens wide and
-// narrow, what screen readers are told, hostile data, and how long 10^5 rows take.
+// Tests the page in browsers from file://: every section, the tools, links, both themes, wide and narrow screens,
+// accessibility, hostile data, and the time to interactive with 10^5 rows.
 
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
@@ -40,7 +40,7 @@ interface Watched {
   faults: string[];
 }
 
-/** A page whose faults are collected: errors it throws or prints, and whatever it asks for besides itself. */
+/** Opens a page and collects its errors: exceptions, console errors, dialogs, and requests for other addresses. */
 async function open(browser: Browser, address: string, options: { width?: number; dark?: boolean; before?: (page: Page) => Promise<void> } = {}): Promise<Watched> {
   const page = await browser.newPage();
   const faults: string[] = [];
@@ -66,7 +66,7 @@ async function open(browser: Browser, address: string, options: { width?: number
 
 const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
-/** Scrolls through the page until every section is drawn and every plot that is shown has its picture. */
+/** Scrolls through the page until every section is rendered and every visible plot is drawn. */
 async function drawAll(page: Page): Promise<void> {
   for (let round = 0; round < 200; ++round) {
     const left = await page.evaluate(() => {
@@ -85,7 +85,7 @@ async function drawAll(page: Page): Promise<void> {
   await pause(300);
 }
 
-/** The width that does not fit on the screen. */
+/** Horizontal overflow of the page, px. */
 function tooWide(page: Page): Promise<number> {
   return page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 }
@@ -94,7 +94,7 @@ async function violations(page: Page): Promise<string[]> {
   await page.evaluate(axe);
   return page.evaluate(async () => {
     const { axe: runner } = window as unknown as { axe: { run(context: object, options: object): Promise<{ violations: { id: string; help: string; nodes: { html: string; failureSummary?: string }[] }[] }> } };
-    // the viewer has tests of its own
+    // motion_browser.test.ts tests the motion view
     const result = await runner.run({ exclude: [[".motion"]] }, { resultTypes: ["violations"] });
     return result.violations.map((one) => `${one.id}: ${one.help}: ${one.nodes.slice(0, 3).map((node) => `${node.html.slice(0, 160)} ${(node.failureSummary ?? "").slice(0, 300)}`).join(" | ")} (${one.nodes.length})`);
   });
@@ -342,7 +342,7 @@ for (const dark of [false, true]) {
       assert.deepEqual(await violations(page), []);
       await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = false)));
       await pause(300);
-      // a section at a time: a browser cannot take the whole page at once
+      // one screenshot per section: the whole page is too large
       await page.addStyleTag({ content: ".bar, nav { position: static !important; }" });
       await pause(200);
       for (const section of await page.$$("main > section")) {
@@ -383,7 +383,7 @@ test("renders all other sections without WebGL", async () => {
     assert.equal(await page.evaluate(() => document.createElement("canvas").getContext("webgl2")), null);
     assert.ok((await page.$$eval("#section-work-precision .scatterlayer path.point", (all) => all.length)) > 20);
     assert.ok((await page.$eval("#section-motion", (one) => one.textContent ?? "")).length > 10);
-    // what the viewer says of the missing WebGL is its own affair
+    // messages about missing WebGL are expected
     assert.deepEqual(faults.filter((fault) => !/webgl|WebGL|THREE/.test(fault)), []);
   } finally {
     await without.close();
@@ -437,7 +437,7 @@ test("10^5 rows", async (context) => {
     const { page, faults } = await open(browser, address);
     await page.waitForSelector("#section-work-precision .main-svg, #section-scenes tbody tr", { timeout: 60000 });
     const time = await page.evaluate(async () => {
-      // the main thread has nothing left to do
+      // wait until the main thread is idle
       await new Promise((resolve) => requestIdleCallback(resolve));
       const interactive = performance.now();
       const paint = performance.getEntriesByType("paint").find((one) => one.name === "first-contentful-paint");
@@ -457,7 +457,7 @@ test("10^5 rows", async (context) => {
   }
   const best = (key: "paint" | "ready" | "interactive"): number => Math.round(Math.min(...times.map((time) => time[key])));
   context.diagnostic(`page ${(size / 1e6).toFixed(2)} MB; first paint ${best("paint")} ms, data ready ${best("ready")} ms, interactive ${best("interactive")} ms (best of ${times.length})`);
-  // twice what is wanted, for machines that are shared
+  // twice the targets, because test machines are shared
   assert.ok(best("paint") < 2000, "first paint");
   assert.ok(best("interactive") < 6000, "interactive");
 });

@@ -1,4 +1,4 @@
-// Reads what stands in a page, by another way than it was written: zlib's and an own reader of base64.
+// Reads the document from a page, independently of the code that writes it: with zlib and a separate base64 decoder.
 #pragma once
 
 #include <zlib.h>
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// What stands between the template's marks "<data>" and "</data>" of these tests.
+/// The template of these tests; the document is between "<data>" and "</data>".
 inline constexpr const char* page_template =
     "<title><!--polhode:title--></title>\n<data><!--polhode:data--></data>\n<p>the rest</p>\n";
 

@@ -1,4 +1,4 @@
-// The sentences of a folder's findings, each number of theirs counted by hand.
+// Tests the sentences of findings against numbers counted by hand.
 #include "report/findings.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 class FolderFindings : public ::testing::Test {
   protected:
-    // A run of the only experiment that ended well.
+    // Adds a successful run of the only experiment.
     FolderRow& add(const std::string& scene, const std::string& method, double attitude, double seconds) {
         if (folder.experiments.empty()) folder.experiments.push_back({"t", "", "sweep", "", false, {}});
         FolderRow row;
@@ -23,7 +23,7 @@ class FolderFindings : public ::testing::Test {
         folder.rows.push_back(row);
         return folder.rows.back();
     }
-    // The first finding whose title has these words.
+    // The first finding whose title contains these words.
     Finding with(const std::string& words) const {
         std::string titles;
         for (const Finding& one : findings_of(folder)) {
@@ -38,7 +38,7 @@ class FolderFindings : public ::testing::Test {
 };
 
 TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
-    // at 1e-9 rad one scene has two methods to compare, at 1e-6 all four
+    // at 1e-9 rad, one scene has two methods to compare; at 1e-6 rad, all four scenes have
     for (const char* scene : {"a", "b b", "c", "d"}) {
         add(scene, "taylor", 1e-7, scene[0] == 'c' ? 5e-6 : 1e-6);
         add(scene, "cvode_adams", 1e-7, scene[0] == 'a' ? 4e-6 : scene[0] == 'b' ? 8e-6 : 2e-6);
@@ -46,7 +46,7 @@ TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
     add("d", "taylor", 1e-10, 3e-6), add("d", "extrapolation", 1e-10, 6e-6);
     const Finding fastest = with("is the fastest");
     EXPECT_EQ(fastest.title, "taylor is the fastest to 1e-6 rad on 3 of 4 scenes");
-    // the best of the other library over the best: 4, 8, 5/2 and 2
+    // fastest time of the other library over the fastest time: 4, 8, 5/2 and 2
     EXPECT_EQ(fastest.text,
               "Elsewhere: cvode_adams on 1. The fastest method of another library takes 3.2 times as long (median of 4 "
               "scenes; at most 8 times, on b b).");
@@ -97,13 +97,13 @@ TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
     const Finding growth = with("drift");
     EXPECT_EQ(growth.title, "2 methods without energy drift, 1 with energy errors that grow in proportion to time");
     EXPECT_EQ(growth.text, "Without drift: implicit_midpoint, splitting4. The longest run lasts 400 s.");
-    // the fit itself: an attitude's is told up to a radian
+    // the fit itself: attitude errors are fitted up to 1 rad
     const auto exponents = growth_of(folder.series.back());
     ASSERT_TRUE(exponents[0] && exponents[2]);
     EXPECT_NEAR(exponents[2]->first, 1, 0.02);
     folder.series.back().errors[1].back() = absent;
     EXPECT_FALSE(growth_of(folder.series.back())[1]);
-    // without one that grows there is nothing to tell apart
+    // there is no finding without a growing error
     folder.series.pop_back();
     for (const Finding& one : findings_of(folder)) EXPECT_EQ(one.title.find("drift"), std::string::npos) << one.title;
 }

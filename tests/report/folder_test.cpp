@@ -1,4 +1,4 @@
-// Folders of results, sound and broken.
+// Tests reading of valid and corrupted result directories.
 #include "report/folder.h"
 
 #include <gtest/gtest.h>
@@ -191,7 +191,7 @@ TEST_F(Folder, TellsOfEnergiesThatHideALostAttitude) {
 }
 
 TEST_F(Folder, FitsOrdersAboveTheFloorAlone) {
-    // error = 1e-2 h^4 down to a floor at 1e-12, where rounding wanders about
+    // error = 1e-2 h^4 down to a floor at 1e-12, where it varies irregularly
     std::string text = std::string(header);
     text.replace(text.find("float64_floor"), 13, "float64_floor_final");
     for (int k = 0; k < 14; ++k) {

@@ -1,5 +1,5 @@
-// node make_page.js TEMPLATE OUTPUT rich|names|one|null|empty|many|FILE.json: a page of a sample document, or of one that
-// was written elsewhere.
+// node make_page.js TEMPLATE OUTPUT rich|names|one|null|empty|many|FILE.json
+// Writes a page of a sample document or of a document in a file.
 
 import { readFileSync, writeFileSync } from "node:fs";
 import { embed } from "./embed.ts";

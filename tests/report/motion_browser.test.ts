@@ -1,5 +1,5 @@
-// The motion view in Chromium, from file://: what is drawn, controls by pointer and keyboard, its state in the address, what
-// is said of methods that are not drawn as they are, no WebGL, a lost context, and that nothing runs or grows by itself.
+// Tests the motion view in Chromium from file://: the drawing, pointer and keyboard control, the state in the address,
+// remarks on methods, missing WebGL, a lost context, and that the view is idle and leaks nothing when unused.
 
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -55,7 +55,7 @@ async function open(fragment: string, options: { width?: number; dark?: boolean;
   return { page, faults };
 }
 
-/** Waits until what was done is drawn and in the address, however slow the machine is: the address is written 150 ms later. */
+/** Waits until a change is drawn and written to the address, which happens 150 ms later. */
 const settled = (page: Page): Promise<void> => page.evaluate(async () => {
   const frame = (): Promise<number> => new Promise((resolve) => requestAnimationFrame(resolve));
   for (let i = 0; i < 3; ++i) await frame();
@@ -66,12 +66,12 @@ const settled = (page: Page): Promise<void> => page.evaluate(async () => {
 const drawn = (page: Page): Promise<number> => page.$eval(".motion-view", (view) => Number((view as HTMLElement).dataset.drawn));
 const textOf = (page: Page, selector: string): Promise<string> => page.$$eval(selector, (all) => all.map((one) => one.textContent ?? "").join("\n"));
 
-/** Waits until it plays, or stands. */
+/** Waits until playback has started or stopped. */
 const playing = async (page: Page, wanted: boolean): Promise<void> => {
   await page.waitForFunction((text) => document.querySelector(".motion-time .play")?.textContent === text, { timeout: 60000 }, wanted ? "Pause" : "Play");
 };
 
-/** Of a pane's pixels, the share that is not its ground. */
+/** Fraction of a pane's pixels that differ from its background. */
 const filled = (page: Page, pane: number): Promise<number> => page.evaluate((at) => {
   const canvas = document.querySelectorAll<HTMLCanvasElement>(".motion-pane canvas")[at];
   const context = canvas?.getContext("2d");
@@ -98,7 +98,7 @@ test("draws every motion in both layouts and themes, on wide and narrow screens,
     for (const scene of ["t_handle", "lagrange_top", "double_pendulum", "every_shape", "small_and_far"]) {
       for (const layout of ["side", "overlay"]) {
         const { page, faults } = await open(`scene=${scene}&motion_layout=${layout}&motion_show=angular_velocity,momentum,trail`, { width, dark });
-        // to a time within the motion
+        // go to a time within the motion
         await page.$eval(".motion-time input", (one) => {
           const slider = one as HTMLInputElement;
           slider.value = String(0.3 * Number(slider.max));
@@ -137,7 +137,7 @@ test("plays only on request, at the chosen speed, to the end; pauses when out of
   const { page, faults } = await open("scene=t_handle", { reduced: true });
   await pause(700);
   assert.equal(await drawn(page), 0);
-  // nothing is drawn where nothing changes
+  // nothing is redrawn without a change
   const frames = await page.evaluate(async () => {
     let count = 0;
     const observer = new MutationObserver(() => ++count);
@@ -146,7 +146,7 @@ test("plays only on request, at the chosen speed, to the end; pauses when out of
     observer.disconnect();
     return count;
   });
-  // the text for screen readers at the most
+  // at most the text for screen readers changes
   assert.ok(frames <= 2, `${frames} changes while nothing happens`);
   await page.click(".motion-time .play");
   await pause(1500);
@@ -154,7 +154,7 @@ test("plays only on request, at the chosen speed, to the end; pauses when out of
   await page.click(".motion-time .play");
   await settled(page);
   const reached = await drawn(page);
-  // a slow machine's long frames count 0.1 s each
+  // long frames of slow machines count as 0.1 s each
   assert.ok(reached > 0.2 && reached < 2.2, `${reached} s after 1.5 s`);
   assert.match(page.url(), /motion_time=/);
   await page.click(".motion-time .play");
@@ -230,14 +230,14 @@ test("the address restores scene, methods, layout, time and arrows", async () =>
   const names = await textOf(page, ".motion-legend .name");
   assert.match(names, /^truth\nrk4, step .*\ncvode_adams, tolerance 1e-10$/);
   assert.deepEqual(await page.$$eval('.motion-toggles button[aria-pressed="true"]', (all) => all.map((one) => one.textContent)), ["Trail"]);
-  // and the page's own changes go there
+  // changes in the page are written to the address
   await page.select(".motion-controls .choice:not([hidden]) select", "article_as_written");
   await settled(page);
   assert.match(page.url(), /motion_methods=article_as_written,cvode_adams/);
   await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_time=3"));
   await page.waitForFunction(() => (document.querySelector(".motion-view") as HTMLElement).dataset.drawn === "3.00000");
   assert.match(await textOf(page, ".motion-remarks"), /Gravity: 9\.81 m\/s² along −z/);
-  // methods that there are not are passed over
+  // unknown methods are ignored
   await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_methods=no_such,rk4&motion_time=nonsense&motion_view=a,b,c&motion_body=none"));
   await settled(page);
   assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 2);
@@ -297,7 +297,7 @@ test("draws wireframes and a message without WebGL, and everything else", async 
 
 test("reports a lost context and redraws when it is restored; changing scenes leaks no buffers", async () => {
   const { page, faults } = await open("scene=t_handle&motion_time=1");
-  // three.js asks for its context once: it is kept from there on
+  // three.js requests its context once; the hook stores it
   await page.close();
   const kept = await browser.newPage();
   kept.on("pageerror", (fault) => faults.push(String(fault)));
@@ -324,7 +324,7 @@ test("reports a lost context and redraws when it is restored; changing scenes le
   await pause(1000);
   assert.equal(await textOf(kept, ".motion-view .fault:not([hidden])"), "");
   assert.ok((await filled(kept, 0)) > 0.01);
-  // buffers that are made and let go, over many changes of scene
+  // counts buffers created and deleted over many changes of scene
   await kept.evaluate(() => {
     const { keptContext: gl } = window as unknown as { keptContext: WebGL2RenderingContext };
     const count = { buffers: 0 };

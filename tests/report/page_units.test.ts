@@ -1,4 +1,4 @@
-// The page's pure functions: numbers and texts, filters, the state in the address, what is lit and what is drawn.
+// Tests the page's pure functions: formats, filters, the state in the address, selection of curves, validation.
 
 import assert from "node:assert/strict";
 import test from "node:test";
@@ -32,7 +32,7 @@ test("significant digits", () => {
   assert.equal(significant(null), "");
   assert.equal(significant(NaN), "");
   assert.equal(significant(-Infinity), "-inf");
-  // it can be read back to the digits it has
+  // parsing returns the value to the printed digits
   for (let i = -300; i < 300; i += 7) {
     const value = 1.2345678 * 10 ** i;
     assert.ok(Math.abs(Number(significant(value, 4)) / value - 1) < 5e-4, significant(value, 4));
@@ -104,7 +104,7 @@ test("filter syntax", () => {
   assert.deepEqual(kept("attitude_error>1e-9"), [0, 1]);
   assert.deepEqual(kept("att<=1e-8"), [0]);
   assert.deepEqual(kept('"attitude error">=1e-3'), [1]);
-  assert.deepEqual(kept("1e-8"), [0]); // a number's digits are a word, too
+  assert.deepEqual(kept("1e-8"), [0]); // words match digits of numbers
   assert.deepEqual(kept("0.001"), [1]);
   assert.deepEqual(kept("status=ok"), [0, 2]);
   assert.deepEqual(kept("status!=ok"), [1]);
@@ -122,7 +122,7 @@ test("the address stores and restores the state", () => {
   assert.equal(writeFragment({ scene: "b", section: "a", empty: "" }), "section=a&scene=b");
   assert.equal(parseFragment("#__proto__=1&x=2").x, "2");
   assert.equal(({} as Record<string, unknown>).x, undefined);
-  assert.equal(parseFragment("#a=%E0%A4%A").a, "%E0%A4%A"); // a broken escape is taken as it stands
+  assert.equal(parseFragment("#a=%E0%A4%A").a, "%E0%A4%A"); // an invalid escape is kept
   assert.deepEqual({ ...parseFragment("nonsense&=3&&") }, {});
   for (const names of [[], ["a"], ["a,b", "c\\", "\\,", "d"], ["odeint (controlled)"]]) assert.deepEqual(parseList(writeList(names)), names);
 });
@@ -134,7 +134,7 @@ test("highlights at most twelve methods", () => {
     assert.ok(lit.length <= mostLit);
     assert.equal(lit[lit.length - 1], i);
   }
-  assert.deepEqual(lit, [28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39]); // the oldest went
+  assert.deepEqual(lit, [28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39]); // the oldest are removed
   assert.deepEqual(toggleLit(lit, 30).includes(30), false);
   assert.equal(light(Array.from({ length: 30 }, (_, i) => i % 20)).length, 12);
   assert.deepEqual(light([3, 3, 1]), [3, 1]);

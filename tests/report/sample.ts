@@ -1,8 +1,8 @@
-// Documents to try the page with: a rich one that behaves as measured data do, and hostile ones.
+// Sample documents for tests of the page: one that resembles measured data, and hostile ones.
 
 import { indexColumns, numberColumns, type Check, type Drift, type Method, type Motion, type Order, type ReportData, type Rows, type StabilityMap, type Table } from "../../src/report/page/source/data.ts";
 
-/** The same numbers on every run: a linear congruential generator, Numerical Recipes' constants. */
+/** Reproducible random numbers: a linear congruential generator with the constants of Numerical Recipes. */
 function generator(seed: number): () => number {
   let state = seed >>> 0;
   return () => {
@@ -110,11 +110,11 @@ const kinds: Kind[] = [
 ];
 
 const sceneList: [string, string, number, number][] = [
-  ["free_asymmetric", "An asymmetric body without torque, spun about an axis near none of its principal ones.", 10, 2.4e-15],
-  ["dzhanibekov", "A body turning over about its middle axis, again and again.", 100, 6e-13],
+  ["free_asymmetric", "A torque-free asymmetric body, spun about an axis away from its principal axes.", 10, 2.4e-15],
+  ["dzhanibekov", "A body that flips repeatedly about its intermediate axis.", 100, 6e-13],
   ["lagrange_top", "A symmetric heavy top, fast.", 20, 1.1e-14],
-  ["stiff_drag", "A body in a fluid whose drag is fast against its motion.", 1, 3e-16],
-  ["free_asymmetric{/duration=40000}", "The first scene for a long time.", 40000, 4e-12],
+  ["stiff_drag", "A body with drag much faster than its motion.", 1, 3e-16],
+  ["free_asymmetric{/duration=40000}", "The first scene over a long time.", 40000, 4e-12],
   ["mechanisms/double_pendulum_spatial", "Two bodies on ball joints.", 5, 9.8e-15],
 ];
 
@@ -126,7 +126,7 @@ export function methodsOfSample(): Method[] {
   }));
 }
 
-/** A document with something in every section. */
+/** A document with data in every section. */
 export function richDocument(): ReportData {
   const random = generator(20261125);
   const data = emptyDocument();
@@ -309,7 +309,7 @@ export function richDocument(): ReportData {
   return data;
 }
 
-/** A free symmetric body about its axis of symmetry: the simplest motion there is. */
+/** A uniform rotation about a fixed axis. */
 function motionOf(scene: number): Motion {
   const t = Array.from({ length: 61 }, (_, i) => i / 10);
   const q = t.flatMap((time) => [Math.round(32767 * Math.cos(time / 2)), 0, 0, Math.round(32767 * Math.sin(time / 2))]);
@@ -327,7 +327,7 @@ const nasty = [
   "\u202eright to left", "=1+1", "__proto__", "constructor", "<a href='javascript:window.broken=1'>link</a>", "%{x} $x^2$ {{y}}",
 ];
 
-/** Names that would run, and names that are 10 kB long. */
+/** Names that contain markup and scripts, and names of 10 kB. */
 export function hostileNames(): ReportData {
   const data = richDocument();
   const name = (i: number): string => (i % (nasty.length + 1) === nasty.length ? "long ".repeat(2000) + i : `${nasty[i % (nasty.length + 1)]} ${i}`);
@@ -358,7 +358,7 @@ export function oneRow(): ReportData {
   return { ...emptyDocument(), experiments: data.experiments.slice(0, 1), families: data.families, methods: data.methods, scenes: [{ ...data.scenes[0]!, fastest: [{ error: 1e-6, row: 0, runner_up: null }], motion: null, experiments: [0] }], rows };
 }
 
-/** Everything that may be null is. */
+/** All values that may be null are null. */
 export function nothingKnown(): ReportData {
   const data = richDocument();
   const rows = emptyRows();
@@ -375,7 +375,7 @@ export function nothingKnown(): ReportData {
   };
 }
 
-/** So many rows, over twenty scenes and a hundred methods. */
+/** `count` rows over 20 scenes and 100 methods. */
 export function manyRows(count: number): ReportData {
   const random = generator(7);
   const data = emptyDocument();

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-// A mesh of more triangles is drawn as the box of its moments: the page has to stay small.
+// A mesh with more triangles is drawn as the box of its moments, to keep the page small.
 constexpr std::size_t most_triangles = 4000;
 
 struct Sizes {
@@ -57,7 +57,7 @@ Sizes sizes_of(const Frustum& s) {
              {"height", number(s.height)}}};
 }
 
-// Where something stands: r_B = position + R(orientation) r.
+// Placement of a part in its body: r_B = position + R(orientation) r.
 struct Place {
     Vector3<double> position;
     Quaternion<double> orientation;
@@ -74,8 +74,8 @@ class ShapeWriter {
     Json parts = Json::array(), vertices = Json::array(), faces = Json::array(), points = Json::array();
 
   private:
-    void add_body(const GivenBody&, const Place&) {}     // numbers alone: a box of the moments is drawn
-    void add_body(const ImportedBody&, const Place&) {}  // likewise
+    void add_body(const GivenBody&, const Place&) {}     // no shape: the page draws the box of the moments
+    void add_body(const ImportedBody&, const Place&) {}  // no shape: the page draws the box of the moments
     void add_body(const ShapedBody& body, const Place& place) {
         Sizes sizes = std::visit([](const auto& shape) { return sizes_of(shape); }, body.shape);
         parts.push_back({{"type", sizes.type},
@@ -116,7 +116,7 @@ Json body_shape_json(const std::string& name, const Body& body) {
     ShapeWriter writer;
     if (body.source)
         writer.add(body.source->made_of, {Vector3<double>() - body.center_of_mass, Quaternion<double>{1, 0, 0, 0}});
-    // a point mass given by numbers
+    // a point mass without a source
     if (!body.source && body.mass > 0 && body.inertia_B == Matrix3<double>())
         writer.add(PointsBody{{{body.mass, {}}}}, {Vector3<double>(), Quaternion<double>{1, 0, 0, 0}});
     Json shape{{"name", name}, {"mass", number_json(body.mass, 6)}};

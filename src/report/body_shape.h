@@ -1,4 +1,4 @@
-// What a body looks like, for the page.
+// Shapes of bodies for the report page.
 #pragma once
 
 #include <string>
@@ -8,11 +8,12 @@
 
 namespace polhode {
 
-/// The body as the page draws it (BodyShape of src/report/page/source/data.ts): its parts with their own sizes and
-/// places from the centre of mass in body axes, a mesh, points, or neither, and the moments that a box is drawn from.
+/// The body as BodyShape of src/report/page/source/data.ts: parts, mesh or points relative to the centre of mass in
+/// body axes, and the principal moments. The page draws a box with these moments if the body has no shape.
 Json body_shape_json(const std::string& name, const Body& body);
 
-/// Moments (kg m^2) and axes of the tensor about a point of the body (m, from its origin), or about the centre of mass.
+/// Principal moments (kg m^2) and axes of the inertia about `point` (m, from the body's origin), or about the centre of
+/// mass.
 Json principal_json(const Body& body, const std::optional<Vector3<double>>& point);
 
 }  // namespace polhode

@@ -16,7 +16,7 @@
 namespace polhode {
 namespace {
 
-// w (body axes) of the rotation from one attitude to another, that takes so long
+// Mean angular velocity (rad/s, body axes) of the rotation between two attitudes that are `duration` seconds apart.
 Vector3<double> mean_rate(const Quaternion<double>& from, const Quaternion<double>& to, double duration) {
     Quaternion<double> d = conjugate(normalized(from)) * normalized(to);
     if (d.w < 0) d = {-d.w, -d.x, -d.y, -d.z};
@@ -25,8 +25,9 @@ Vector3<double> mean_rate(const Quaternion<double>& from, const Quaternion<doubl
     return {d.x * scale, d.y * scale, d.z * scale};
 }
 
-// What a file does not tell is taken from what it tells: w from the attitudes, the centre of mass of a body with a
-// pivot from the attitude; a centre of mass that is not told stays where it began.
+// The samples of a file, with missing columns estimated for drawing: w from differences of attitudes, v from
+// differences of positions, the centre of mass of a body with a pivot from the attitude. Without positions and pivot,
+// the centre of mass of a single body stays at its initial position.
 std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file) {
     std::vector<Vector3<double>> centers;
     if (is_mechanism(scene))
@@ -35,7 +36,7 @@ std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file
         centers.push_back(scene.body.center_of_mass);
     std::vector<Sample> samples = samples_of(file, centers);
     const std::size_t bodies = file.bodies_at_once();
-    // the samples of the same body before and after
+    // the previous and the next sample of the same body
     const auto before = [&](std::size_t i) -> const Sample& { return samples[i >= bodies ? i - bodies : i]; };
     const auto after = [&](std::size_t i) -> const Sample& {
         return samples[i + bodies < samples.size() ? i + bodies : i];
@@ -117,7 +118,7 @@ CheckedTrajectories check_trajectories(const Scene& scene, int place, const std:
     for (const CheckedFile& one : all) {
         checked.list.push_back(check_json(one, limits, place));
         DrawnFile drawn{std::filesystem::path(one.path).filename().string(), place, {}, 1};
-        // bodies that a file lacks would leave holes
+        // files that lack bodies are not drawn
         if (one.file && (!is_mechanism(scene) || missing_bodies(scene, *one.file).empty())) {
             drawn.samples = drawn_samples(scene, *one.file);
             drawn.bodies = static_cast<int>(one.file->bodies_at_once());

@@ -1,4 +1,4 @@
-// A user's own trajectories: judged as `polhode check` does, and made ready to be drawn.
+// User trajectories: compares them with the truth as `polhode check` does, and prepares them for drawing.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@
 
 namespace polhode {
 
-/// What became of the files.
+/// Results of trajectory files.
 struct CheckedTrajectories {
     Json list = Json::array();     ///< Check[] of src/report/page/source/data.ts
-    std::vector<DrawnFile> drawn;  ///< the motions, one a file
+    std::vector<DrawnFile> drawn;  ///< motions, one per file
 };
 
-/// Judges files of the scene, whose place among the folder's is given. Throws InputError where a file is at fault, and
-/// NoTruth where there is none to judge by.
+/// Compares trajectory files of `scene`, which has the index `place` in the directory's list, with the truth. Throws
+/// InputError if a file is invalid, and NoTruth if the truth is not available.
 CheckedTrajectories check_trajectories(const Scene& scene, int place, const std::vector<std::string>& files,
                                        const Convention& convention);
 

@@ -43,8 +43,8 @@ RatioInterval ratio_interval(const std::vector<std::vector<double>>& groups) {
     if (means.size() < 3) return interval;
     double squares = 0;
     for (const double one : means) squares += (one - center) * (one - center);
-    // in binary64 throughout: in 80 bits, tables are made before main, and that throws where extended numbers are no
-    // longer than doubles
+    // Without promotion to long double: its tables are initialised before main, which throws if long double is no wider
+    // than double.
     using InBinary64 = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
     const boost::math::students_t_distribution<double, InBinary64> distribution(n - 1);
     const double half =

@@ -1,4 +1,4 @@
-// Two folders of the same experiments held against each other: another machine's, another version's.
+// Compares two result directories of the same experiments, e.g. from two machines or two versions.
 #pragma once
 
 #include <optional>
@@ -12,35 +12,36 @@ namespace polhode {
 /// A mean ratio and its 95 % confidence interval.
 struct RatioInterval {
     double ratio = absent;            ///< geometric mean
-    std::optional<double> low, high;  ///< empty where there are too few to say
-    int groups = 0;                   ///< how many scenes' means it is the mean of
+    std::optional<double> low, high;  ///< empty for fewer than three groups
+    int groups = 0;                   ///< number of groups (scenes)
 };
 
-/// The geometric mean of the groups' geometric means, with Student's interval of the logarithms of these: runs of one
-/// scene are no independent samples, scenes are taken for such. Every ratio positive; empty groups do not count.
+/// Geometric mean of the groups' geometric means, with Student's 95 % interval of their logarithms. A group contains
+/// the runs of one scene, which are not independent samples; scenes are treated as independent. Ratios must be
+/// positive. Empty groups are ignored.
 RatioInterval ratio_interval(const std::vector<std::vector<double>>& groups);
 
-/// A row here and the same there.
+/// Two rows with the same experiment, scene, method, setting and formulation.
 struct MatchedPair {
-    std::size_t row = 0, other = 0;  ///< places in the rows of the two folders
+    std::size_t row = 0, other = 0;  ///< indices into the rows of the two directories
 };
 
-/// What of two folders compares.
+/// Result of a comparison of two directories.
 struct FolderComparison {
-    std::vector<MatchedPair> pairs;  ///< of the same experiment, scene, method, setting and formulation
+    std::vector<MatchedPair> pairs;
     std::size_t only_here = 0, only_there = 0;
     std::size_t same_bits = 0;  ///< pairs whose largest attitude errors are equal, or absent in both
     struct OfMethod {
         int method = 0;
         std::size_t pairs = 0;
-        RatioInterval seconds;         ///< the other's over this one's
+        RatioInterval seconds;         ///< run time in the other directory over that in this one
         std::optional<double> errors;  ///< geometric mean of the ratios of attitude errors
     };
-    std::vector<OfMethod> methods;  ///< those with at least one pair of times, by their place
-    RatioInterval all;              ///< over all methods, a group a scene
+    std::vector<OfMethod> methods;  ///< methods with at least one timed pair, by index
+    RatioInterval all;              ///< over all methods, one group per scene
 };
 
-/// Compares two folders row by row.
+/// Compares two directories row by row.
 FolderComparison compared(const ResultFolder& here, const ResultFolder& there);
 
 }  // namespace polhode

@@ -1,3 +1,8 @@
+// Writes the page's document (ReportData of src/report/page/source/data.ts) from a result directory.
+//
+// DocumentWriter first selects the rows that `Detail` permits, then writes each section: methods, scenes with their
+// fastest runs, findings, rows by column, orders, errors over time, stability maps, tables, the comparison, motions.
+// Rows are referred to by their index in the page. Each reduction of the data adds a remark.
 #include "report/document.h"
 
 #include <fmt/chrono.h>
@@ -36,7 +41,7 @@ constexpr FamilyWords families[] = {{Family::unnamed, "unnamed", "Others"},
                                     {Family::rotation_group, "rotation_group", "Rotation group"},
                                     {Family::published_update, "published_update", "Published updates"},
                                     {Family::engine_update, "engine_update", "Engine updates"},
-                                    {Family::points, "points", "Points"},
+                                    {Family::points, "points", "Point masses"},
                                     {Family::reference, "reference", "Reference"},
                                     {Family::engine, "engine", "Engines"}};
 
@@ -85,7 +90,7 @@ class DocumentWriter {
 
     Json number(double value) const { return number_json(value, detail_.digits); }
 
-    // Which rows stand in the page: all, or of each curve some, and those that others speak of.
+    // Selects the rows of the page: all, or some of each curve and all rows that scenes_json() refers to.
     void choose_rows() {
         const auto by_scene = rows_by_scene(folder_);
         std::set<std::size_t> needed;
@@ -104,7 +109,7 @@ class DocumentWriter {
         for (std::size_t r = 0; r < total; ++r) {
             if (stride <= 1 || counts[folder_.rows[r].curve()]++ % stride == 0 || needed.contains(r)) kept.push_back(r);
         }
-        // curves of a row each: of the curves some
+        // many curves of a single row: keep only some of them
         const std::size_t again = 2 * kept.size() > 3 * detail_.rows
                                       ? (kept.size() + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows)
                                       : 1;
@@ -115,10 +120,10 @@ class DocumentWriter {
             }
         if (shown_.size() < total)
             remarks_.push_back(
-                fmt::format("Of {} result rows {} are in this page, spread over each curve; the folder has "
-                            "them all.",
-                            total, shown_.size()));
-        if (detail_.digits < 4) remarks_.push_back(fmt::format("Numbers have {} digits here.", detail_.digits));
+                fmt::format("This page contains {} of {} result rows, spread over each curve; the directory has all.",
+                            shown_.size(), total));
+        if (detail_.digits < 4)
+            remarks_.push_back(fmt::format("Numbers are rounded to {} significant digits.", detail_.digits));
     }
 
     static Json experiments(const ResultFolder& folder) {
@@ -262,8 +267,8 @@ class DocumentWriter {
         Json list = Json::array();
         for (const FolderSeries& series : folder_.series) {
             if (list.size() == detail_.series) {
-                remarks_.push_back(fmt::format("Of {} runs with errors over time the first {} are in this page.",
-                                               folder_.series.size(), detail_.series));
+                remarks_.push_back(fmt::format("This page contains the first {} of {} runs with errors over time.",
+                                               detail_.series, folder_.series.size()));
                 break;
             }
             const std::vector<std::size_t> kept = spread(series.t.size(), detail_.series_points);
@@ -292,7 +297,7 @@ class DocumentWriter {
         return list;
     }
 
-    // stability_maps.csv tells of each method, map and x intervals of steps with one outcome
+    // stability_maps.csv lists intervals of steps with the same outcome, for each method, map and x.
     Json maps_json() const {
         Json list = Json::array();
         const auto found = std::ranges::find(folder_.tables, "stability_maps", &FolderTable::name);
@@ -409,13 +414,13 @@ class DocumentWriter {
                        {"high", bound(c.all.high)},
                        {"scenes", c.all.groups}};
         json["how"] =
-            "Geometric mean of the scenes' geometric means of the median times' ratios, with Student's 95 % interval "
-            "of "
-            "the scenes' logarithms; fewer than three scenes give no interval.";
+            "The ratio is the geometric mean over scenes of each scene's geometric mean ratio of median run times. The "
+            "interval is Student's 95 % confidence interval of the logarithms; it needs at least three scenes.";
         return json;
     }
 
-    // Who is kept where not all motions can be: first what people copy, then by the rest of the list.
+    // Priority of a method if not all motions fit: updates of articles and engines, then other methods in binary64,
+    // then other precisions, then unknown methods.
     static int rank(const std::string& name) {
         const Method* const method = find_method(name);
         if (!method) return 3;
@@ -429,7 +434,7 @@ class DocumentWriter {
         for (const Json& motion : list)
             for (const Json& method : motion["methods"]) tracks += method["track"].is_null() ? 0 : 1;
         if (tracks <= detail_.tracks) return list;
-        // to each scene its share
+        // every scene keeps the same number of motions
         const std::size_t share = detail_.tracks / std::max<std::size_t>(1, list.size());
         for (Json& motion : list) {
             std::vector<Json*> own;
@@ -440,11 +445,11 @@ class DocumentWriter {
                 Json& method = *own[i];
                 method["track"] = nullptr;
                 const std::string before = method["message"].get<std::string>();
-                method["message"] = before + (before.empty() ? "" : "; ") + "its motion is left out of this page";
+                method["message"] = before + (before.empty() ? "" : "; ") + "its motion is omitted from this page";
             }
         }
         remarks_.push_back(fmt::format(
-            "Of {} methods' motions {} are left out to keep the page small; their errors are here.", tracks, dropped));
+            "{} of {} motions are omitted to keep the page small; their errors are included.", dropped, tracks));
         return list;
     }
 
@@ -452,7 +457,7 @@ class DocumentWriter {
     const ResultFolder& folder_;
     const Detail& detail_;
     std::vector<std::size_t> shown_;
-    std::map<std::size_t, int> place_;  // among the shown
+    std::map<std::size_t, int> place_;  // index among the rows of the page
     std::vector<std::vector<Fastest>> fastest_;
     std::vector<std::string> remarks_;
 };

@@ -1,4 +1,4 @@
-// The document that the page shows, as JSON.
+// The page's document as JSON.
 #pragma once
 
 #include <cstddef>
@@ -13,27 +13,27 @@
 
 namespace polhode {
 
-/// How much of a folder goes into the page.
+/// Limits on the data in the page.
 struct Detail {
-    std::size_t rows = 100'000;     ///< of sweeps; beyond it curves are thinned
-    int digits = 5;                 ///< significant, of errors and times
-    std::size_t table_rows = 2000;  ///< of each other table
+    std::size_t rows = 100'000;     ///< result rows; beyond this number, curves are thinned
+    int digits = 5;                 ///< significant digits of errors and times
+    std::size_t table_rows = 2000;  ///< rows of each other table
     std::size_t series = 2000;      ///< runs with errors over time
     std::size_t series_points = 200;
-    std::size_t tracks = 100'000;  ///< methods' motions of their own; beyond it errors alone are told
+    std::size_t tracks = 100'000;  ///< motions of methods; beyond this number, only errors are kept
 };
 
-/// Everything that a page is made of.
+/// Contents of a page.
 struct ReportContent {
     const ResultFolder& folder;
     const std::map<std::string, Scene>& scenes;
     const Motions& motions;
     const Json& checks;                            ///< Check[] of src/report/page/source/data.ts
-    const ResultFolder* other = nullptr;           ///< that it is compared with
-    const FolderComparison* comparison = nullptr;  ///< where there is one
+    const ResultFolder* other = nullptr;           ///< directory to compare with, or null
+    const FolderComparison* comparison = nullptr;  ///< comparison with `other`, or null
 };
 
-/// ReportData of src/report/page/source/data.ts.
+/// The contents as ReportData of src/report/page/source/data.ts, reduced to `detail`.
 Json report_document(const ReportContent& content, const Detail& detail);
 
 }  // namespace polhode

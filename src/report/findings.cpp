@@ -1,3 +1,5 @@
+// Findings of a result directory. Each function .._finding computes one finding from the rows, series or tables, or
+// returns nullopt if they do not contain the data. findings_of() takes the first three in a fixed order of importance.
 #include "report/findings.h"
 
 #include <fmt/format.h>
@@ -18,7 +20,7 @@
 namespace polhode {
 namespace {
 
-// A value of the page's state: what a fragment does not take as it is becomes %XX.
+// Percent-encodes a value of the page's state for a URL fragment.
 std::string in_fragment(std::string_view text) {
     std::string out;
     for (const char c : text) {
@@ -30,7 +32,7 @@ std::string in_fragment(std::string_view text) {
     return out;
 }
 
-// To two digits, powers of ten without padding: "0.12", "7.2e-4".
+// Two significant digits, exponents without padding: "0.12", "7.2e-4".
 std::string plain(double value) {
     std::string text = fmt::format("{:.2g}", value);
     const std::size_t power = text.find('e');
@@ -52,7 +54,7 @@ std::string counted(std::size_t n, const char* one, const char* many) {
 
 std::optional<Finding> fastest_finding(const ResultFolder& folder) {
     const auto by_scene = rows_by_scene(folder);
-    // at the finest accuracy that half of the scenes can be told at
+    // from fine to coarse: a coarser accuracy is used only if it compares more than twice as many scenes
     std::optional<Finding> finding;
     std::size_t most = 0;
     for (const double error : {1e-9, 1e-6, 1e-3}) {
@@ -70,7 +72,7 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
             const std::string& name = folder.methods[first.method];
             ++wins[name];
             example.try_emplace(name, first.scene);
-            // against the best of another library
+            // the fastest method of another library
             std::optional<double> other;
             for (const std::size_t r : rows) {
                 const FolderRow& row = folder.rows[r];
@@ -99,12 +101,11 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
         if (!others.empty()) one.text = fmt::format("Elsewhere: {}. ", listed(others));
         if (!factors.empty())
             one.text += fmt::format(
-                "The best of another library takes {} times as long in the median of {}, at most {} times "
-                "({}).",
+                "The fastest method of another library takes {} times as long (median of {}; at most {} times, on {}).",
                 plain(median(factors)), counted(factors.size(), "scene", "scenes"), plain(largest_factor),
                 shown(folder.scenes[peers_scene]));
         else
-            one.text += "Compared are methods of one library.";
+            one.text += "All compared methods are from one library.";
         one.link = "#section=work-precision&scene=" + in_fragment(scene);
         finding = one;
     }
@@ -120,25 +121,25 @@ std::optional<Finding> hidden_finding(const ResultFolder& folder) {
         if (!(row.attitude() > 1 && row["energy_error_max"] < 1e-2) || row.status == Status::unsupported) continue;
         ++runs;
         methods.insert(folder.methods[row.method]);
-        // the plainest: an update as people copy it, and a momentum that is off by as much as can be
+        // the clearest example: a published update with a large momentum error
         const Method* const method = find_method(folder.methods[row.method]);
         const double plain =
             std::min(2.0, std::isfinite(row["momentum_error_max"]) ? row["momentum_error_max"] : 0) +
             (method && method->family == Family::published_update && method->precision == Precision::binary64 ? 3 : 0) +
-            // families of extremes stand in folders
+            // extreme scenes are in subdirectories or are variations
             (folder.scenes[row.scene].find_first_of("/{") == std::string::npos ? 1 : 0);
         if (plain > plainest) plainest = plain, worst = &row;
     }
     if (!worst) return std::nullopt;
     return Finding{
         fmt::format("Energy hides a lost attitude in {}", counted(runs, "run", "runs")),
-        fmt::format("{}: the attitude is more than 1 rad off and the energy less than 1 %. {} on {}{}: attitude {} "
-                    "rad, momentum {}, energy {}.",
+        fmt::format("{}: attitude error above 1 rad, energy error below 1 %. {} on {}{}: attitude {} rad, momentum {}, "
+                    "energy {}.",
                     counted(methods.size(), "method", "methods"), shown(folder.methods[worst->method]),
                     shown(folder.scenes[worst->scene]),
                     worst->kind == SettingKind::none
                         ? ""
-                        : fmt::format(" at a {} of {:.3g}{}", name_of(worst->kind), (*worst)["setting"],
+                        : fmt::format(" with a {} of {:.3g}{}", name_of(worst->kind), (*worst)["setting"],
                                       worst->kind == SettingKind::step ? " s" : ""),
                     plain(worst->attitude()), plain((*worst)["momentum_error_max"]),
                     plain((*worst)["energy_error_max"])),
@@ -165,11 +166,10 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
     std::vector<std::string> kept(bounded.begin(), bounded.end());
     if (kept.size() > 5) kept.resize(5), kept.emplace_back("..");
     const std::string& scene = folder.scenes[example->scene];
-    return Finding{
-        fmt::format("{} no drift of energy, {} in proportion to time",
-                    counted(bounded.size(), "method shows", "methods show"), counted(growing.size(), "grows", "grow")),
-        fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", listed(kept), longest),
-        "#section=drift&scene=" + in_fragment(scene)};
+    return Finding{fmt::format("{} without energy drift, {} with energy errors that grow in proportion to time",
+                               counted(bounded.size(), "method", "methods"), growing.size()),
+                   fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", listed(kept), longest),
+                   "#section=drift&scene=" + in_fragment(scene)};
 }
 
 std::optional<Finding> order_finding(const ResultFolder& folder) {
@@ -185,9 +185,9 @@ std::optional<Finding> order_finding(const ResultFolder& folder) {
     }
     if (told < 3) return std::nullopt;
     const std::string& scene = folder.scenes[worst->scene];
-    return Finding{off == 0 ? fmt::format("All {} observed orders are those claimed", told)
-                            : fmt::format("{} of {} observed orders are those claimed", told - off, told),
-                   fmt::format("Within 0.2. The furthest off: {} on {}, {:.2f} where {} is claimed.",
+    return Finding{off == 0 ? fmt::format("All {} observed orders match the claimed orders", told)
+                            : fmt::format("{} of {} observed orders match the claimed orders", told - off, told),
+                   fmt::format("Matches are within 0.2. Largest difference: {} on {}, {:.2f} observed, {} claimed.",
                                shown(folder.methods[worst->method]), shown(scene), *worst->observed, worst->claimed),
                    "#section=convergence&scene=" + in_fragment(scene)};
 }
@@ -206,10 +206,11 @@ std::optional<Finding> failure_finding(const ResultFolder& folder) {
     const auto most = std::ranges::max_element(by_method, {}, [](const auto& m) { return m.second; });
     const auto of = [&](Status status) { return by_status[static_cast<std::size_t>(status)]; };
     return Finding{
-        fmt::format("{} of {} runs did not end well",
+        fmt::format("{} of {} runs did not succeed",
                     of(Status::diverged) + of(Status::tolerance_not_met) + of(Status::failed), folder.rows.size()),
-        fmt::format("{} diverged, {} did not meet their tolerance, {} failed; most of {} ({}).", of(Status::diverged),
-                    of(Status::tolerance_not_met), of(Status::failed), shown(most->first), most->second),
+        fmt::format("{} diverged, {} did not meet the tolerance, {} failed. The method with most of them is {} ({}).",
+                    of(Status::diverged), of(Status::tolerance_not_met), of(Status::failed), shown(most->first),
+                    most->second),
         "#section=work-precision&scene=" + in_fragment(folder.scenes[example->scene])};
 }
 
@@ -223,9 +224,9 @@ std::optional<Finding> floor_finding(const ResultFolder& folder) {
         if (!best || row.attitude() / row.floor() < best->attitude() / best->floor()) best = &row;
     }
     if (!best) return std::nullopt;
-    return Finding{fmt::format("{} of {} methods reach the floor of binary64's rounding", reached.size(), all.size()),
-                   fmt::format("Within ten times. The nearest: {} on {}, {} rad where rounding the start costs "
-                               "{} rad.",
+    return Finding{fmt::format("{} of {} methods reach the binary64 rounding floor", reached.size(), all.size()),
+                   fmt::format("Their errors are at most 10 times the floor. The closest is {} on {}: error {} rad, "
+                               "floor {} rad.",
                                shown(folder.methods[best->method]), shown(folder.scenes[best->scene]),
                                plain(best->attitude()), plain(best->floor())),
                    "#section=work-precision&scene=" + in_fragment(folder.scenes[best->scene])};
@@ -245,13 +246,13 @@ std::optional<Finding> gain_finding(const ResultFolder& folder) {
                     gains.push_back(*value);
                     if (*value > largest)
                         largest = *value,
-                        where = fmt::format("{} by {}", shown(text_of(row[scene])), shown(text_of(row[method])));
+                        where = fmt::format("{} with {}", shown(text_of(row[scene])), shown(text_of(row[method])));
                 }
             if (gains.empty()) continue;
             return Finding{
-                fmt::format("Leaving out what a scene does not need makes it {:.2g} times as fast", median(gains)),
-                fmt::format("In the median of {}; most on {}: {:.3g} times.", counted(gains.size(), "pair", "pairs"),
-                            where, largest),
+                fmt::format("The reduced formulation is {:.2g} times as fast as the full one", median(gains)),
+                fmt::format("Median of {}. The largest factor is {:.3g}, on {}.",
+                            counted(gains.size(), "pair", "pairs"), largest, where),
                 "#section=leave-out"};
         } catch (const std::invalid_argument&) {
             continue;
@@ -295,7 +296,7 @@ std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeri
         all.emplace_back();
         const std::vector<double>& error = series.errors[i];
         if (std::ranges::any_of(error, [](double e) { return !std::isfinite(e); })) continue;
-        // an attitude is lost at about a radian
+        // attitude errors saturate at about 1 rad
         const auto growth =
             drift_measures[i] == "attitude" ? error_growth(series.t, error, 1.0) : error_growth(series.t, error);
         if (growth) all.back() = {growth->exponent, growth->uncertainty};
@@ -314,7 +315,7 @@ std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
         const FolderExperiment& experiment = folder.experiments[static_cast<std::size_t>(row.experiment)];
         if ((some && experiment.kind != "convergence") || row.kind == SettingKind::none) continue;
         if (row.status != Status::ok || !std::isfinite(row["attitude_error_final"])) continue;
-        // what rounding makes of an error has no order
+        // errors near the rounding floor have no order
         if (row["attitude_error_final"] < 100 * row["float64_floor_final"]) continue;
         Points& points = curves[row.curve()];
         points.setting.push_back(row["step_taken"] > 0 ? row["step_taken"] : row["setting"]);

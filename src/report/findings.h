@@ -1,4 +1,4 @@
-// What matters most in a folder of results, in sentences made from its numbers.
+// The main findings of a result directory, as sentences with numbers.
 #pragma once
 
 #include <optional>
@@ -12,43 +12,42 @@ namespace polhode {
 /// One finding.
 struct Finding {
     std::string title;  ///< a sentence
-    std::string text;   ///< the numbers behind it
-    std::string link;   ///< the page's state that shows it, "#section=..&scene=.."
+    std::string text;   ///< supporting numbers
+    std::string link;   ///< URL fragment of the view that shows it, "#section=..&scene=.."
 };
 
-/// The fastest run within an attitude error of a scene, and of the other methods the next.
+/// The fastest run of a scene within an attitude error, and the fastest run of another method.
 struct Fastest {
-    std::optional<std::size_t> row, runner_up;  ///< places in the folder's rows
+    std::optional<std::size_t> row, runner_up;  ///< indices into the directory's rows
 };
 
-/// Of the rows of one scene (their places), the fastest whose largest attitude error is within `error`, by the median
-/// time; reduced formulations only.
+/// Finds the fastest run, by median time, among `rows` (indices, all of one scene) with a largest attitude error of at
+/// most `error` (rad). Considers only the reduced formulation if the directory has runs with it.
 Fastest fastest_within(const ResultFolder& folder, const std::vector<std::size_t>& rows, double error);
 
-/// The places of each scene's rows, by the scene's place.
+/// Row indices of each scene, by the index of the scene.
 std::vector<std::vector<std::size_t>> rows_by_scene(const ResultFolder& folder);
 
-/// At most three findings, the weightiest first: who is fastest; whose energy hides a lost attitude; how errors grow;
-/// whether orders are as claimed; what failed; who reaches the floor of rounding; what leaving out gains. Those that
-/// the folder has no numbers for are left out.
+/// The first three of: the fastest method; lost attitudes that the energy error hides; growth of energy errors; orders
+/// that differ from the claimed ones; failed runs; methods that reach the rounding floor; the gain of the reduced
+/// formulation. Findings without data are omitted.
 std::vector<Finding> findings_of(const ResultFolder& folder);
 
-/// The growth exponent of each measure of a series and its uncertainty, where a fit holds.
+/// Growth exponent and its uncertainty for each of drift_measures; nullopt if no power law fits.
 std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeries& series);
 
-/// A fitted order of one curve.
+/// Order of convergence fitted to one curve.
 struct FittedOrder {
     int experiment = 0, scene = 0, method = 0;
     SettingKind kind = SettingKind::none;
-    int claimed = 0;                    ///< 0: none
-    std::optional<double> observed;     ///< empty: nothing converges
-    int points = 0;                     ///< that it was fitted to
-    double from = absent, to = absent;  ///< their settings
+    int claimed = 0;                    ///< 0 if the method claims no order
+    std::optional<double> observed;     ///< empty if the errors do not converge
+    int points = 0;                     ///< number of fitted points
+    double from = absent, to = absent;  ///< settings of the fitted points
 };
 
-/// The orders of all curves of at least four settings that ended well above the floor of rounding (a hundred times it)
-/// and that the folder's experiments are to show orders of (those of the kind `convergence`, or all where there is
-/// none).
+/// Fits orders to all curves that have at least four successful runs with an error above 100 times the rounding floor.
+/// Uses the experiments of kind `convergence`, or all experiments if there are none.
 std::vector<FittedOrder> orders_of(const ResultFolder& folder);
 
 }  // namespace polhode

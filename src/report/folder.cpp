@@ -1,3 +1,6 @@
+// Reads a result directory. FolderReader recognises each CSV file by its columns: result rows of a sweep, errors over
+// time, or another table. A file with an error leaves no rows and adds a remark. All files are untrusted: their sizes
+// and nesting depth are limited, and names in them are never used as paths.
 #include "report/folder.h"
 
 #include <fmt/format.h>
@@ -23,7 +26,8 @@ using nlohmann::ordered_json;
 
 constexpr std::size_t largest_folder_file = std::size_t{1} << 30;
 
-// empty where it cannot be read, is no regular file or too large; a link in the folder may not lead out of it
+// Returns an empty string if the file cannot be read, is not a regular file or is too large. Links must not lead out of
+// the directory.
 std::string read_file(const fs::path& path) {
     try {
         return read_named_text(path.parent_path().string(), path.filename().string(), largest_folder_file, "a table");
@@ -32,15 +36,15 @@ std::string read_file(const fs::path& path) {
     }
 }
 
-// Names in a folder's files are no paths: only the catalogue is asked.
+// Returns a built-in experiment. Names in result files are never used as paths.
 Experiment builtin_experiment(const std::string& name) {
     const std::string_view text = builtin_experiment_text(name);
-    if (text.empty()) throw InputError(name, "", "is no experiment of the catalogue", "give one");
+    if (text.empty()) throw InputError(name, "", "is not a built-in experiment", "give the name of one");
     return parse_experiment(text, name);
 }
 
-// A file that is not there, or torn, is none; nor is one that is nested deeper than any that polhode writes: what is
-// read is written again by recursion.
+// Returns an empty object if the file is missing, corrupted, or nested deeper than files that polhode writes. The depth
+// is limited because the JSON library writes nested values recursively.
 ordered_json read_object(const fs::path& path) {
     constexpr int deepest = 64;
     bool is_deep = false;
@@ -61,7 +65,7 @@ std::string text_at(const ordered_json& object, const char* key) {
 
 double number_of(const std::string& field) { return field.empty() ? absent : parse_decimal(field).value_or(absent); }
 
-// the number in a cell of a row
+// the number in a cell, or absent
 double number_in(const Cell& cell) {
     const auto* real = std::get_if<double>(&cell);
     const auto* count = std::get_if<long>(&cell);
@@ -113,7 +117,7 @@ class FolderReader {
         } catch (const std::invalid_argument& fault) {
             folder_.rows.resize(rows_before), folder_.series.resize(series_before);
             folder_.remarks.push_back(
-                fmt::format("{}.csv is left out: {}.", one_line(name, 100), one_line(fault.what(), 300)));
+                fmt::format("{}.csv is omitted: {}.", one_line(name, 100), one_line(fault.what(), 300)));
             return;
         }
         if (kind == Kind::other) folder_.tables.push_back(std::move(other));
@@ -151,7 +155,7 @@ class FolderReader {
         const int method = folder_.methods.place(fields[places_["method"]]);
         const double setting = number_of(fields[places_["setting"]]), t = number_of(fields[places_["t"]]);
         const auto same = [](double a, double b) { return a == b || (a != a && b != b); };
-        // one run's lines stand together, in order of time
+        // lines of one run are consecutive, with ascending times
         if (folder_.series.empty() || folder_.series.back().experiment != whose ||
             folder_.series.back().scene != scene || folder_.series.back().method != method ||
             !same(folder_.series.back().setting, setting) ||
@@ -176,11 +180,11 @@ class FolderReader {
     std::size_t most_rows_;
     NameList experiments_;
     std::map<std::string, std::size_t> places_;
-    std::vector<std::pair<std::size_t, const ResultColumn*>> result_columns_;  // with their places in the file
-    Result result_;                                                            // of the line at hand
+    std::vector<std::pair<std::size_t, const ResultColumn*>> result_columns_;  // with their indices in the file
+    Result result_;                                                            // of the current line
 };
 
-// The facts of an entry of provenance.json, in words for people; the libraries' versions at the end.
+// Reads an entry of provenance.json: readable names and values, with the versions of libraries at the end.
 void read_provenance(const ordered_json& entry, FolderExperiment& experiment) {
     experiment.date = text_at(entry, "date");
     experiment.about = text_at(entry, "about");
@@ -198,7 +202,7 @@ void read_provenance(const ordered_json& entry, FolderExperiment& experiment) {
             experiment.facts.emplace_back(name, version.is_string() ? version.get<std::string>() : version.dump());
 }
 
-// The tables of an experiment are its name, and its name and an underscore in front of theirs: the longest name counts.
+// Tables named NAME or NAME_.. belong to experiment NAME; the longest matching name wins.
 std::string owner_of(const std::string& table, const std::vector<FolderExperiment>& experiments) {
     std::string owner;
     for (const FolderExperiment& e : experiments)
@@ -222,8 +226,9 @@ int NameList::find(const std::string& name) const {
 ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
     std::error_code none;
     if (!fs::is_directory(directory, none))
-        throw InputError(one_line(directory, 300), "", fs::exists(directory, none) ? "is no folder" : "is not there",
-                         "give a folder that `polhode run` has written");
+        throw InputError(one_line(directory, 300), "",
+                         fs::exists(directory, none) ? "is not a directory" : "does not exist",
+                         "give a directory written by `polhode run`");
     ResultFolder folder;
     folder.directory = directory;
     folder.name = fs::weakly_canonical(directory, none).filename().string();
@@ -231,8 +236,8 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
     for (const auto& entry : fs::directory_iterator(directory, none))
         if (entry.path().extension() == ".csv" && entry.is_regular_file(none)) files.push_back(entry.path());
     if (files.empty())
-        throw InputError(one_line(directory, 300), "", "holds no table (.csv)",
-                         "give a folder that `polhode run` has written");
+        throw InputError(one_line(directory, 300), "", "contains no table (.csv)",
+                         "give a directory written by `polhode run`");
     std::ranges::sort(files);
 
     FolderReader reader(folder, most_rows);
@@ -244,7 +249,7 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
         }
     folder.messages.place("");
     for (const fs::path& file : files) reader.read(file.stem().string(), read_file(file));
-    // those that left nothing here are none of this folder's
+    // titles are recorded by experiment
     std::map<std::string, std::string> titles;
     for (const auto& [name, entry] : provenance.items())
         if (const auto found = entry.find("titles"); entry.is_object() && found != entry.end() && found->is_object())
@@ -254,7 +259,7 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
         table.experiment = owner_of(table.name, folder.experiments);
         if (const auto title = titles.find(table.name); title != titles.end()) table.title = title->second;
     }
-    // a method has one colour and one mark in every section, those that tables alone tell of as well
+    // methods that occur only in tables also get one colour and one mark for all sections
     for (const FolderTable& table : folder.tables)
         if (const auto at = std::ranges::find(table.table.columns, "method"); at != table.table.columns.end())
             for (const std::vector<Cell>& row : table.table.rows)
@@ -268,7 +273,7 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
             if (experiment.about.empty()) experiment.about = known.about;
             if (experiment.kind.empty()) experiment.kind = std::string(known.kind->name);
         } catch (const InputError&) {
-            // one of the user's own, from before its kind was recorded
+            // a user-defined experiment from before the kind was recorded
         }
     }
     const ordered_json texts = read_object(fs::path(directory) / "scenes.json");
@@ -283,7 +288,7 @@ std::map<std::string, Scene> scenes_of(const ResultFolder& folder) {
     const auto missing = [&] {
         return std::ranges::any_of(wanted, [&](const std::string& name) { return !scenes.contains(name); });
     };
-    // the built-in experiments first: their scenes know where the files that they name are
+    // built-in experiments first: their scenes contain the directories of the files that they refer to
     for (const FolderExperiment& experiment : folder.experiments) {
         if (!missing()) break;
         try {
@@ -295,13 +300,13 @@ std::map<std::string, Scene> scenes_of(const ResultFolder& folder) {
             continue;
         }
     }
-    // what the folder itself says goes before them
+    // scenes recorded in the directory take precedence
     for (const auto& [name, text] : folder.scene_texts) {
         if (folder.scenes.find(name) < 0) continue;
         try {
             scenes.insert_or_assign(name, parse_scene(text, "scenes.json", folder.directory));
         } catch (const InputError&) {
-            // it names files that are elsewhere
+            // the scene refers to files that are not available here
         }
     }
     for (const std::string& name : wanted) {

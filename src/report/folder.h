@@ -1,4 +1,4 @@
-// A folder of results, read: the rows of its sweeps, errors over time, every other table, where each came from.
+// Reads a result directory: rows of sweeps, errors over time, all other tables, and the provenance of each.
 #pragma once
 
 #include <array>
@@ -15,16 +15,16 @@
 
 namespace polhode {
 
-/// Names in the order in which they first occurred.
+/// Names in the order of their first occurrence, with indices.
 class NameList {
   public:
-    /// The name's place, a new one where it has not occurred yet.
+    /// Index of the name; appends the name if it is new.
     int place(const std::string& name);
-    /// The name's place, or -1.
+    /// Index of the name, or -1.
     int find(const std::string& name) const;
-    /// All of them.
+    /// All names.
     const std::vector<std::string>& names() const { return names_; }
-    /// The name at a place.
+    /// The name with this index.
     const std::string& operator[](int place) const { return names_[static_cast<std::size_t>(place)]; }
 
   private:
@@ -32,37 +32,37 @@ class NameList {
     std::map<std::string, int, std::less<>> places_;
 };
 
-/// A number that is not there.
+/// An undefined number.
 inline constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 
-/// A row of a result table. Names are places in the folder's lists.
+/// A row of a result table. Names are indices into the directory's lists.
 struct FolderRow {
     int experiment = 0, scene = 0, method = 0, message = 0, formulation = 0;
     SettingKind kind = SettingKind::none;
     Status status = Status::ok;
     bool cut = false;  ///< ended by a limit on time, steps or evaluations
-    /// The numbers of the columns of result_column_table(); NaN where there is none.
+    /// Numbers of the columns of result_column_table(); NaN if undefined.
     std::vector<double> numbers = std::vector<double>(result_column_table().size(), absent);
 
-    /// The number of a column by its name: row["attitude_error_max"].
+    /// Number of the named column: row["attitude_error_max"].
     double& operator[](std::string_view column) { return numbers[result_column_index(column)]; }
-    /// The number of a column by its name.
+    /// Number of the named column.
     double operator[](std::string_view column) const { return numbers[result_column_index(column)]; }
-    /// rad, the largest error over the samples.
+    /// Largest attitude error over the samples, rad.
     double attitude() const { return (*this)["attitude_error_max"]; }
-    /// s, the median of the repeats.
+    /// Median run time of the repeats, s.
     double seconds() const { return (*this)["seconds_median"]; }
-    /// rad, the rounding floor of binary64.
+    /// Rounding floor of binary64, rad.
     double floor() const { return (*this)["float64_floor"]; }
     /// Experiment, scene, method, kind of setting and formulation.
     using Curve = std::array<int, 5>;
-    /// What the rows of one curve share.
+    /// The curve to which the row belongs.
     Curve curve() const { return {experiment, scene, method, static_cast<int>(kind), formulation}; }
-    /// Whether the run ended well within this attitude error (rad) and was timed.
+    /// Whether the run succeeded within this attitude error (rad) and was timed.
     bool is_within(double error) const { return status == Status::ok && attitude() <= error && seconds() > 0; }
 };
 
-/// What is told of errors over time, and the columns of drift.csv that tell it.
+/// Errors over time; the columns of drift.csv are these names with "_error".
 inline constexpr std::array<std::string_view, 5> drift_measures{"attitude", "omega", "energy", "momentum", "norm"};
 
 /// The errors over time of one run.
@@ -70,45 +70,45 @@ struct FolderSeries {
     int experiment = 0, scene = 0, method = 0;
     double setting = absent;
     std::vector<double> t;                                          ///< s
-    std::array<std::vector<double>, drift_measures.size()> errors;  ///< as drift_measures
+    std::array<std::vector<double>, drift_measures.size()> errors;  ///< by index in drift_measures
 };
 
 /// Any other table.
 struct FolderTable {
-    std::string name;        ///< of its file, without .csv
-    std::string experiment;  ///< whose it is; empty where that is not known
-    std::string title;       ///< empty where it is not known
-    Table table;             ///< every cell a text
-    std::size_t total = 0;   ///< rows in the file; more than there are in `table`, of one that is too long
+    std::string name;        ///< file name without .csv
+    std::string experiment;  ///< experiment that wrote it; empty if unknown
+    std::string title;       ///< empty if unknown
+    Table table;             ///< all cells are text
+    std::size_t total = 0;   ///< rows in the file; more than in `table` if the table was truncated
 };
 
-/// An experiment that the folder has rows or tables of.
+/// An experiment with rows or tables in the directory.
 struct FolderExperiment {
     std::string name, about, kind, date;
     bool quick = false;
     std::vector<std::pair<std::string, std::string>> facts;  ///< CPU, compiler, commit, ..: name and value
 };
 
-/// A folder of results.
+/// A result directory.
 struct ResultFolder {
-    std::string directory;  ///< as it was given
-    std::string name;       ///< its last part
+    std::string directory;  ///< path as given by the caller
+    std::string name;       ///< last component of the path
     std::vector<FolderExperiment> experiments;
     NameList scenes, methods, messages, formulations;
     std::vector<FolderRow> rows;
     std::vector<FolderSeries> series;
     std::vector<FolderTable> tables;
-    std::map<std::string, std::string> scene_texts;  ///< canonical JSON by the scene's name in the rows (scenes.json)
-    std::vector<std::string> remarks;                ///< files that could not be read, a sentence each
+    std::map<std::string, std::string> scene_texts;  ///< canonical JSON by scene name in the rows (scenes.json)
+    std::vector<std::string> remarks;                ///< one sentence per file that could not be read
 };
 
-/// Reads every .csv file of the folder, provenance.json and scenes.json. A file that cannot be read is left out and
-/// `remarks` says why. Of a table that is no sweep's the first `most_rows` rows are kept. Throws InputError where there
-/// is no such folder, or it holds no table.
+/// Reads every .csv file of the directory, provenance.json and scenes.json. Files that cannot be read are omitted and
+/// reported in `remarks`. Tables other than sweeps and errors over time are truncated to `most_rows` rows. Throws
+/// InputError if the directory does not exist or contains no table.
 ResultFolder read_folder(const std::string& directory, std::size_t most_rows);
 
-/// The scenes that rows are of, as far as they can be had again, by their names in the rows: from scenes.json, from the
-/// built-in experiments that the rows are of, from the catalogue.
+/// The scenes of the rows by name, as far as they are available: from scenes.json, else from the built-in experiments
+/// of the directory, else from the built-in scenes.
 std::map<std::string, Scene> scenes_of(const ResultFolder& folder);
 
 }  // namespace polhode

@@ -7,7 +7,7 @@ namespace polhode {
 
 Json number_json(double value, int digits) {
     if (!std::isfinite(value)) return nullptr;
-    // the binary64 nearest to the short decimal: written as that decimal again
+    // the binary64 nearest to the rounded decimal, which is written as that decimal
     char buffer[40];
     const auto written =
         std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::scientific, digits - 1);

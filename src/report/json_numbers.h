@@ -1,4 +1,4 @@
-// Numbers of the page's document: few digits, null for what is not there.
+// Numbers of the page's document: rounded, and null if undefined.
 #pragma once
 
 #include <cmath>
@@ -12,19 +12,19 @@ namespace polhode {
 
 using Json = nlohmann::ordered_json;
 
-/// The number to so many significant digits; null if it is not finite.
+/// `value` rounded to `digits` significant digits; null if it is not finite.
 Json number_json(double value, int digits);
 
-/// A list of such numbers.
+/// A list of numbers, each as by number_json().
 Json numbers_json(const std::vector<double>& values, int digits);
 
-/// Places evenly over a list of so many, at most `most` of them, its first and last among them.
+/// At most `most` evenly spaced indices into a list of `count` entries, including the first and, if most > 1, the last.
 std::vector<std::size_t> spread(std::size_t count, std::size_t most);
 
-/// Three numbers to six digits.
+/// The vector as three numbers with six digits.
 Json vector_json(const Vector3<double>& v);
 
-/// Four numbers to eight digits: w, x, y, z.
+/// The quaternion as w, x, y, z with eight digits.
 Json quaternion_json(const Quaternion<double>& q);
 
 }  // namespace polhode

@@ -10,14 +10,14 @@
 namespace polhode {
 namespace {
 
-// 12 bits and a sign: half a milliradian, which no picture shows
+// 12 bits and a sign: rounds attitudes by up to half a milliradian, which is invisible
 constexpr double grid_steps = 4095;
-// a path may be much longer than the body
+// finer: a path may be much longer than the body
 constexpr double path_steps = 1e6, speed_steps = 32767;
 
 struct Grid {
-    double w = 0, p = 0, v = 0;  // one step of each; 0: all zero
-    Vector3<double> start;       // of positions
+    double w = 0, p = 0, v = 0;  // grid steps; 0 if all values are zero
+    Vector3<double> start;       // origin of positions
 
     static double rounded(double value, double step) { return step > 0 ? std::round(value / step) * step : 0; }
     static Vector3<double> rounded(const Vector3<double>& v, double step) {
@@ -49,7 +49,7 @@ Grid grid_of(const SampledMotion& motion, int body) {
     return grid;
 }
 
-// p and v at both ends, h apart
+// Cubic Hermite polynomial at s in [0, 1] through p with the slopes v at the ends of an interval h.
 double hermite(double p0, double v0, double p1, double v1, double h, double s) {
     const double r = s - 1;
     return (1 + 2 * s) * r * r * p0 + s * r * r * h * v0 + s * s * (3 - 2 * s) * p1 + s * s * r * h * v1;
@@ -114,7 +114,8 @@ Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool 
     if (motion.t.empty()) return keyframes;
     std::vector<Grid> grids;
     for (int b = 0; b < motion.bodies; ++b) grids.push_back(grid_of(motion, b));
-    // how far the samples between two keyframes are from what is drawn there; beyond the tolerance no matter how far
+    // Largest distance of the samples between two keyframes from the interpolation. Unless `to_the_end`, stops at the
+    // first sample beyond the tolerance.
     const auto off = [&](std::size_t from, std::size_t to, bool to_the_end = false) {
         Tolerance worst;
         for (int b = 0; b < motion.bodies; ++b) {
@@ -138,7 +139,7 @@ Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool 
     while (from < last) {
         std::size_t to = std::min(from + stride, last), reach = stride;
         Tolerance kept = off(from, to, true);
-        // twice as far as long as that holds, then half-way between what held and what did not
+        // double the interval while it is within the tolerance, then bisect
         while (to < last) {
             const std::size_t further = std::min(from + 2 * reach, last);
             const Tolerance there = off(from, further);

@@ -1,4 +1,4 @@
-// Motions thinned to keyframes, by the very interpolation that the page draws with.
+// Reduces motions to keyframes for the interpolation that the page uses.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace polhode {
 
-/// The motion of some bodies at times: samples[k * bodies + b] at t[k], attitudes of unit length, each on the same side
-/// of the quaternions' sphere as the one before.
+/// Sampled motion of one or more bodies: samples[k * bodies + b] is body b at t[k]. Quaternions have unit length, and
+/// their sign is such that successive quaternions of a body are on the same hemisphere.
 struct SampledMotion {
     int bodies = 1;
     std::vector<double> t;  ///< s, ascending
@@ -22,13 +22,13 @@ struct SampledMotion {
     }
 };
 
-/// Whether all its numbers are finite and not too large to draw.
+/// Whether all values of the sample are finite and not too large to draw.
 bool is_drawable(const Sample& sample);
 
-/// A trajectory as such a motion, up to its first number that is not finite or too large to draw.
+/// The trajectory up to its first sample that is not drawable.
 SampledMotion sampled_motion(const Trajectory& trajectory);
 
-/// How far interpolation may be off.
+/// Tolerance of the interpolation.
 struct Tolerance {
     double angle = 0;   ///< rad
     double length = 0;  ///< m
@@ -36,22 +36,22 @@ struct Tolerance {
 
 /// Keyframes of a motion.
 struct Keyframes {
-    std::vector<std::size_t> at;  ///< their places among the samples
-    Tolerance off;                ///< the largest distances from the samples between them, rounding included
+    std::vector<std::size_t> at;  ///< indices into SampledMotion::t
+    Tolerance off;                ///< largest errors of the interpolation at the samples, including rounding
 };
 
-/// As few of a motion's samples as are needed to be within the tolerance of all the others. Attitudes between two
-/// keyframes: the cubic Hermite polynomial of the quaternion's components with q' = q (0, w_B) / 2 at both ends,
-/// normalised; centres of mass: that of p and v. What is interpolated is what stands in the document, rounded.
-/// `checked`: only every other sample may become one, so that between any two there is one to check by.
+/// Selects few samples such that the interpolation between them is within the tolerance of all other samples. Attitudes
+/// are interpolated by the cubic Hermite polynomial of the quaternion components with q' = q (0, w_B) / 2 at both ends,
+/// then normalised; centres of mass by that of p and v. The interpolation uses the rounded values of the document. If
+/// `checked`, only every other sample can become a keyframe, so that every interval contains a sample to check.
 Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool checked);
 
-/// The keyframes as the page reads them: Track of src/report/page/source/data.ts.
+/// The keyframes as Track of src/report/page/source/data.ts.
 Json track_json(const SampledMotion& motion, const Keyframes& keyframes);
 
-/// The attitude so far (0..1) from one sample to the next one, as above.
+/// Interpolated attitude at the fraction `part` (0..1) of the interval between two samples.
 Quaternion<double> attitude_between(const Sample& from, const Sample& to, double part);
-/// Likewise the centre of mass.
+/// Interpolated centre of mass at the fraction `part` (0..1) of the interval between two samples.
 Vector3<double> position_between(const Sample& from, const Sample& to, double part);
 
 }  // namespace polhode

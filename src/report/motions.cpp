@@ -1,3 +1,7 @@
+// Motions for the page. Scenes that differ only in duration share one motion, of at most 15 revolutions of the fastest
+// body. For each, MotionWriter computes the truth at many times, solves the scene with every method of the directory at
+// one common setting, computes attitude errors at a few hundred times, and reduces each visibly different motion to
+// keyframes (report/keyframes.h). Run time and steps of each run are limited.
 #include "report/motions.h"
 
 #include <fmt/format.h>
@@ -28,41 +32,41 @@ namespace polhode {
 namespace {
 
 constexpr double most_revolutions = 15;
-// attitudes a radian of turning: the fastest body turns by so much between two samples
+// rotation of the fastest body between two samples, rad
 constexpr double turn_per_sample = 0.1;
 constexpr long least_samples = 200, most_samples = 2000;
-// of a truth that costs anew at each time
+// if the truth is computed separately for each time
 constexpr long dear_samples = 400;
 constexpr std::size_t judged_samples = 400, error_points = 100, fewer_error_points = 30;
-// what a picture of a few hundred pixels does not show: a degree is a pixel or two
+// rad, invisible in a picture of a few hundred pixels, where a degree is one or two pixels
 constexpr double visible_angle = 1e-2;
 constexpr double truth_limit = 5, run_limit = 0.5;  // s
 constexpr long run_steps = 200'000;
-// Of a method's settings that one is drawn which people take: a tolerance near this, a step near so much turning (rad).
+// The setting shown of each method is the one nearest to common use: this tolerance, or a step of this rotation (rad).
 constexpr double drawn_tolerance = 1e-6, turn_per_step = 0.1;
 
-// A method's run that a row of the folder is of.
+// A run of a method, from a row of the directory.
 struct DrawnRun {
     int method = 0;
     SettingKind kind = SettingKind::none;
     double setting = absent;
 };
 
-// Whether the first is drawn rather than the second; `step` (s) is the one that people would take.
+// Whether run a is preferred over run b; `step` (s) is the step of common use.
 bool goes_before(const DrawnRun& a, const DrawnRun& b, double step) {
     if (a.kind != b.kind) return a.kind == SettingKind::step;
     const double wanted = a.kind == SettingKind::step ? step : drawn_tolerance;
     return std::abs(std::log(a.setting / wanted)) < std::abs(std::log(b.setting / wanted));
 }
 
-// The truth at any times.
+// The truth at arbitrary times, with a cache for scenes without dense output.
 class TruthOf {
   public:
     explicit TruthOf(const Scene& scene) : scene_(scene) {
         if (!is_mechanism(scene)) dense_ = dense_reference(scene, scene.duration);
     }
 
-    // at times that nobody has asked for before it costs little
+    // whether new times are inexpensive
     bool is_dense() const { return dense_.available; }
 
     Reference at(const std::vector<double>& times) {
@@ -76,7 +80,7 @@ class TruthOf {
         return truth;
     }
 
-    // its first samples, where those alone are asked for
+    // like at(), but reuses the cache if `times` are the first of the cached times
     Reference begin_of(const std::vector<double>& times) {
         if (dense_.available || times.size() > times_.size() || !std::equal(times.begin(), times.end(), times_.begin()))
             return at(times);
@@ -128,7 +132,7 @@ Json joints_json(const Scene& scene) {
     return joints;
 }
 
-// How long a body is from its centre of mass, about: of the box of its moments.
+// Approximate extent of a body from its centre of mass: half the diagonal of the box of its moments.
 double size_of(const Body& body) {
     const Matrix3<double>& I = body.inertia_B;
     if (body.mass == 0) return 0;
@@ -139,7 +143,7 @@ class MotionWriter {
   public:
     MotionWriter(const Scene& scene, std::string& fault) : scene_(scene), fault_(fault) {}
 
-    // null, with the reason in fault_, where there is no truth
+    // Returns null and sets fault_ if the truth is not available or not drawable.
     Json motion(int place, const std::vector<DrawnRun>& runs, const ResultFolder& folder,
                 const std::vector<const DrawnFile*>& files) {
         const double whole = scene_.duration;
@@ -158,14 +162,14 @@ class MotionWriter {
         }
         const SampledMotion motion = sampled_motion(rounded(reference));
         if (motion.t.size() < 2) {
-            fault_ = "its numbers are too large to draw";
+            fault_ = "its values are too large to draw";
             return nullptr;
         }
         const std::vector<NamedBody> bodies =
             is_mechanism(scene_) ? scene_.bodies : std::vector<NamedBody>{{scene_.name, scene_.body, {}}};
         double size = 0;
         for (const NamedBody& body : bodies) size = std::max(size, size_of(body.body));
-        // point masses are as far from their joints as they are large
+        // bodies without extent: use the distances from their joints
         if (size == 0)
             for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
         if (size == 0) size = 1;
@@ -198,7 +202,7 @@ class MotionWriter {
             !is_mechanism(scene_) && problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
         json["energy"] = number_json(is_mechanism(scene_) ? 0 : energy(motion.at(0, 0)), 6);
         json["truth"] = track_json(motion, keyframes);
-        json["how"] = fmt::format("{}; within {:.1e}", reference.message, reference.bound);
+        json["how"] = fmt::format("{}; error bound {:.1e}", reference.message, reference.bound);
         json["methods"] = Json::array();
         for (const DrawnRun& run : runs) json["methods"].push_back(run_json(run, folder.methods[run.method], truth));
         for (const DrawnFile* file : files) json["methods"].push_back(file_json(*file, truth));
@@ -207,7 +211,7 @@ class MotionWriter {
     }
 
   private:
-    // some revolutions of the fastest body are enough to look at
+    // Limits the duration to `most_revolutions` of the fastest body.
     void window(const Problem& problem) {
         const double rate = problem.scales.angular_velocity;
         if (rate > 0) scene_.duration = std::min(scene_.duration, most_revolutions * 2 * std::numbers::pi / rate);
@@ -222,7 +226,7 @@ class MotionWriter {
         return 0.5 * dot(sample.angular_velocity_B, inertia * sample.angular_velocity_B);
     }
 
-    // The samples of a run: of fixed steps at the steps themselves, so that the step is the one asked for.
+    // Settings of a run. Fixed-step runs are sampled at their steps, so that sampling does not change the step.
     Settings settings_of(const DrawnRun& run, bool dense) const {
         Settings settings;
         settings.seconds_limit = run_limit, settings.max_steps = run_steps;
@@ -250,9 +254,8 @@ class MotionWriter {
                   {"attitude", Json::array()}};
         const Method* const method = find_method(name);
         if (!method) {
-            json["message"] = find_engine(name)
-                                  ? "a physics engine, in a process of its own, which this page does not start"
-                                  : "this program has no method of that name";
+            json["message"] = find_engine(name) ? "`polhode report` does not start physics engines in other processes"
+                                                : "this version of polhode has no method of this name";
             return json;
         }
         for (const bool dense : {false, true}) {
@@ -263,7 +266,7 @@ class MotionWriter {
                                             ? refusal(*method, pose(scene_))
                                             : trajectory.message;
             const bool is_visible = add(json, trajectory, message, truth);
-            // a run by tolerance is drawn from more samples than it is judged by
+            // tolerance-driven runs that are visibly different are solved again with dense samples
             if (!is_visible || run.kind == SettingKind::step || dense || !dense_) break;
         }
         return json;
@@ -281,14 +284,14 @@ class MotionWriter {
         return json;
     }
 
-    // What became of a run; whether it can be told from the truth.
+    // Adds status, errors and, if visibly different from the truth, keyframes. Returns whether keyframes were added.
     bool add(Json& json, const Trajectory& trajectory, const std::string& message, TruthOf& truth) {
         json["status"] = static_cast<int>(trajectory.status);
         json["message"] = message;
         json["track"] = json["difference"] = nullptr;
         json["t"] = json["attitude"] = Json::array();
         if (trajectory.moments() == 0) return false;
-        // differences from the truth are formed in 128 bits: at some hundred times
+        // differences from the truth are computed in 128 bits, which is slow: only at a few hundred times
         const std::size_t bodies = static_cast<std::size_t>(trajectory.bodies);
         Trajectory judged = trajectory;
         judged.samples.clear(), judged.orthogonality_defect.clear(), judged.reactions.clear();
@@ -341,12 +344,12 @@ class MotionWriter {
 
 Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
                      const std::vector<DrawnFile>& files, int jobs) {
-    // scenes that differ in duration alone are one motion, the longest one's
+    // scenes that differ only in duration share the motion of the longest one
     struct Task {  // NOLINT(bugprone-exception-escape): the JSON library's destructor takes memory
         const Scene* scene = nullptr;
         std::vector<int> places;
         std::map<int, DrawnRun> runs;
-        double step = 0;  // s, that people would take
+        double step = 0;  // s, step of common use
         std::string fault;
         Json json;
     };

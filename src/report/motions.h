@@ -1,4 +1,4 @@
-// The motions that the page draws: of each scene the truth and what every method makes of it.
+// Motions for the page: the truth of each scene, and the solution by each method.
 #pragma once
 
 #include <map>
@@ -12,25 +12,26 @@
 
 namespace polhode {
 
-/// A trajectory of the user's own to be drawn beside the methods.
+/// A user trajectory to be drawn beside the methods.
 struct DrawnFile {
-    std::string label;            ///< its file's name
-    int scene = 0;                ///< the place of its scene's name
-    std::vector<Sample> samples;  ///< by time and then by body
+    std::string label;            ///< file name
+    int scene = 0;                ///< index of the scene
+    std::vector<Sample> samples;  ///< ordered by time, then by body
     int bodies = 1;
 };
 
-/// What became of the motions.
+/// Result of make_motions().
 struct Motions {
     Json list = Json::array();          ///< Motion[] of src/report/page/source/data.ts
-    std::map<int, int> of_scene;        ///< place in the list by the scene's place
-    std::vector<int> of_file;           ///< of each file its place among the methods of its scene's motion, or -1
-    std::vector<std::string> left_out;  ///< scenes without one and why, a sentence each
+    std::map<int, int> of_scene;        ///< index in the list, by index of the scene
+    std::vector<int> of_file;           ///< index of each file in the `methods` of its scene's motion, or -1
+    std::vector<std::string> left_out;  ///< one sentence per scene without a motion, with the reason
 };
 
-/// Solves each scene by every method that the folder has rows of it by, over at most some 15 revolutions, and thins
-/// what comes out; of a method's settings at the one nearest to what people take: a tenth of a radian of turning a
-/// step, a tolerance of 1e-6. Scenes that are the same but for their duration share a motion. `jobs` threads.
+/// Solves each scene with every method that has rows for it in the directory, over at most about 15 revolutions, and
+/// reduces the motions to keyframes. Each method uses its setting in the directory that is nearest to common use: a
+/// step of 0.1 rad of rotation, or a tolerance of 1e-6. Scenes that differ only in duration share a motion. Uses `jobs`
+/// threads.
 Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
                      const std::vector<DrawnFile>& files, int jobs);
 

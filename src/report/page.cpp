@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 
 std::string gzip(std::string_view text) {
     z_stream stream{};
-    // 15 bits of window, and 16 for a gzip header, whose time is zero: the same document gives the same bytes
+    // 15 window bits plus 16 for a gzip header. Its time is zero, so the same document gives the same bytes.
     if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK)
-        throw std::runtime_error("zlib cannot begin to compress");
+        throw std::runtime_error("zlib cannot start compression");
     std::string out(deflateBound(&stream, text.size()) + 32, '\0');
-    // zlib does not write to what it reads
+    // zlib does not write to its input
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));  // NOLINT
     stream.avail_in = static_cast<uInt>(text.size());
     stream.next_out = reinterpret_cast<Bytef*>(out.data());  // NOLINT
@@ -66,7 +66,8 @@ std::string escaped(std::string_view text) {
 void replace_once(std::string& page, std::string_view mark, std::string_view text) {
     const std::size_t place = page.find(mark);
     if (place == std::string::npos || page.find(mark, place + 1) != std::string::npos)
-        throw std::runtime_error(fmt::format("the page's front-end has no single place for {}; build it again", mark));
+        throw std::runtime_error(
+            fmt::format("the page's front-end must contain {} exactly once; build it again", mark));
     page.replace(place, mark.size(), text);
 }
 
@@ -76,7 +77,7 @@ std::string page_template_path() {
     if (const char* named = std::getenv("POLHODE_REPORT_PAGE"); named && *named) {
         if (!fs::is_regular_file(named))
             throw std::runtime_error(
-                fmt::format("POLHODE_REPORT_PAGE is {}, which is no file; unset it", one_line(named, 300)));
+                fmt::format("POLHODE_REPORT_PAGE is {}, which is not a file; unset it", one_line(named, 300)));
         return named;
     }
     std::error_code error;
@@ -84,8 +85,8 @@ std::string page_template_path() {
     for (const char* place : {"report/page.html", "../share/polhode/report/page.html"})
         if (const fs::path path = program / place; fs::is_regular_file(path, error)) return path.string();
     throw std::runtime_error(
-        "the page's front-end is not built; run src/report/page/build (it needs node and npm), or install polhode's "
-        "package, which brings it");
+        "the page's front-end is not built; run src/report/page/build (needs Node.js and npm), or install polhode's "
+        "package, which contains it");
 }
 
 std::string filled_page(std::string_view page_template, std::string_view title, std::string_view document) {

@@ -1,4 +1,4 @@
-// The page itself: its front-end, built beforehand, and a document put into it.
+// The HTML page: a front-end built in advance, with a document inserted.
 #pragma once
 
 #include <string>
@@ -6,13 +6,13 @@
 
 namespace polhode {
 
-/// The file of the built front-end: build/report/page.html beside the program of a build tree, else
-/// ../share/polhode/report/page.html from where the program is installed, unless $POLHODE_REPORT_PAGE names another.
-/// Throws std::runtime_error, with what would bring it, where there is none.
+/// Path of the built front-end: $POLHODE_REPORT_PAGE if set, else report/page.html beside the program, else
+/// ../share/polhode/report/page.html relative to the program's directory. Throws std::runtime_error with the remedy if
+/// it does not exist.
 std::string page_template_path();
 
-/// The front-end with a title and a document in its places: the document compressed (gzip) and in base64. Throws
-/// std::runtime_error where the template has no such places, or each more than once.
+/// Inserts a title and a document, as gzip in base64, into the front-end. Throws std::runtime_error if the template
+/// does not contain each placeholder exactly once.
 std::string filled_page(std::string_view page_template, std::string_view title, std::string_view document);
 
 }  // namespace polhode

@@ -25,10 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// as many as a page may hold, with those that maps of outcomes are made of
+// enough for stability maps, whose cells are read from table rows
 constexpr std::size_t most_table_rows = 50'000;
 
-// From all to little: the first that a page has room for.
+// Levels of detail in descending order. The first one that fits into largest_page is used.
 constexpr Detail details[] = {
     {100'000, 5, 2000, 2000, 200, 100'000}, {100'000, 5, 2000, 2000, 200, 2000},
     {100'000, 4, 1000, 1000, 100, 1500},    {100'000, 4, 1000, 1000, 100, 1000},
@@ -37,7 +37,7 @@ constexpr Detail details[] = {
     {10'000, 3, 100, 50, 50, 50},           {3'000, 3, 30, 20, 40, 0},
 };
 
-// The scene of the user's trajectories among those of the folder, which gets it where it is not there yet.
+// Returns the name of the trajectories' scene, and adds the scene to the directory's scenes if it is new.
 std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, std::map<std::string, Scene>& scenes) {
     if (request.trajectories.empty()) return "";
     if (!request.scene.empty()) {
@@ -53,7 +53,7 @@ std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, s
     std::string stem = fs::path(request.trajectories.front()).stem().string();
     if (scenes.contains(stem)) return stem;
     if (scenes.size() == 1) return scenes.begin()->first;
-    throw InputError(one_line(request.trajectories.front(), 300), "", "is of a scene that is not told",
+    throw InputError(one_line(request.trajectories.front(), 300), "", "is not named after a scene of the directory",
                      "give --scene SCENE");
 }
 
@@ -94,8 +94,9 @@ ReportMade write_report_page(const ReportRequest& request) {
             filled_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
         if (page.size() > largest_page && &detail != &details[std::size(details) - 1]) continue;
         if (page.size() > largest_page)
-            throw std::runtime_error(fmt::format("{}: holds more than a page can show; give a folder of fewer scenes",
-                                                 one_line(request.directory, 300)));
+            throw std::runtime_error(
+                fmt::format("{}: contains more than a page can show; give a directory with fewer scenes",
+                            one_line(request.directory, 300)));
         write_atomically(made.path, page);
         made.bytes = page.size();
         made.remarks = document["remarks"].get<std::vector<std::string>>();

@@ -1,4 +1,4 @@
-// One page of all that a folder of results tells: `polhode report`.
+// `polhode report`: writes a result directory as one HTML page.
 #pragma once
 
 #include <cstddef>
@@ -9,30 +9,30 @@
 
 namespace polhode {
 
-/// What a page is to be made of.
+/// Input of a page.
 struct ReportRequest {
-    std::string directory;                  ///< a folder that `polhode run` has written
-    std::string output;                     ///< of the page; empty: report.html in that folder
-    std::string against;                    ///< a second folder to compare with, or empty
-    std::vector<std::string> trajectories;  ///< files of the user's own, to be judged and drawn
-    std::string scene;                      ///< theirs; empty: the only one of the folder, or the one named as the file
-    Convention convention;                  ///< theirs
-    bool motions = true;                    ///< false: nothing is solved, and nothing moves
-    int jobs = 1;                           ///< threads
+    std::string directory;                  ///< directory written by `polhode run`
+    std::string output;                     ///< path of the page; empty: report.html in the directory
+    std::string against;                    ///< second directory to compare with, or empty
+    std::vector<std::string> trajectories;  ///< user trajectory files to check and draw
+    std::string scene;      ///< scene of the trajectories; empty: named as the first file, or the only scene
+    Convention convention;  ///< convention of the trajectory files
+    bool motions = true;    ///< solve the scenes and add animated motions
+    int jobs = 1;           ///< threads
 };
 
-/// What was written.
+/// The written page.
 struct ReportMade {
     std::string path;
     std::size_t bytes = 0;
-    std::vector<std::string> remarks;  ///< what the page leaves out, a sentence each
+    std::vector<std::string> remarks;  ///< one sentence per omission
 };
 
-/// A page is never larger.
+/// Upper limit of a page's size, bytes.
 inline constexpr std::size_t largest_page = 5'000'000;
 
-/// Writes the page. Throws InputError where a folder, a scene or a trajectory is at fault, std::runtime_error where the
-/// page cannot be made or written.
+/// Writes the page. Throws InputError if a directory, scene or trajectory is invalid, and std::runtime_error if the
+/// page cannot be created or written.
 ReportMade write_report_page(const ReportRequest& request);
 
 }  // namespace polhode

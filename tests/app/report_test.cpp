@@ -157,7 +157,7 @@ TEST_F(Report, FitsManyRowsIntoAPage) {
     const nlohmann::json page = document("here/report.html");
     EXPECT_EQ(page["rows"]["total"], rows);
     EXPECT_GE(page["rows"]["count"], 60'000);
-    EXPECT_NE(page["remarks"][0].get<std::string>().find("Of 120000 result rows"), std::string::npos);
+    EXPECT_NE(page["remarks"][0].get<std::string>().find("of 120000 result rows"), std::string::npos);
     // all curves are there
     EXPECT_EQ(page["methods"].size(), 40u);
 }
@@ -170,9 +170,9 @@ TEST_F(Report, AnEmptyTableIsNoFault) {
 
 TEST_F(Report, RefusesBadInputAndWritesNothing) {
     expect_refused({"report"}, "DIR");
-    expect_refused({"report", "none"}, "none: is not there; give a folder");
-    expect_refused({"report", "/dev/null"}, "is no folder");
-    expect_refused({"report", "."}, "holds no table (.csv)");
+    expect_refused({"report", "none"}, "none: does not exist; give a directory");
+    expect_refused({"report", "/dev/null"}, "is not a directory");
+    expect_refused({"report", "."}, "contains no table (.csv)");
     expect_refused({"report", ".", "--output", "a.pdf"}, "give NAME.html");
     expect_refused({"report", ".", "--output", "none/a.html"}, "none");
     expect_refused({"report", ".", "--scene", "t_handle"}, "--trajectory");
@@ -184,7 +184,7 @@ TEST_F(Report, RefusesBadInputAndWritesNothing) {
         EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
         EXPECT_FALSE(fs::exists(directory / "here/report.html"));
     };
-    refused({"here", "--against", "there"}, "there: is not there");
+    refused({"here", "--against", "there"}, "there: does not exist");
     refused({"here", "--trajectory", "mine.csv"}, "give --scene SCENE");
     refused({"here", "--trajectory", "mine.csv", "--scene", "t_handle"}, "mine.csv");
     refused({"here", "--trajectory", "mine.csv", "--scene", "t_handl"}, "t_handle");
@@ -195,7 +195,7 @@ TEST_F(Report, SaysWhatBringsAFrontEndThatIsMissing) {
     write("here/t.csv", "experiment,scene,method,setting_kind,setting,status,attitude_error_max,message\n");
     const Outcome outcome = run({"report", "here"}, [] { ::setenv("POLHODE_REPORT_PAGE", "/nowhere/page.html", 1); });
     EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_EQ(outcome.err, "polhode: POLHODE_REPORT_PAGE is /nowhere/page.html, which is no file; unset it\n");
+    EXPECT_EQ(outcome.err, "polhode: POLHODE_REPORT_PAGE is /nowhere/page.html, which is not a file; unset it\n");
     EXPECT_FALSE(fs::exists(directory / "here/report.html"));
 }
 

@@ -1,4 +1,4 @@
-// Bodies as the page draws them, read back as a scene file is: they are the same bodies.
+// Tests that the shapes in the page, read back as scene files, have the mass properties of the original bodies.
 #include "report/body_shape.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ double largest_entry(const Matrix3<double>& m) {
     return size;
 }
 
-// The page's numbers have six digits, places are from the centre of mass.
+// Numbers in the page have six digits; positions are from the centre of mass.
 void expect_same_about_its_center(const Body& drawn, const Body& body) {
     EXPECT_NEAR(drawn.mass, body.mass, 1e-5 * body.mass);
     const double size = largest_entry(body.inertia_B);
@@ -112,7 +112,7 @@ TEST(BodyShape, MeshesStandWhereTheirPartsDo) {
         both.triangles.push_back({drawn["faces"][3 * i], drawn["faces"][3 * i + 1], drawn["faces"][3 * i + 2]});
     expect_same_about_its_center(body_of(body_source(MeshBody{"both.obj", "", both, {4, true}})), body);
 
-    // what would make the page large is drawn as a box of the moments
+    // large meshes are drawn as the box of the moments
     Mesh fine = corner;
     fine.triangles.resize(4001, {0, 2, 1});
     Body large = body;
@@ -142,7 +142,7 @@ TEST(BodyShape, NumbersAloneAreABoxOfTheMoments) {
     EXPECT_NEAR(drawn["moments"][0], 2.5 - std::sqrt(0.5), 1e-5);
     EXPECT_NEAR(drawn["moments"][1], 2.5 + std::sqrt(0.5), 1e-5);
     EXPECT_EQ(drawn["moments"][2], 4);
-    // 1 m off along the third axis the mass of 2 kg adds to the other two
+    // parallel axis theorem: 1 m along the third axis, 2 kg add 2 kg m^2 to the other two moments
     const Json about = principal_json(body, Vector3<double>(0, 0, 1));
     EXPECT_NEAR(about["moments"][0], 4.5 - std::sqrt(0.5), 1e-5);
     EXPECT_NEAR(about["moments"][1], 4.5 + std::sqrt(0.5), 1e-5);

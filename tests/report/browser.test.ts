@@ -1,5 +1,5 @@
-// The page in browsers, from file:// as it will be read: every section, the tools, links, both themes, screens wide and
-// narrow, what screen readers are told, hostile data, and how long 10^5 rows take.
+// Tests the page in browsers from file://: every section, the tools, links, both themes, wide and narrow screens,
+// accessibility, hostile data, and the time to interactive with 10^5 rows.
 
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
@@ -40,7 +40,7 @@ interface Watched {
   faults: string[];
 }
 
-/** A page whose faults are collected: errors it throws or prints, and whatever it asks for besides itself. */
+/** Opens a page and collects its errors: exceptions, console errors, dialogs, and requests for other addresses. */
 async function open(browser: Browser, address: string, options: { width?: number; dark?: boolean; before?: (page: Page) => Promise<void> } = {}): Promise<Watched> {
   const page = await browser.newPage();
   const faults: string[] = [];
@@ -66,7 +66,7 @@ async function open(browser: Browser, address: string, options: { width?: number
 
 const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
-/** Scrolls through the page until every section is drawn and every plot that is shown has its picture. */
+/** Scrolls through the page until every section is rendered and every visible plot is drawn. */
 async function drawAll(page: Page): Promise<void> {
   for (let round = 0; round < 200; ++round) {
     const left = await page.evaluate(() => {
@@ -85,7 +85,7 @@ async function drawAll(page: Page): Promise<void> {
   await pause(300);
 }
 
-/** The width that does not fit on the screen. */
+/** Horizontal overflow of the page, px. */
 function tooWide(page: Page): Promise<number> {
   return page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 }
@@ -94,7 +94,7 @@ async function violations(page: Page): Promise<string[]> {
   await page.evaluate(axe);
   return page.evaluate(async () => {
     const { axe: runner } = window as unknown as { axe: { run(context: object, options: object): Promise<{ violations: { id: string; help: string; nodes: { html: string; failureSummary?: string }[] }[] }> } };
-    // the viewer has tests of its own
+    // motion_browser.test.ts tests the motion view
     const result = await runner.run({ exclude: [[".motion"]] }, { resultTypes: ["violations"] });
     return result.violations.map((one) => `${one.id}: ${one.help}: ${one.nodes.slice(0, 3).map((node) => `${node.html.slice(0, 160)} ${(node.failureSummary ?? "").slice(0, 300)}`).join(" | ")} (${one.nodes.length})`);
   });
@@ -114,18 +114,18 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-test("the template has one place for the title and one for the data, and the licences of what is in it", () => {
+test("the template has one placeholder each for the title and the data, and contains the licences", () => {
   assert.equal(template.split("<!--polhode:title-->").length, 2);
   assert.equal(template.split("<!--polhode:data-->").length, 2);
   assert.match(template, /<title><!--polhode:title--><\/title>/);
   assert.match(template, /<script id="polhode-data" type="application\/gzip"><!--polhode:data--><\/script>/);
-  assert.equal(template.match(/<\/script/gi)?.length, 5, "a script's end inside of a script");
+  assert.equal(template.match(/<\/script/gi)?.length, 5, "the end of a script inside a script");
   assert.match(template, /default-src 'none'/);
   for (const name of ["plotly.js-basic-dist-min", "three"]) assert.ok(template.includes(`${name} `) && template.includes("Permission is hereby granted"), `the licence of ${name}`);
   assert.match(template, /Plotly/);
 });
 
-test("every section is drawn, without an error or a request", async () => {
+test("renders every section without errors or requests", async () => {
   const { page, faults } = await open(browser, rich);
   await drawAll(page);
   const sections = await page.$$eval("main > section", (all) => all.map((one) => one.id.replace("section-", "")));
@@ -142,14 +142,14 @@ test("every section is drawn, without an error or a request", async () => {
   await page.close();
 });
 
-test("the legend lights and dims, twelve at most, by mouse and keyboard", async () => {
+test("the legend highlights at most twelve methods, by mouse and keyboard", async () => {
   const { page, faults } = await open(browser, `${rich}#section=work-precision`);
   await page.waitForSelector("#section-work-precision .entry");
   const lit = (): Promise<string[]> => page.$$eval('#section-work-precision .entry[aria-pressed="true"]', (all) => all.map((one) => one.textContent ?? ""));
   assert.equal((await lit()).length, 12);
   await page.click('#section-work-precision .entry[aria-pressed="false"]');
   await pause(400);
-  assert.equal((await lit()).length, 12, "the oldest goes when a thirteenth comes");
+  assert.equal((await lit()).length, 12, "a thirteenth method replaces the oldest");
   await page.focus('#section-work-precision .entry[aria-pressed="true"]');
   const first = (await lit())[0];
   await page.keyboard.press("Enter");
@@ -164,19 +164,19 @@ test("the legend lights and dims, twelve at most, by mouse and keyboard", async 
   await page.close();
 });
 
-test("failures stand at the edge, and unsupported methods below with their reason", async () => {
+test("marks failures at the edge and lists unsupported methods with the reason", async () => {
   const { page, faults } = await open(browser, `${rich}#section=work-precision&scene=stiff_drag`);
   await page.waitForSelector("#section-work-precision .main-svg");
   await pause(500);
   const crosses = await page.$$eval("#section-work-precision .plot", (plots) =>
     plots.flatMap((plot) => ((plot as unknown as { data: { name?: string; y: number[]; yaxis?: string }[] }).data ?? []).filter((trace) => /^failures/.test(trace.name ?? "")).map((trace) => trace.yaxis ?? "y")));
-  assert.ok(crosses.includes("y2"), "runs without an error stand at the top");
+  assert.ok(crosses.includes("y2"), "runs without an error value are marked at the top");
   assert.match(await page.$eval("#section-work-precision .unsupported", (one) => one.textContent ?? ""), /only torque-free motion of one body.*exact/s);
   assert.deepEqual(faults, []);
   await page.close();
 });
 
-test("tables sort, filter, turn pages and are copied", async () => {
+test("tables can be sorted, filtered, paged and copied", async () => {
   const { page, faults } = await open(browser, `${rich}#section=tables&table=long_list`, {
     before: async (one) => {
       await one.evaluateOnNewDocument(() => {
@@ -219,7 +219,7 @@ test("tables sort, filter, turn pages and are copied", async () => {
   await page.close();
 });
 
-test("a link brings the view back in another tab", async () => {
+test("a link restores the view in another tab", async () => {
   const { page, faults } = await open(browser, `${rich}#section=work-precision`);
   await page.waitForSelector("#section-work-precision .main-svg");
   await page.select("#scene", "lagrange_top");
@@ -256,7 +256,7 @@ test("a link brings the view back in another tab", async () => {
   await other.page.close();
 });
 
-test("a double click and the button show the whole again", async () => {
+test("a double click and the button reset the zoom", async () => {
   const { page, faults } = await open(browser, `${rich}#section=work-precision`);
   await page.waitForSelector("#section-work-precision .main-svg");
   await pause(500);
@@ -286,7 +286,7 @@ test("a double click and the button show the whole again", async () => {
   await page.close();
 });
 
-test("a finding leads to what it tells of, and back", async () => {
+test("a finding links to its section, and back returns", async () => {
   const { page, faults } = await open(browser, rich);
   const scene = (): Promise<string> => page.$eval("#scene", (one) => (one as HTMLSelectElement).value);
   await pause(400);
@@ -304,7 +304,7 @@ test("a finding leads to what it tells of, and back", async () => {
   await page.close();
 });
 
-test("pictures are saved as SVG and PNG, with a legend", async () => {
+test("saves pictures as SVG and PNG with a legend", async () => {
   const { page, faults } = await open(browser, `${rich}#section=work-precision`);
   await page.waitForSelector("#section-work-precision .main-svg");
   const session = await page.createCDPSession();
@@ -324,7 +324,7 @@ test("pictures are saved as SVG and PNG, with a legend", async () => {
     writeFileSync(join(screenshots, `saved${ending}`), bytes);
     if (format === "SVG") {
       assert.match(bytes.toString(), /<svg[^>]*xmlns/);
-      assert.match(bytes.toString(), /extrapolation/, "the legend names the methods");
+      assert.match(bytes.toString(), /extrapolation/, "the legend contains the method names");
     } else assert.equal(bytes.subarray(1, 4).toString(), "PNG");
   }
   assert.deepEqual(faults, []);
@@ -333,16 +333,16 @@ test("pictures are saved as SVG and PNG, with a legend", async () => {
 
 for (const dark of [false, true]) {
   for (const width of [1440, 400]) {
-    test(`${dark ? "dark" : "light"}, ${width} px: fits, reads, and is accessible`, async () => {
+    test(`${dark ? "dark" : "light"}, ${width} px: fits the screen and is accessible`, async () => {
       const { page, faults } = await open(browser, rich, { width, dark });
       await drawAll(page);
-      assert.equal(await tooWide(page), 0, "nothing stands out of the screen");
+      assert.equal(await tooWide(page), 0, "nothing is wider than the screen");
       await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = !one.classList.contains("pop"))));
       await pause(500);
       assert.deepEqual(await violations(page), []);
       await page.evaluate(() => document.querySelectorAll("details").forEach((one) => (one.open = false)));
       await pause(300);
-      // a section at a time: a browser cannot take the whole page at once
+      // one screenshot per section: the whole page is too large
       await page.addStyleTag({ content: ".bar, nav { position: static !important; }" });
       await pause(200);
       for (const section of await page.$$("main > section")) {
@@ -356,7 +356,7 @@ for (const dark of [false, true]) {
   }
 }
 
-test("the theme follows the button, and the keyboard reaches the content first", async () => {
+test("the button switches the theme, and the first Tab reaches the skip link", async () => {
   const { page, faults } = await open(browser, rich, { dark: false });
   const ground = (): Promise<string> => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const before = await ground();
@@ -375,7 +375,7 @@ test("the theme follows the button, and the keyboard reaches the content first",
   await page.close();
 });
 
-test("without WebGL the rest stands", async () => {
+test("renders all other sections without WebGL", async () => {
   const without = await launchChromium(["--disable-gpu", "--disable-3d-apis"]);
   try {
     const { page, faults } = await open(without, rich);
@@ -383,7 +383,7 @@ test("without WebGL the rest stands", async () => {
     assert.equal(await page.evaluate(() => document.createElement("canvas").getContext("webgl2")), null);
     assert.ok((await page.$$eval("#section-work-precision .scatterlayer path.point", (all) => all.length)) > 20);
     assert.ok((await page.$eval("#section-motion", (one) => one.textContent ?? "")).length > 10);
-    // what the viewer says of the missing WebGL is its own affair
+    // messages about missing WebGL are expected
     assert.deepEqual(faults.filter((fault) => !/webgl|WebGL|THREE/.test(fault)), []);
   } finally {
     await without.close();
@@ -397,8 +397,8 @@ for (const [name, make] of hostile) {
       const { page, faults } = await open(browser, write(name.replace(" ", "_"), make()), { width });
       await drawAll(page);
       assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), "yes");
-      assert.equal(await page.evaluate(() => (window as unknown as { broken?: number }).broken), undefined, "nothing of the data was run");
-      assert.equal(await page.$$eval('main img, main iframe, main b, main script, a[href^="javascript"]', (all) => all.length), 0, "nothing of the data became markup");
+      assert.equal(await page.evaluate(() => (window as unknown as { broken?: number }).broken), undefined, "no script from the data was run");
+      assert.equal(await page.$$eval('main img, main iframe, main b, main script, a[href^="javascript"]', (all) => all.length), 0, "no data became markup");
       assert.deepEqual(await page.$$eval(".body > .fault:not([hidden])", (all) => all.map((one) => (one.textContent ?? "").slice(0, 200))), []);
       assert.equal(await tooWide(page), 0);
       await page.screenshot({ path: join(screenshots, `hostile_${name.replace(" ", "_")}_${width}.png`), fullPage: true });
@@ -408,11 +408,11 @@ for (const [name, make] of hostile) {
   });
 }
 
-test("a page that is cut short, empty or of another format says so", async () => {
+test("reports truncated and empty pages and other formats", async () => {
   const whole = embed(template, oneRow());
   const cases: [string, string, RegExp][] = [
-    ["empty", template, /holds no data/],
-    ["cut", whole.replace(/(application\/gzip">[A-Za-z0-9+/]{400})[^<]*/, "$1"), /does not decompress/],
+    ["empty", template, /contains no data/],
+    ["cut", whole.replace(/(application\/gzip">[A-Za-z0-9+/]{400})[^<]*/, "$1"), /cannot be decompressed/],
     ["letters", whole.replace(/application\/gzip">/, 'application/gzip">%%'), /not base64/],
     ["format", embed(template, { ...oneRow(), format: 2 as 1 }), /format 1/],
   ];
@@ -437,7 +437,7 @@ test("10^5 rows", async (context) => {
     const { page, faults } = await open(browser, address);
     await page.waitForSelector("#section-work-precision .main-svg, #section-scenes tbody tr", { timeout: 60000 });
     const time = await page.evaluate(async () => {
-      // the main thread has nothing left to do
+      // wait until the main thread is idle
       await new Promise((resolve) => requestIdleCallback(resolve));
       const interactive = performance.now();
       const paint = performance.getEntriesByType("paint").find((one) => one.name === "first-contentful-paint");
@@ -457,12 +457,12 @@ test("10^5 rows", async (context) => {
   }
   const best = (key: "paint" | "ready" | "interactive"): number => Math.round(Math.min(...times.map((time) => time[key])));
   context.diagnostic(`page ${(size / 1e6).toFixed(2)} MB; first paint ${best("paint")} ms, data ready ${best("ready")} ms, interactive ${best("interactive")} ms (best of ${times.length})`);
-  // twice what is wanted, for machines that are shared
+  // twice the targets, because test machines are shared
   assert.ok(best("paint") < 2000, "first paint");
   assert.ok(best("interactive") < 6000, "interactive");
 });
 
-test("Firefox shows the same", { skip: firefox === undefined ? "no Firefox here" : false }, async () => {
+test("renders the same sections in Firefox", { skip: firefox === undefined ? "Firefox is not installed" : false }, async () => {
   const other = await puppeteer.launch({ browser: "firefox", executablePath: firefox ?? "", headless: true, protocol: "webDriverBiDi" });
   try {
     const { page, faults } = await open(other, rich, {});

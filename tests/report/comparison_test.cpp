@@ -1,4 +1,4 @@
-// Ratios of two folders against hand-made numbers.
+// Tests the comparison of two directories against numbers computed by hand.
 #include "report/comparison.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ TEST(RatioInterval, IsStudentsOfTheLogarithms) {
 }
 
 TEST(RatioInterval, TakesEachGroupOnce) {
-    // a scene of a thousand runs weighs as much as one of a single run
+    // a scene with a thousand runs has the same weight as one with a single run
     const RatioInterval interval = ratio_interval({std::vector<double>(1000, 4.0), {1.0}, {}});
     EXPECT_NEAR(interval.ratio, 2, 1e-12);
     EXPECT_FALSE(interval.low);
@@ -39,7 +39,7 @@ TEST(RatioInterval, CoversTheTruthAsOftenAsItSays) {
         const RatioInterval interval = ratio_interval(groups);
         covered += *interval.low <= 1.5 && 1.5 <= *interval.high ? 1 : 0;
     }
-    // 95 % of 4000, and four standard deviations of that
+    // 95 % of 4000, within four standard deviations
     EXPECT_NEAR(covered, 3800, 4 * std::sqrt(4000 * 0.95 * 0.05));
 }
 
@@ -70,7 +70,7 @@ TEST(Compared, MatchesRowsByWhatTheyAreOf) {
     EXPECT_NEAR(comparison.all.ratio, 2, 1e-12);
     ASSERT_EQ(comparison.methods.size(), 1u);
     EXPECT_NEAR(*comparison.methods[0].errors, std::cbrt(3.0), 1e-12);
-    // another setting is another run
+    // rows with different settings do not match
     there.rows[0]["setting"] = 1e-8;
     EXPECT_EQ(compared(here, there).pairs.size(), 2u);
     EXPECT_EQ(compared(here, there).only_there, 1u);

@@ -1,4 +1,4 @@
-// The page's document, read back: what is left out to keep it small, and that what remains is the folder's.
+// Tests the page's document: which data are omitted to keep it small, and that the rest equals the directory's data.
 #include "report/document.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ class FolderDocument : public ::testing::Test {
 };
 
 TEST_F(FolderDocument, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) {
-    // the fastest within 1e-6 rad lies amid a curve, where a stride would pass it by
+    // the fastest run within 1e-6 rad lies inside a curve, where a stride would skip it
     for (int curve = 0; curve < 4; ++curve)
         for (int k = 0; k < 101; ++k)
             add(curve < 2 ? "a" : "b", curve % 2 ? "taylor" : "dop853", 1.0 / (k + 1), 1e-7,
@@ -67,7 +67,7 @@ TEST_F(FolderDocument, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) 
     EXPECT_LE(count, 150u);
     EXPECT_GE(count, 70u);
     EXPECT_EQ(thin["rows"]["total"], 404);
-    EXPECT_TRUE(says(thin, "Of 404 result rows " + std::to_string(count) + " are in this page"));
+    EXPECT_TRUE(says(thin, "This page contains " + std::to_string(count) + " of 404 result rows"));
     for (const Json& page : {thin, whole}) {
         const Json& rows = page["rows"];
         std::set<std::pair<int, int>> curves;
@@ -85,7 +85,7 @@ TEST_F(FolderDocument, OfManyRowsKeepsSomeOfEachCurveAndThoseThatOthersSpeakOf) 
     }
 }
 
-// The names in a list of data.ts.
+// The names in a list in data.ts.
 std::set<std::string> names_in_page(const std::string& list) {
     std::ifstream file(source_dir() + "/src/report/page/source/data.ts");
     const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -122,7 +122,7 @@ TEST_F(FolderDocument, CurvesOfARowEachAreThinnedToo) {
     detail.rows = 100, detail.digits = 3;
     const Json page = document(detail);
     EXPECT_LE(page["rows"]["count"].get<int>(), 150);
-    EXPECT_TRUE(says(page, "Numbers have 3 digits here."));
+    EXPECT_TRUE(says(page, "Numbers are rounded to 3 significant digits."));
 }
 
 TEST_F(FolderDocument, TablesTellNumbersFromWords) {
@@ -157,11 +157,11 @@ TEST_F(FolderDocument, MapsAreTheIntervalsOfTheirTable) {
     EXPECT_EQ(spin["x_label"], "spin (rad/s)");
     EXPECT_EQ(spin["x"], Json({1, 10}));
     EXPECT_EQ(spin["y"], Json({0.1, 0.2, 0.4, 0.8}));
-    // by rows of y: accurate 0, close 1, diverged 4, tolerance_not_met 5; -1 where the table says nothing that is known
+    // row by row of y: accurate 0, close 1, diverged 4, tolerance_not_met 5; -1 without a known outcome
     EXPECT_EQ(spin["outcome"], Json({0, 1, 0, 5, 4, -1, 4, -1}));
     EXPECT_EQ(maps[1]["x_label"], "stiffness");
     EXPECT_EQ(maps[1]["outcome"], Json::array({6}));
-    // every outcome of a run has a name
+    // every outcome has a name
     EXPECT_EQ(spin["outcomes"].size(), 9u);
     EXPECT_EQ(spin["outcomes"][5], "tolerance_not_met");
     folder.tables[0].table.columns[2] = "y";
@@ -183,7 +183,7 @@ TEST_F(FolderDocument, OfRunsOverTimeKeepsTheFirstWithPointsSpreadOverThem) {
     detail.series = 2, detail.series_points = 11;
     const Json page = document(detail);
     ASSERT_EQ(page["drift"].size(), 2u);
-    EXPECT_TRUE(says(page, "Of 3 runs with errors over time the first 2 are in this page."));
+    EXPECT_TRUE(says(page, "This page contains the first 2 of 3 runs with errors over time."));
     const Json& run = page["drift"][1];
     EXPECT_EQ(run["setting"], 1.5);
     EXPECT_EQ(run["t"], Json({0, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000}));
@@ -205,18 +205,18 @@ TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
     Detail detail;
     detail.tracks = 4;
     const Json page = document(detail);
-    EXPECT_TRUE(says(page, "Of 10 methods' motions 4 are left out"));
+    EXPECT_TRUE(says(page, "4 of 10 motions are omitted"));
     EXPECT_TRUE(says(page, "c is not drawn: why."));
     for (const Json& motion : page["motions"]) {
-        // two of each scene: a published update, then binary64; a file of the user's own always
+        // two methods per scene: a published update, then one in binary64; user files are always kept
         const bool kept[] = {false, false, true, true, true};
         for (std::size_t i = 0; i < 5; ++i) EXPECT_NE(motion["methods"][i]["track"].is_null(), kept[i]) << i;
-        EXPECT_EQ(motion["methods"][0]["message"], "its motion is left out of this page");
+        EXPECT_EQ(motion["methods"][0]["message"], "its motion is omitted from this page");
         EXPECT_EQ(motion["methods"][2]["message"], "slow");
     }
     EXPECT_EQ(document()["motions"], motions.list);
     detail.tracks = 2;
-    EXPECT_EQ(document(detail)["motions"][1]["methods"][2]["message"], "slow; its motion is left out of this page");
+    EXPECT_EQ(document(detail)["motions"][1]["methods"][2]["message"], "slow; its motion is omitted from this page");
 }
 
 TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {

@@ -1,4 +1,4 @@
-// Reads what stands in a page, by another way than it was written: zlib's and an own reader of base64.
+// Reads the document from a page, independently of the code that writes it: with zlib and a separate base64 decoder.
 #pragma once
 
 #include <zlib.h>
@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-/// What stands between the template's marks "<data>" and "</data>" of these tests.
+/// The template of these tests; the document is between "<data>" and "</data>".
 inline constexpr const char* page_template =
     "<title><!--polhode:title--></title>\n<data><!--polhode:data--></data>\n<p>the rest</p>\n";
 
@@ -22,7 +22,7 @@ inline std::string from_base64(std::string_view text) {
         if (c == '=') break;
         const std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
         const std::size_t value = letters.find(c);
-        if (value == std::string_view::npos) throw std::invalid_argument("no base64");
+        if (value == std::string_view::npos) throw std::invalid_argument("not base64");
         bits = bits << 6 | static_cast<std::uint32_t>(value), count += 6;
         if (count >= 8) out += static_cast<char>(bits >> (count -= 8) & 0xff);
     }
@@ -43,7 +43,7 @@ inline std::string from_gzip(const std::string& bytes) {
         out.append(buffer, sizeof buffer - stream.avail_out);
     }
     inflateEnd(&stream);
-    if (status != Z_STREAM_END) throw std::runtime_error("no whole gzip stream");
+    if (status != Z_STREAM_END) throw std::runtime_error("incomplete gzip stream");
     return out;
 }
 

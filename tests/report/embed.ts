@@ -1,4 +1,4 @@
-// Puts a document into the template, as the program does.
+// Inserts a document into the template like the program.
 
 import { gzipSync } from "node:zlib";
 import type { ReportData } from "../../src/report/page/source/data.ts";

@@ -1,4 +1,4 @@
-// The sentences of a folder's findings, each number of theirs counted by hand.
+// Tests the sentences of findings against numbers counted by hand.
 #include "report/findings.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 class FolderFindings : public ::testing::Test {
   protected:
-    // A run of the only experiment that ended well.
+    // Adds a successful run of the only experiment.
     FolderRow& add(const std::string& scene, const std::string& method, double attitude, double seconds) {
         if (folder.experiments.empty()) folder.experiments.push_back({"t", "", "sweep", "", false, {}});
         FolderRow row;
@@ -23,7 +23,7 @@ class FolderFindings : public ::testing::Test {
         folder.rows.push_back(row);
         return folder.rows.back();
     }
-    // The first finding whose title has these words.
+    // The first finding whose title contains these words.
     Finding with(const std::string& words) const {
         std::string titles;
         for (const Finding& one : findings_of(folder)) {
@@ -38,7 +38,7 @@ class FolderFindings : public ::testing::Test {
 };
 
 TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
-    // at 1e-9 rad one scene has two methods to compare, at 1e-6 all four
+    // at 1e-9 rad, one scene has two methods to compare; at 1e-6 rad, all four scenes have
     for (const char* scene : {"a", "b b", "c", "d"}) {
         add(scene, "taylor", 1e-7, scene[0] == 'c' ? 5e-6 : 1e-6);
         add(scene, "cvode_adams", 1e-7, scene[0] == 'a' ? 4e-6 : scene[0] == 'b' ? 8e-6 : 2e-6);
@@ -46,10 +46,10 @@ TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
     add("d", "taylor", 1e-10, 3e-6), add("d", "extrapolation", 1e-10, 6e-6);
     const Finding fastest = with("is the fastest");
     EXPECT_EQ(fastest.title, "taylor is the fastest to 1e-6 rad on 3 of 4 scenes");
-    // the best of the other library over the best: 4, 8, 5/2 and 2
+    // fastest time of the other library over the fastest time: 4, 8, 5/2 and 2
     EXPECT_EQ(fastest.text,
-              "Elsewhere: cvode_adams on 1. The best of another library takes 3.2 times as long in the median of 4 "
-              "scenes, at most 8 times (b b).");
+              "Elsewhere: cvode_adams on 1. The fastest method of another library takes 3.2 times as long (median of 4 "
+              "scenes; at most 8 times, on b b).");
     EXPECT_EQ(fastest.link, "#section=work-precision&scene=a");
 }
 
@@ -62,8 +62,8 @@ TEST_F(FolderFindings, TellOfOneLibraryAloneAndOfManyWinners) {
     const Finding fastest = with("is the fastest");
     EXPECT_EQ(fastest.title, "taylor is the fastest to 1e-9 rad on 2 of 7 scenes");
     EXPECT_EQ(fastest.text,
-              "Elsewhere: dop853 on 1, exact on 1, extrapolation on 1, radau on 1, ... Compared are methods of one "
-              "library.");
+              "Elsewhere: dop853 on 1, exact on 1, extrapolation on 1, radau on 1, ... All compared methods are from "
+              "one library.");
 }
 
 TEST_F(FolderFindings, NameThePlainestOfTheLostAttitudes) {
@@ -75,8 +75,8 @@ TEST_F(FolderFindings, NameThePlainestOfTheLostAttitudes) {
     const Finding hidden = with("Energy hides");
     EXPECT_EQ(hidden.title, "Energy hides a lost attitude in 3 runs");
     EXPECT_EQ(hidden.text,
-              "2 methods: the attitude is more than 1 rad off and the energy less than 1 %. article_as_written on "
-              "lagrange top% at a step of 0.02 s: attitude 3 rad, momentum 0.5, energy 0.0025.");
+              "2 methods: attitude error above 1 rad, energy error below 1 %. article_as_written on lagrange top% with "
+              "a step of 0.02 s: attitude 3 rad, momentum 0.5, energy 0.0025.");
     EXPECT_EQ(hidden.link, "#section=motion&scene=lagrange%20top%25&motion_methods=article_as_written");
 }
 
@@ -95,15 +95,15 @@ TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
     series("implicit_midpoint", [](double t) { return 1e-5 * std::abs(std::sin(2 * t)); });
     series("odeint_rk4", [](double t) { return 1e-9 * t; });
     const Finding growth = with("drift");
-    EXPECT_EQ(growth.title, "2 methods show no drift of energy, 1 grows in proportion to time");
+    EXPECT_EQ(growth.title, "2 methods without energy drift, 1 with energy errors that grow in proportion to time");
     EXPECT_EQ(growth.text, "Without drift: implicit_midpoint, splitting4. The longest run lasts 400 s.");
-    // the fit itself: an attitude's is told up to a radian
+    // the fit itself: attitude errors are fitted up to 1 rad
     const auto exponents = growth_of(folder.series.back());
     ASSERT_TRUE(exponents[0] && exponents[2]);
     EXPECT_NEAR(exponents[2]->first, 1, 0.02);
     folder.series.back().errors[1].back() = absent;
     EXPECT_FALSE(growth_of(folder.series.back())[1]);
-    // without one that grows there is nothing to tell apart
+    // there is no finding without a growing error
     folder.series.pop_back();
     for (const Finding& one : findings_of(folder)) EXPECT_EQ(one.title.find("drift"), std::string::npos) << one.title;
 }
@@ -114,11 +114,13 @@ TEST_F(FolderFindings, CountOrdersThatAreNotThoseClaimed) {
             add("free_asymmetric", method, 0.5 * std::pow(h, order), absent)["setting"] = h;
     };
     curve("odeint_rk4", 4), curve("splitting4", 4), curve("odeint_euler", 1);
-    EXPECT_EQ(with("orders").title, "All 3 observed orders are those claimed");
+    EXPECT_EQ(with("orders").title, "All 3 observed orders match the claimed orders");
     curve("implicit_midpoint", 1.5);
     const Finding off = with("orders");
-    EXPECT_EQ(off.title, "3 of 4 observed orders are those claimed");
-    EXPECT_EQ(off.text, "Within 0.2. The furthest off: implicit_midpoint on free_asymmetric, 1.50 where 2 is claimed.");
+    EXPECT_EQ(off.title, "3 of 4 observed orders match the claimed orders");
+    EXPECT_EQ(off.text,
+              "Matches are within 0.2. Largest difference: implicit_midpoint on free_asymmetric, 1.50 observed, 2 "
+              "claimed.");
     EXPECT_EQ(off.link, "#section=convergence&scene=free_asymmetric");
 }
 
@@ -128,14 +130,15 @@ TEST_F(FolderFindings, CountWhatFailedAndWhatReachesTheFloor) {
     for (const Status status : {Status::diverged, Status::diverged, Status::failed, Status::unsupported})
         add("b", "odeint_euler", absent, absent).status = status;
     add("b", "odeint_rk4", absent, absent).status = Status::tolerance_not_met;
-    const Finding failures = with("did not end well");
-    EXPECT_EQ(failures.title, "4 of 7 runs did not end well");
-    EXPECT_EQ(failures.text, "2 diverged, 1 did not meet their tolerance, 1 failed; most of odeint_euler (3).");
+    const Finding failures = with("did not succeed");
+    EXPECT_EQ(failures.title, "4 of 7 runs did not succeed");
+    EXPECT_EQ(failures.text,
+              "2 diverged, 1 did not meet the tolerance, 1 failed. The method with most of them is odeint_euler (3).");
     EXPECT_EQ(failures.link, "#section=work-precision&scene=b");
     const Finding floor = with("floor");
-    EXPECT_EQ(floor.title, "1 of 2 methods reach the floor of binary64's rounding");
+    EXPECT_EQ(floor.title, "1 of 2 methods reach the binary64 rounding floor");
     EXPECT_EQ(floor.text,
-              "Within ten times. The nearest: taylor on a, 2e-14 rad where rounding the start costs 1e-14 "
+              "Their errors are at most 10 times the floor. The closest is taylor on a: error 2e-14 rad, floor 1e-14 "
               "rad.");
 }
 
@@ -146,9 +149,9 @@ TEST_F(FolderFindings, TellWhatLeavingOutGains) {
          {std::pair{"a", "1.5"}, std::pair{"b", "3"}, std::pair{"c", "2"}, std::pair{"d", ""}})
         table.table.rows.push_back({std::string(scene), std::string("cvode_adams"), std::string(gain)});
     folder.tables = {torn, table};
-    const Finding gain = with("Leaving out");
-    EXPECT_EQ(gain.title, "Leaving out what a scene does not need makes it 2 times as fast");
-    EXPECT_EQ(gain.text, "In the median of 3 pairs; most on b by cvode_adams: 3 times.");
+    const Finding gain = with("reduced formulation");
+    EXPECT_EQ(gain.title, "The reduced formulation is 2 times as fast as the full one");
+    EXPECT_EQ(gain.text, "Median of 3 pairs. The largest factor is 3, on b with cvode_adams.");
     folder.tables = {torn};
     EXPECT_TRUE(findings_of(folder).empty());
 }
@@ -162,7 +165,7 @@ TEST_F(FolderFindings, AreThreeAtMost) {
     ASSERT_EQ(all.size(), 3u);
     EXPECT_NE(all[0].title.find("fastest"), std::string::npos);
     EXPECT_NE(all[1].title.find("Energy"), std::string::npos);
-    EXPECT_NE(all[2].title.find("did not end well"), std::string::npos);
+    EXPECT_NE(all[2].title.find("did not succeed"), std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Folders of results, sound and broken.
+// Tests reading of valid and corrupted result directories.
 #include "report/folder.h"
 
 #include <gtest/gtest.h>
@@ -94,7 +94,7 @@ TEST_F(Folder, LeavesOutATornFileAndSaysSo) {
     const ResultFolder folder = read_folder(path, 100);
     EXPECT_EQ(folder.rows.size(), 1u);
     ASSERT_EQ(folder.remarks.size(), 2u);
-    EXPECT_NE(folder.remarks[0].find("b.csv is left out: line 2"), std::string::npos) << folder.remarks[0];
+    EXPECT_NE(folder.remarks[0].find("b.csv is omitted: line 2"), std::string::npos) << folder.remarks[0];
 }
 
 TEST_F(Folder, ReadsEachColumnThatATableMayHave) {
@@ -131,7 +131,7 @@ TEST_F(Folder, NamesTheCellThatCannotBeRead) {
     write("b.csv", header + row("taylor", 0.1, 1e-3, 2e-6, "fine"));
     const ResultFolder folder = read_folder(path, 100);
     EXPECT_EQ(folder.rows.size(), 1u);
-    EXPECT_EQ(folder.remarks, std::vector<std::string>{"b.csv is left out: column status: fine is an unknown name."});
+    EXPECT_EQ(folder.remarks, std::vector<std::string>{"b.csv is omitted: column status: fine is an unknown name."});
 }
 
 TEST_F(Folder, KeepsAsManyRowsOfATableAsAreWanted) {
@@ -183,14 +183,15 @@ TEST_F(Folder, TellsOfEnergiesThatHideALostAttitude) {
     for (const Finding& finding : findings_of(read_folder(path, 1)))
         if (finding.title == "Energy hides a lost attitude in 1 run") {
             told = true;
-            EXPECT_NE(finding.text.find("article_as_written on free_asymmetric at a step of 0.1 s"), std::string::npos)
+            EXPECT_NE(finding.text.find("article_as_written on free_asymmetric with a step of 0.1 s"),
+                      std::string::npos)
                 << finding.text;
         }
     EXPECT_TRUE(told);
 }
 
 TEST_F(Folder, FitsOrdersAboveTheFloorAlone) {
-    // error = 1e-2 h^4 down to a floor at 1e-12, where rounding wanders about
+    // error = 1e-2 h^4 down to a floor at 1e-12, where it varies irregularly
     std::string text = std::string(header);
     text.replace(text.find("float64_floor"), 13, "float64_floor_final");
     for (int k = 0; k < 14; ++k) {

@@ -1,4 +1,4 @@
-// What is used of gifenc, which comes without types.
+// Types of the functions of gifenc used here; gifenc has none.
 declare module "gifenc" {
   export type Palette = number[][];
   export function quantize(rgba: Uint8Array, colors: number, options?: { format?: "rgb565" | "rgb444" | "rgba4444" }): Palette;

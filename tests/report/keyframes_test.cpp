@@ -1,4 +1,4 @@
-// Thinned motions against closed forms and against a reader written apart.
+// Tests keyframes against closed forms and with an independent reader of tracks.
 #include "report/keyframes.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ Quaternion<double> about(const Vector3<double>& axis, double angle) {
     return {std::cos(angle / 2), s * axis[0], s * axis[1], s * axis[2]};
 }
 
-// A symmetric body's free motion (Landau & Lifshitz, Mechanics, 33): precession about the world's z at the rate a, spin
-// about its own z at the rate b, the two at an angle; thrown along a parabola.
+// Free motion of a symmetric body (Landau & Lifshitz, Mechanics, 33): precession about the world's z at the rate a and
+// spin about the body's z at the rate b, with an angle between the axes; the centre of mass moves on a parabola.
 Sample regular_precession(double t, double a, double b, double angle) {
     Sample s;
     s.t = t;
@@ -42,7 +42,7 @@ double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
     return 2 * std::atan2(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), std::abs(d.w));
 }
 
-// The sample that stands in a track, as the page reads it.
+// Sample k of a track, decoded as in the page.
 Sample read_back(const Json& track, std::size_t k) {
     const Json& body = track["bodies"][0];
     Sample s;
@@ -80,7 +80,7 @@ TEST(Keyframes, AreWithinTheirBoundOfTheTrueMotionAtAnyTime) {
         const Vector3<double> d = truth.position_W - position_between(from, to, part);
         worst_length = std::max(worst_length, std::sqrt(dot(d, d)));
     }
-    // between the samples the motion goes on as smoothly: a little above what was seen at them
+    // between samples the error may slightly exceed its maximum at the samples
     EXPECT_LT(worst_angle, 1.05 * keyframes.off.angle + 1e-4);
     EXPECT_LT(worst_length, 1.05 * keyframes.off.length + 1e-4);
 }
@@ -107,7 +107,7 @@ RC_GTEST_PROP(Keyframes, KeepTheToleranceWhateverTheMotion, ()) {
     const SampledMotion motion = sampled_motion(precession(a, b, angle, 5, samples));
     const Keyframes keyframes = thinned(motion, {1e-2, 5e-2}, false);
     RC_ASSERT(keyframes.at.back() == motion.t.size() - 1);
-    // a keyframe itself is off by no more than half a step of its grid, however coarse the samples are
+    // the error at a keyframe is at most half a grid step, for samples of any spacing
     RC_ASSERT(keyframes.off.angle <= 1e-2);
     RC_ASSERT(std::is_sorted(keyframes.at.begin(), keyframes.at.end()));
 }

@@ -1,5 +1,5 @@
-// node make_page.js TEMPLATE OUTPUT rich|names|one|null|empty|many|FILE.json: a page of a sample document, or of one that
-// was written elsewhere.
+// node make_page.js TEMPLATE OUTPUT rich|names|one|null|empty|many|FILE.json
+// Writes a page of a sample document or of a document in a file.
 
 import { readFileSync, writeFileSync } from "node:fs";
 import { embed } from "./embed.ts";
@@ -11,7 +11,7 @@ const samples: Record<string, () => ReportData> = {
 };
 const [template, output, kind] = process.argv.slice(2);
 if (template === undefined || output === undefined || kind === undefined) {
-  process.stderr.write("make_page: wants TEMPLATE OUTPUT SAMPLE\n");
+  process.stderr.write("usage: make_page TEMPLATE OUTPUT SAMPLE\n");
   process.exit(2);
 }
 const data = samples[kind]?.() ?? (JSON.parse(readFileSync(kind, "utf8")) as ReportData);

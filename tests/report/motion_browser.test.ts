@@ -1,5 +1,5 @@
-// The motion view in Chromium, from file://: what is drawn, controls by pointer and keyboard, its state in the address, what
-// is said of methods that are not drawn as they are, no WebGL, a lost context, and that nothing runs or grows by itself.
+// Tests the motion view in Chromium from file://: the drawing, pointer and keyboard control, the state in the address,
+// remarks on methods, missing WebGL, a lost context, and that the view is idle and leaks nothing when unused.
 
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -55,7 +55,7 @@ async function open(fragment: string, options: { width?: number; dark?: boolean;
   return { page, faults };
 }
 
-/** Waits until what was done is drawn and in the address, however slow the machine is: the address is written 150 ms later. */
+/** Waits until a change is drawn and written to the address, which happens 150 ms later. */
 const settled = (page: Page): Promise<void> => page.evaluate(async () => {
   const frame = (): Promise<number> => new Promise((resolve) => requestAnimationFrame(resolve));
   for (let i = 0; i < 3; ++i) await frame();
@@ -66,12 +66,12 @@ const settled = (page: Page): Promise<void> => page.evaluate(async () => {
 const drawn = (page: Page): Promise<number> => page.$eval(".motion-view", (view) => Number((view as HTMLElement).dataset.drawn));
 const textOf = (page: Page, selector: string): Promise<string> => page.$$eval(selector, (all) => all.map((one) => one.textContent ?? "").join("\n"));
 
-/** Waits until it plays, or stands. */
+/** Waits until playback has started or stopped. */
 const playing = async (page: Page, wanted: boolean): Promise<void> => {
   await page.waitForFunction((text) => document.querySelector(".motion-time .play")?.textContent === text, { timeout: 60000 }, wanted ? "Pause" : "Play");
 };
 
-/** Of a pane's pixels, the share that is not its ground. */
+/** Fraction of a pane's pixels that differ from its background. */
 const filled = (page: Page, pane: number): Promise<number> => page.evaluate((at) => {
   const canvas = document.querySelectorAll<HTMLCanvasElement>(".motion-pane canvas")[at];
   const context = canvas?.getContext("2d");
@@ -93,12 +93,12 @@ async function violations(page: Page): Promise<string[]> {
   });
 }
 
-test("every motion is drawn, in both layouts and themes, wide and narrow, and nothing is wider than the screen", async () => {
+test("draws every motion in both layouts and themes, on wide and narrow screens, without overflow", async () => {
   for (const [width, dark] of [[1440, false], [400, true]] as const) {
     for (const scene of ["t_handle", "lagrange_top", "double_pendulum", "every_shape", "small_and_far"]) {
       for (const layout of ["side", "overlay"]) {
         const { page, faults } = await open(`scene=${scene}&motion_layout=${layout}&motion_show=angular_velocity,momentum,trail`, { width, dark });
-        // to a time within the motion
+        // go to a time within the motion
         await page.$eval(".motion-time input", (one) => {
           const slider = one as HTMLInputElement;
           slider.value = String(0.3 * Number(slider.max));
@@ -110,7 +110,7 @@ test("every motion is drawn, in both layouts and themes, wide and narrow, and no
         assert.ok(panes >= 1);
         for (let pane = 0; pane < panes; ++pane) {
           const share = await filled(page, pane);
-          assert.ok(share > 0.008 && share < 0.7, `${scene}, ${layout}, ${width}: ${share} of pane ${pane} is drawn upon`);
+          assert.ok(share > 0.008 && share < 0.7, `${scene}, ${layout}, ${width}: ${share} of pane ${pane} is filled`);
         }
         assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth)) <= 0, `${scene} at ${width}`);
         const view = await page.$(".motion-view");
@@ -122,7 +122,7 @@ test("every motion is drawn, in both layouts and themes, wide and narrow, and no
   }
 });
 
-test("accessible, in both themes", async () => {
+test("is accessible in both themes", async () => {
   for (const dark of [false, true]) {
     for (const scene of ["t_handle", "double_pendulum", "unknown"]) {
       const { page, faults } = await open(`scene=${scene}`, { dark });
@@ -133,11 +133,11 @@ test("accessible, in both themes", async () => {
   }
 });
 
-test("plays when asked, at its speed, to the end, and not before; pauses where it is out of sight", async () => {
+test("plays only on request, at the chosen speed, to the end; pauses when out of view", async () => {
   const { page, faults } = await open("scene=t_handle", { reduced: true });
   await pause(700);
   assert.equal(await drawn(page), 0);
-  // nothing is drawn where nothing changes
+  // nothing is redrawn without a change
   const frames = await page.evaluate(async () => {
     let count = 0;
     const observer = new MutationObserver(() => ++count);
@@ -146,7 +146,7 @@ test("plays when asked, at its speed, to the end, and not before; pauses where i
     observer.disconnect();
     return count;
   });
-  // the text for screen readers at the most
+  // at most the text for screen readers changes
   assert.ok(frames <= 2, `${frames} changes while nothing happens`);
   await page.click(".motion-time .play");
   await pause(1500);
@@ -154,7 +154,7 @@ test("plays when asked, at its speed, to the end, and not before; pauses where i
   await page.click(".motion-time .play");
   await settled(page);
   const reached = await drawn(page);
-  // a slow machine's long frames count 0.1 s each
+  // long frames of slow machines count as 0.1 s each
   assert.ok(reached > 0.2 && reached < 2.2, `${reached} s after 1.5 s`);
   assert.match(page.url(), /motion_time=/);
   await page.click(".motion-time .play");
@@ -177,7 +177,7 @@ test("plays when asked, at its speed, to the end, and not before; pauses where i
   await page.close();
 });
 
-test("keys: the slider's own, one step, play", async () => {
+test("keys move the slider, step and play", async () => {
   const { page } = await open("scene=t_handle&motion_time=2");
   assert.equal(await drawn(page), 2);
   await page.focus(".motion-time input");
@@ -199,7 +199,7 @@ test("keys: the slider's own, one step, play", async () => {
   await page.close();
 });
 
-test("the view is turned by dragging and by buttons, and the address has it", async () => {
+test("dragging and buttons rotate the view, and the address stores it", async () => {
   const { page } = await open("scene=t_handle");
   const picture = (): Promise<string> => page.$eval(".motion-pane canvas", (canvas) => (canvas as HTMLCanvasElement).toDataURL());
   const first = await picture();
@@ -213,31 +213,31 @@ test("the view is turned by dragging and by buttons, and the address has it", as
   const dragged = await picture();
   assert.notEqual(dragged, first);
   assert.match(decodeURIComponent(page.url()), /motion_view=-?[\d.]+,-?[\d.]+,1\.00/);
-  await page.click('.motion-turn button[title="Nearer"]');
+  await page.click('.motion-turn button[title="Zoom in"]');
   await settled(page);
   assert.notEqual(await picture(), dragged);
-  await page.click('.motion-turn button[title="Reset to what it was at first"]');
+  await page.click('.motion-turn button[title="Reset the view"]');
   await settled(page);
   assert.equal(await picture(), first);
   assert.doesNotMatch(page.url(), /motion_view/);
   await page.close();
 });
 
-test("the address brings scene, methods, layout, time and arrows back", async () => {
+test("the address restores scene, methods, layout, time and arrows", async () => {
   const { page } = await open("scene=t_handle&motion_methods=rk4,cvode_adams&motion_layout=overlay&motion_time=1.25&motion_show=trail");
   assert.equal(await drawn(page), 1.25);
   assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 1);
   const names = await textOf(page, ".motion-legend .name");
   assert.match(names, /^truth\nrk4, step .*\ncvode_adams, tolerance 1e-10$/);
   assert.deepEqual(await page.$$eval('.motion-toggles button[aria-pressed="true"]', (all) => all.map((one) => one.textContent)), ["Trail"]);
-  // and the page's own changes go there
+  // changes in the page are written to the address
   await page.select(".motion-controls .choice:not([hidden]) select", "article_as_written");
   await settled(page);
   assert.match(page.url(), /motion_methods=article_as_written,cvode_adams/);
   await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_time=3"));
   await page.waitForFunction(() => (document.querySelector(".motion-view") as HTMLElement).dataset.drawn === "3.00000");
   assert.match(await textOf(page, ".motion-remarks"), /Gravity: 9\.81 m\/s² along −z/);
-  // methods that there are not are passed over
+  // unknown methods are ignored
   await page.evaluate(() => (location.hash = "#section=motion&scene=lagrange_top&motion_methods=no_such,rk4&motion_time=nonsense&motion_view=a,b,c&motion_body=none"));
   await settled(page);
   assert.equal(await page.$$eval(".motion-pane", (all) => all.length), 2);
@@ -245,20 +245,20 @@ test("the address brings scene, methods, layout, time and arrows back", async ()
   await page.close();
 });
 
-test("it is said what is not drawn as it is", async () => {
+test("reports motions that are not drawn, or not drawn exactly", async () => {
   const { page } = await open("scene=t_handle&motion_methods=cvode_adams,odeint_fehlberg78,radau&motion_time=9");
   const said = await textOf(page, ".motion-remarks");
-  assert.match(said, /cvode_adams: no further than [\d.e-]+\srad from the truth: drawn as the truth\./);
-  assert.match(said, /odeint_fehlberg78 diverged after 6\.28 s and stands still from there: the energy is beyond all bounds\./);
-  assert.match(said, /radau failed: only motion under loads; there is nothing to draw\./);
-  assert.match(said, /Drawn from keyframes: off by at most 1\.9\s*mrad\./);
-  assert.match(said, /The truth: Jacobi's elliptic functions; within 1\.0e-17\./);
-  assert.match(said, /Shown are the first 10\.5\s*s of the scene's 20\s*s\./);
-  assert.match(await textOf(page, ".motion-ended:not([hidden])"), /ended at 6\.28 s\n.*nothing to draw/);
+  assert.match(said, /cvode_adams is within [\d.e-]+\srad of the truth and is drawn as the truth\./);
+  assert.match(said, /odeint_fehlberg78 diverged after 6\.28 s and does not move from then on: the energy is beyond all bounds\./);
+  assert.match(said, /radau failed: only motion under loads; there is no motion to draw\./);
+  assert.match(said, /Interpolated between keyframes to within 1\.9\s*mrad\./);
+  assert.match(said, /Truth: Jacobi's elliptic functions; error bound 1\.0e-17\./);
+  assert.match(said, /Only the first 10\.5\s*s of the scene's 20\s*s are shown\./);
+  assert.match(await textOf(page, ".motion-ended:not([hidden])"), /ended at 6\.28 s\n.*no motion/);
   assert.match(await textOf(page, ".motion-now"), /odeint_fehlberg78 ended/);
   assert.match((await page.$eval(".motion-pane canvas", (one) => one.getAttribute("aria-label"))) ?? "", /t_handle, truth: At 9\.00 s/);
   const other = await open("scene=unknown");
-  assert.match(await textOf(other.page, ".motion-view .note"), /There is no motion of unknown; this is t_handle\./);
+  assert.match(await textOf(other.page, ".motion-view .note"), /No motion is available for unknown; showing t_handle\./);
   await other.page.close();
   await page.close();
 });
@@ -277,7 +277,7 @@ test("a click on the errors sets the time", async () => {
   await page.close();
 });
 
-test("without WebGL the bodies are wires, it is said, and the rest is there", async () => {
+test("draws wireframes and a message without WebGL, and everything else", async () => {
   const bare = await launch(["--disable-gpu", "--disable-3d-apis"]);
   try {
     const { page } = await open("scene=double_pendulum&motion_time=2", { in: bare });
@@ -289,15 +289,15 @@ test("without WebGL the bodies are wires, it is said, and the rest is there", as
     await page.keyboard.press(".");
     await settled(page);
     assert.ok((await drawn(page)) > 2);
-    assert.match(await textOf(page, ".motion-now"), /rk4 [\d.]+\srad off/);
+    assert.match(await textOf(page, ".motion-now"), /rk4 error [\d.]+\srad/);
   } finally {
     await bare.close();
   }
 });
 
-test("a lost context is told, and its return brings the picture back; scenes come and go without growth", async () => {
+test("reports a lost context and redraws when it is restored; changing scenes leaks no buffers", async () => {
   const { page, faults } = await open("scene=t_handle&motion_time=1");
-  // three.js asks for its context once: it is kept from there on
+  // three.js requests its context once; the hook stores it
   await page.close();
   const kept = await browser.newPage();
   kept.on("pageerror", (fault) => faults.push(String(fault)));
@@ -319,12 +319,12 @@ test("a lost context is told, and its return brings the picture back; scenes com
     lose?.loseContext();
   });
   await settled(kept);
-  assert.match(await textOf(kept, ".motion-view .fault:not([hidden])"), /took the graphics context away/);
+  assert.match(await textOf(kept, ".motion-view .fault:not([hidden])"), /released the WebGL context/);
   await kept.evaluate(() => (window as unknown as { lose: WEBGL_lose_context }).lose.restoreContext());
   await pause(1000);
   assert.equal(await textOf(kept, ".motion-view .fault:not([hidden])"), "");
   assert.ok((await filled(kept, 0)) > 0.01);
-  // buffers that are made and let go, over many changes of scene
+  // counts buffers created and deleted over many changes of scene
   await kept.evaluate(() => {
     const { keptContext: gl } = window as unknown as { keptContext: WebGL2RenderingContext };
     const count = { buffers: 0 };

@@ -1,11 +1,11 @@
-// When a body that spins about its middle axis turns over.
+// Finds the flips of a body that rotates about its intermediate axis.
 
 import type { Motion } from "../../src/report/page/source/data.ts";
 import { toPrincipal } from "../../src/report/page/source/motion/ellipsoid.ts";
 import { Keyframes } from "../../src/report/page/source/motion/interpolation.ts";
 import { inertiaOf } from "../../src/report/page/source/motion/spin.ts";
 
-/** The times at which w along the axis of the middle moment changes its sign, s. */
+/** Times at which w along the axis of the intermediate moment changes its sign, s. */
 export function flips(motion: Motion): number[] {
   const keyframes = new Keyframes(motion.truth);
   const { moments, principal } = inertiaOf(motion, 0);

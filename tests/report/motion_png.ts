@@ -1,4 +1,4 @@
-// PNG pictures of 8 bits without interlacing, read and written, without loss and small.
+// Reads and writes PNG pictures with 8 bits per channel and without interlacing.
 
 import { deflateSync, inflateSync } from "node:zlib";
 
@@ -10,7 +10,7 @@ export interface Picture {
 
 const signature = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]);
 
-/** The predictor of the specification's section 9.4. */
+/** The Paeth predictor, section 9.4 of the specification. */
 function paeth(a: number, b: number, c: number): number {
   const p = a + b - c;
   const [pa, pb, pc] = [Math.abs(p - a), Math.abs(p - b), Math.abs(p - c)];
@@ -34,7 +34,7 @@ export function readPng(file: Uint8Array): Picture {
     if (name === "IHDR") {
       [width, height] = [body.readUInt32BE(0), body.readUInt32BE(4)];
       channels = ({ 2: 3, 3: 1, 6: 4 } as Record<number, number>)[body[9] ?? -1] ?? 0;
-      if (body[8] !== 8 || channels === 0 || body[12] !== 0) throw new Error("a PNG of a kind that browsers do not make of screens");
+      if (body[8] !== 8 || channels === 0 || body[12] !== 0) throw new Error("unsupported kind of PNG: only 8 bits without interlacing, with palette, RGB or RGBA");
     } else if (name === "PLTE") palette = body;
     else if (name === "IDAT") data.push(body);
     at += size + 12;
@@ -78,7 +78,7 @@ function chunk(name: string, body: Uint8Array): Buffer {
   return made;
 }
 
-/** Lines by the filter that leaves the least sum, or without one: whichever packs better. */
+/** Compresses lines, each with the filter that gives the smallest sum, or all without filter: the smaller result. */
 function packed(lines: Uint8Array[], channels: number): Buffer {
   const tried = [true, false].map((choose) => {
     const made: Uint8Array[] = [];
@@ -106,7 +106,7 @@ function packed(lines: Uint8Array[], channels: number): Buffer {
   return tried.sort((a, b) => a.length - b.length)[0] as Buffer;
 }
 
-/** An opaque picture, with a palette where 256 colours suffice. */
+/** Writes an opaque picture, with a palette if 256 colours suffice. */
 export function writePng({ width, height, rgba }: Picture): Uint8Array {
   const colors = new Map<number, number>();
   for (let i = 0; i < rgba.length && colors.size <= 256; i += 4) {

@@ -1,5 +1,5 @@
-// Motions to try the view with, integrated here: a T-handle that turns over, a top on its tip, a double pendulum, every
-// shape, and something small that flies far.
+// Sample motions for tests of the motion view, integrated here: a T-handle that flips, a top, a double pendulum, every
+// shape, and a small body that travels far.
 
 import type { BodyShape, Motion, MotionMethod, Part, ReportData, Track } from "../../src/report/page/source/data.ts";
 import {
@@ -42,7 +42,7 @@ function eulersEquations(moments: Vector, torque: (q: Quaternion) => Vector = ()
   };
 }
 
-/** A motion at count + 1 times, so many steps between two of them. */
+/** Solves a motion at count + 1 times, with `steps` steps between two times. */
 function solved(rate: Rate, start: readonly number[], duration: number, count: number, steps: number, step: Step, state: (y: readonly number[], t: number) => BodyState[]): Frame[] {
   const frames: Frame[] = [];
   let y = start;
@@ -55,7 +55,7 @@ function solved(rate: Rate, start: readonly number[], duration: number, count: n
 
 const still = (y: readonly number[]): BodyState[] => [{ q: attitudeOf(y), w: rateOf(y), p: [0, 0, 0], v: [0, 0, 0] }];
 
-/** As the program writes it. */
+/** The track in the format of the program. */
 function trackOf(frames: readonly Frame[]): Track {
   const bodies = (frames[0]?.bodies ?? []).map((first, body) => {
     const all = frames.map((frame) => frame.bodies[body] ?? first);
@@ -81,7 +81,7 @@ function trackOf(frames: readonly Frame[]): Track {
 interface Ending {
   status?: number;
   message?: string;
-  part?: number; // of the duration that there are samples of
+  part?: number; // fraction of the duration with samples
   step?: number;
 }
 
@@ -104,7 +104,7 @@ const part = (type: string, sizes: Part["sizes"], position: Vector = [0, 0, 0], 
   ({ type, sizes, position: [...position], orientation: [...orientation], hole });
 const motion = (more: Partial<Motion> & Pick<Motion, "bodies" | "truth" | "duration">): Motion => ({
   scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, about: null, planes: [], gravity: null, moving: false,
-  free: false, energy: 0, how: "Jacobi's elliptic functions; within 1.0e-17", methods: [], ...more,
+  free: false, energy: 0, how: "Jacobi's elliptic functions; error bound 1.0e-17", methods: [], ...more,
 });
 
 const quarter = Math.SQRT1_2;
@@ -146,7 +146,8 @@ function top(): Motion {
 }
 
 /** Two uniform rods of length and mass 1, a and b their angles from below:
- *   4/3 a'' + cos(a - b) b'' / 2 = -sin(a - b) b'^2 / 2 - 3/2 g sin a,   b'' / 3 + cos(a - b) a'' / 2 = sin(a - b) a'^2 / 2 - g sin(b) / 2. */
+ *   4/3 a'' + cos(a - b) b'' / 2 = -sin(a - b) b'^2 / 2 - 3/2 g sin a,
+ *   b'' / 3 + cos(a - b) a'' / 2 = sin(a - b) a'^2 / 2 - g sin(b) / 2. */
 function doublePendulum(): Motion {
   const [g, duration, count] = [9.81, 8, 400];
   const rate: Rate = ([a = 0, b = 0, u = 0, v = 0]) => {
@@ -168,7 +169,7 @@ function doublePendulum(): Motion {
   const truth = by(2.2);
   const hinge = { type: "revolute", child_point: [0, 0, 0.5], axis: [0, 1, 0] };
   return motion({
-    duration, moving: true, gravity: [0, 0, -g], truth: trackOf(truth), how: "extrapolation in 32 digits; within 3.0e-15",
+    duration, moving: true, gravity: [0, 0, -g], truth: trackOf(truth), how: "extrapolation in 32 digits; error bound 3.0e-15",
     bodies: ["upper", "lower"].map((name) => body(name, { moments: [0.0833, 0.0833, 0.001], parts: [part("capsule", { radius: 0.06, half_height: 0.44 })] })),
     joints: [{ ...hinge, name: "shoulder", parent: -1, child: 0, parent_point: [0, 0, 0] }, { ...hinge, name: "elbow", parent: 0, child: 1, parent_point: [0, 0, -0.5] }],
     methods: [methodOf(0, "article_as_written", truth, by(2.21), { step: 0.01 }), methodOf(1, "rk4", truth, by(2.201), { step: 0.01 })],
@@ -209,7 +210,7 @@ function smallAndFar(): Motion {
   return motion({ duration, moving: true, gravity: [0, -3e8, -5e8], planes: [{ normal: [0, 0, 1], offset: 0 }], bodies: [body("small", { mass: 1e-7, moments: [2e-26, 3e-26, 4e-26] })], truth: trackOf(truth) });
 }
 
-/** A document of these motions, and a scene that has none. */
+/** A document with these motions and a scene without motion. */
 export function motionDocument(): ReportData {
   const made: [string, Motion | null][] = [
     ["t_handle", tHandle()], ["lagrange_top", top()], ["double_pendulum", doublePendulum()], ["every_shape", everyShape()], ["small_and_far", smallAndFar()], ["unknown", null],

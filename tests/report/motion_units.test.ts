@@ -1,4 +1,4 @@
-// The motion view's mathematics against closed forms. Bundled and run by node's test runner.
+// Tests the mathematics of the motion view against closed forms. Bundled and run by node's test runner.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -35,7 +35,7 @@ function top(t: number): { q: Quaternion; w: Vector } {
   return { q, w: [across * Math.sin(spin * t), across * Math.cos(spin * t), (L * Math.cos(theta)) / I3] };
 }
 
-/** Keyframes as the document has them, rounded to its integers. */
+/** Keyframes rounded to the integers of the document. */
 function track(times: number[], state: (t: number) => { q: Quaternion; w: Vector; p?: Vector; v?: Vector }): Track {
   const all = times.map(state);
   const w_scale = Math.max(...all.flatMap(({ w }) => w.map(Math.abs))) / 32767;
@@ -52,7 +52,7 @@ function track(times: number[], state: (t: number) => { q: Quaternion; w: Vector
   return { t: times, bodies: [body] };
 }
 
-/** The largest differences from the closed form half-way and elsewhere in intervals of a length. */
+/** Largest differences from the closed form at the midpoint and at other points of intervals of a given length. */
 function offBy(h: number): { attitude: number; rate: number } {
   let [attitude, rate] = [0, 0];
   for (let begin = 0; begin < 4; begin += 0.5) {
@@ -68,19 +68,19 @@ function offBy(h: number): { attitude: number; rate: number } {
   return { attitude, rate };
 }
 
-test("attitudes between keyframes are of order 4, their angular velocity of order 3", () => {
+test("interpolated attitudes converge with order 4, angular velocities with order 3", () => {
   const errors = [0.4, 0.2, 0.1, 0.05].map(offBy);
   for (let i = 1; i < errors.length; ++i) {
     const [coarse, fine] = [errors[i - 1]!, errors[i]!];
     assert.ok(Math.abs(Math.log2(coarse.attitude / fine.attitude) - 4) < 0.15, `attitude: ${coarse.attitude} to ${fine.attitude}`);
     assert.ok(Math.abs(Math.log2(coarse.rate / fine.rate) - 3) < 0.15, `rate: ${coarse.rate} to ${fine.rate}`);
   }
-  // the remainder h^4 |q''''| / 384 of the cubic, q'''' of the two turns (precession + spin) / 2 at the most
+  // remainder h^4 |q''''| / 384 of the cubic; q'''' is at most that of a rotation at (precession + spin) / 2
   const bound = 2 * (0.1 ** 4 / 384) * ((precession + Math.abs(spin)) / 2) ** 4;
   assert.ok(errors[2]!.attitude < bound, `${errors[2]!.attitude} against ${bound}`);
 });
 
-test("at the keyframes attitude and angular velocity are theirs", () => {
+test("interpolation reproduces attitude and angular velocity at the keyframes", () => {
   const [a, b] = [top(0.3), top(0.5)];
   for (const [s, exact] of [[0, a], [1, b]] as const) {
     const made = attitudeBetween(a.q, a.w, b.q, b.w, 0.2, s);
@@ -89,13 +89,13 @@ test("at the keyframes attitude and angular velocity are theirs", () => {
   }
 });
 
-test("a track of integers gives the motion back within its rounding", () => {
+test("an integer track reproduces the motion to within its rounding", () => {
   const h = 0.05;
   const times = Array.from({ length: 81 }, (_, i) => i * h);
   const path = (t: number): { q: Quaternion; w: Vector; p: Vector; v: Vector } => ({ ...top(t), p: [Math.sin(t), 1 + t * t, -t], v: [Math.cos(t), 2 * t, -1] });
   const keyframes = new Keyframes(track(times, path));
   assert.equal(keyframes.end, times[80]);
-  // half a unit of each component of q and w; of p and v, and h^4 / 384 of the sine
+  // half a unit of each component of q and w; for p, half a unit of p and v plus h^4 / 384 of the sine
   const rounding = 2 * 2 * (0.5 / 32767) * 1.2 + 0.25 * h * (0.5 / 32767) * 5;
   for (let t = 0; t <= 4; t += 0.013) {
     const made = keyframes.at(0, t);
@@ -104,7 +104,7 @@ test("a track of integers gives the motion back within its rounding", () => {
     assert.ok(angleBetween(made.attitude, exact.q) < rounding, `attitude at ${t}`);
     assert.ok(length(subtract(made.position, exact.p)) < 2 * Math.sqrt(3) * 0.5e-4, `position at ${t}`);
   }
-  // outside, the ends
+  // clamped to the ends
   assert.deepEqual(keyframes.at(0, -1), keyframes.at(0, 0));
   assert.deepEqual(keyframes.at(0, 99), keyframes.at(0, times[80]!));
 });
@@ -118,72 +118,72 @@ test("cubic positions are exact for cubics", () => {
   }
 });
 
-test("a method's angular velocities are gone through, whatever its attitudes do", () => {
+test("a method's angular velocities are interpolated independently of its attitudes", () => {
   const error = (h: number): number => {
     const times = Array.from({ length: Math.round(4 / h) + 1 }, (_, i) => i * h);
-    // attitudes that turn twice as fast as they say
+    // attitudes that rotate at twice the given angular velocity
     const keyframes = new Keyframes(track(times, (t) => ({ q: top(2 * t).q, w: top(t).w })), false);
     let worst = 0;
     for (let t = 1; t < 3; t += 0.017) worst = Math.max(worst, length(subtract(keyframes.at(0, t).angularVelocity, top(t).w)));
     assert.ok(length(subtract(keyframes.at(0, times[3]!).angularVelocity, top(times[3]!).w)) < 1e-4);
     return worst;
   };
-  // slopes by parabolas are of order 2, values then of order 3
+  // slopes of parabolas have order 2, so values have order 3
   assert.ok(Math.abs(Math.log2(error(0.8) / error(0.4)) - 3) < 0.4, `${error(0.8)} to ${error(0.4)}`);
   assert.ok(error(0.2) < 2e-3);
 });
 
-test("the interval of a time, also of times that stand twice", () => {
+test("finds the interval of a time, also among repeated times", () => {
   const times = [0, 1, 1, 2, 5];
   assert.deepEqual([-1, 0, 0.5, 1, 1.5, 2, 4.9, 5, 9].map((t) => findInterval(times, t)), [0, 0, 0, 2, 2, 3, 3, 3, 3]);
   assert.equal(findInterval([0], 3), 0);
   assert.equal(findInterval([], 3), 0);
-  // an event: at its time, what is after it
+  // at an event, the interval after it
   const turned = about([0, 0, 1], 1);
   const still: Vector = [0, 0, 1e-9];
   const keyframes = new Keyframes(track([0, 1, 1, 2], (t) => ({ q: t < 1 ? [1, 0, 0, 0] : turned, w: still })));
   assert.ok(angleBetween(keyframes.at(0, 1).attitude, turned) < 1e-4);
 });
 
-test("without keyframes, and with a single one, nothing breaks", () => {
+test("accepts no keyframes and a single keyframe", () => {
   assert.deepEqual(new Keyframes({ t: [], bodies: [] }).at(0, 1).attitude, [1, 0, 0, 0]);
   const single = new Keyframes(track([0], top));
   assert.ok(angleBetween(single.at(0, 7).attitude, top(0).q) < 1e-4);
   assert.deepEqual(single.dense(4), [0]);
 });
 
-test("dense times are ascending, with the keyframes among them, up to a time", () => {
+test("dense times ascend, include the keyframes and end at the given time", () => {
   const keyframes = new Keyframes(track([0, 1, 3], top));
   assert.deepEqual(keyframes.dense(2), [0, 0.5, 1, 2, 3]);
   assert.deepEqual(keyframes.dense(2, 1.7), [0, 0.5, 1, 1.7]);
 });
 
-test("the box of a box's moments is the box", () => {
+test("the box of a box's moments is that box", () => {
   const [mass, a, b, c] = [2.5, 0.3, 0.2, 0.1];
   const moments: Vector = [(mass * (b * b + c * c)) / 3, (mass * (a * a + c * c)) / 3, (mass * (a * a + b * b)) / 3];
   const made = boxOfMoments(mass, moments);
   [a, b, c].forEach((x, i) => assert.ok(Math.abs(made[i]! - x) < 1e-15));
-  // a plate: it is given a thickness, and only that
+  // a plate gets a thickness; its other extents do not change
   const plate = boxOfMoments(1, [1 / 3, 4 / 3, 5 / 3]);
   assert.ok(Math.abs(plate[0] - 2) < 1e-14 && Math.abs(plate[1] - 1) < 1e-14);
   assert.ok(plate[2] > 0 && plate[2] <= 0.05);
-  // moments that break the triangle inequality by rounding
+  // moments that violate the triangle inequality by rounding
   assert.ok(boxOfMoments(1, [1, 1, 2 + 1e-15]).every((x) => x > 0));
 });
 
-test("a body without a shape is drawn as its box, in its principal frame", () => {
+test("draws a body without a shape as the box of its moments, in the principal frame", () => {
   const turn = about([0, 0, 1], Math.PI / 2);
   const [a, b, c] = [0.3, 0.2, 0.1];
   const body: BodyShape = { name: "", mass: 1, moments: [(b * b + c * c) / 3, (a * a + c * c) / 3, (a * a + b * b) / 3], principal: [...turn], parts: [], vertices: null, faces: null, points: null };
   const [surface] = surfacesOf(body);
   surface!.geometry.computeBoundingBox();
   const { max } = surface!.geometry.boundingBox!;
-  // the longest axis, the first, lies along the body's y
+  // the first and longest axis is along the body's y
   assert.ok(Math.abs(max.x - b) < 1e-7 && Math.abs(max.y - a) < 1e-7 && Math.abs(max.z - c) < 1e-7);
   assert.ok(Math.abs(length(tipOf([surface!])) - Math.hypot(a, b, c)) < 1e-7);
 });
 
-/** Volume and centre of a closed surface, by tetrahedra from the origin. */
+/** Volume and centroid of a closed surface, by tetrahedra from the origin. */
 function solidOf(type: string, sizes: Record<string, number | number[]>): { volume: number; center: Vector } {
   const surface = surfaceOf({ type, sizes, position: [0, 0, 0], orientation: [1, 0, 0, 0], hole: false });
   assert.ok(surface !== null, type);
@@ -202,7 +202,7 @@ function solidOf(type: string, sizes: Record<string, number | number[]>): { volu
   return { volume, center: scale(1 / volume, moment) };
 }
 
-test("shapes have the volumes of scene files' shapes, about their centres of mass, along z", () => {
+test("shapes have the volume, centre of mass and axis that scene files define", () => {
   const p = Math.PI;
   const shapes: [string, Record<string, number | number[]>, number][] = [
     ["box", { half_extents: [0.3, 0.2, 0.1] }, 0.048],
@@ -220,7 +220,7 @@ test("shapes have the volumes of scene files' shapes, about their centres of mas
   ];
   for (const [type, sizes, volume] of shapes) {
     const solid = solidOf(type, sizes);
-    // a circle of n sides has sin(2 pi / n) / (2 pi / n) of its area: 0.9971 at 48; a torus of 24 by 96, 0.9886 0.9993
+    // area of a regular n-gon over the circle's: sin(2 pi / n) / (2 pi / n), 0.9971 for 48; torus 24 by 96: 0.9886 0.9993
     assert.ok(Math.abs(solid.volume / volume - 1) < 0.0125, `${type}: ${solid.volume} for ${volume}`);
     const center: Vector = type === "tetrahedron" ? [0, 0, 0.1] : [0, 0, 0];
     assert.ok(length(subtract(solid.center, center)) < 2e-4, `${type}: centre ${solid.center.join(" ")}`);
@@ -229,7 +229,7 @@ test("shapes have the volumes of scene files' shapes, about their centres of mas
     const solid = solidOf(type, sizes as unknown as Record<string, number | number[]>);
     assert.ok(solid.volume > 0 && solid.volume < 0.2, `${type} is thin`);
   }
-  // axis and base: a cone's tip is at 3/4 of its height
+  // axis and base: the cone's tip is at 3/4 of its height above the origin
   const cone = surfacesOf({ name: "", mass: 1, moments: [1, 1, 1], principal: [1, 0, 0, 0], parts: [{ type: "cone", sizes: { radius: 0.3, height: 0.8 }, position: [0, 0, 0], orientation: [1, 0, 0, 0], hole: false }], vertices: null, faces: null, points: null });
   assert.ok(length(subtract(tipOf(cone), [0, 0, 0.6])) < 1e-6);
   assert.ok(Math.abs(frustumCenter(1, 0, 4) - 1) < 1e-15 && Math.abs(frustumCenter(1, 1, 4) - 2) < 1e-15);
@@ -259,7 +259,7 @@ function free(moments: Vector, w0: Vector, h: number, count: number): { q: Quate
   return made;
 }
 
-test("the polhode keeps energy and momentum, and is the body's way", () => {
+test("the polhode conserves energy and momentum and contains the body's motion", () => {
   for (const [moments, w] of [[[1, 2, 3], [1, 0.3, 2]], [[1, 2, 3], [2, 0.3, -0.4]], [[3, 1, 2], [0.1, -2, 0.3]], [[2, 2, 3], [0.5, 0, 1]], [[1, 3, 3], [1, 0.5, 0.2]]] as [Vector, Vector][]) {
     const curve = polhode(moments, w);
     assert.ok(curve.length > 200);
@@ -269,20 +269,20 @@ test("the polhode keeps energy and momentum, and is the body's way", () => {
       assert.ok(Math.abs(length(angularMomentum(moments, point)) / M - 1) < 1e-13);
     }
     assert.ok(length(subtract(curve[0]!, curve[curve.length - 1]!)) < 1e-13);
-    // each point of the motion lies on the closed curve, half the distance of its points at most, and the curve's bow
+    // each point of the motion is within half the spacing of the curve's points, plus the sagitta, of one of them
     const step = Math.max(...curve.slice(1).map((point, i) => length(subtract(point, curve[i]!))));
     for (const { w: at } of free(moments, w, 1e-3, 4000).filter((_, i) => i % 50 === 0)) {
       const nearest = Math.min(...curve.map((point) => length(subtract(point, at))));
       assert.ok(nearest <= 0.51 * step, `${nearest} with points ${step} apart`);
     }
   }
-  // rest points: a rotation about a principal axis, a sphere
+  // stationary rotation: about a principal axis, and of a sphere
   assert.deepEqual(polhode([1, 2, 3], [0, 0, 2]), [[0, 0, 2]]);
   assert.deepEqual(polhode([2, 2, 2], [1, 2, 3]), [[1, 2, 3]]);
   assert.deepEqual(polhode([1, 1, 3], [1, 0, 0]), [[1, 0, 0]]);
 });
 
-test("the herpolhode runs between its two circles and touches both, at the plane's distance", () => {
+test("the herpolhode lies in the invariable plane, between its two circles, and touches both", () => {
   for (const [moments, w] of [[[1, 2, 3], [1, 0.3, 2]], [[1, 2, 3], [2, 0.3, -0.4]], [[2, 2, 3], [0.5, 0.4, 1]]] as [Vector, Vector][]) {
     const [least, greatest] = herpolhodeRadii(moments, w);
     const motion = free(moments, w, 1e-3, 20000);
@@ -292,30 +292,30 @@ test("the herpolhode runs between its two circles and touches both, at the plane
     let [low, high] = [Infinity, 0];
     for (const { q, w: at } of motion) {
       const world = rotate(q, at);
-      // RK4 at this step: 1e-11 off
+      // the error of RK4 at this step is 1e-11
       assert.ok(Math.abs(dot(plane.normal, world) - plane.distance) < 1e-9);
       const radius = Math.hypot(...onPlane(plane, world));
       [low, high] = [Math.min(low, radius), Math.max(high, radius)];
     }
-    // touched between two steps: short of it by the square of the angle between them
+    // the circle is touched between two steps, so the extremum is missed by the square of the angle between them
     assert.ok(low >= least - 1e-9 && low < least + 1e-5, `${low} from ${least}`);
     assert.ok(high <= greatest + 1e-9 && high > greatest - 1e-5, `${high} to ${greatest}`);
   }
-  // of a symmetric body a circle, w across the axis and along it: L w_across (1/I_1 - 1/I_3) cos(theta) ..
+  // symmetric body: a circle; components of w across the axis and along it: L w_across (1/I_1 - 1/I_3) cos(theta) ..
   const [least, greatest] = herpolhodeRadii([I1, I1, I3], top(0).w);
-  // w = (L / I_1) along L, and L cos(theta) (1 / I_3 - 1 / I_1) along the axis, which is theta off
+  // w = (L / I_1) along L plus L cos(theta) (1 / I_3 - 1 / I_1) along the axis, which is at the angle theta to L
   const closed = Math.abs(spin) * Math.sin(theta);
   assert.ok(Math.abs(least - closed) < 1e-13 && Math.abs(greatest - closed) < 1e-13);
   assert.deepEqual(herpolhodeRadii([1, 2, 3], [0, 0, 0]), [0, 0]);
 });
 
-test("angular momentum in world axes stays", () => {
+test("angular momentum in world axes is constant", () => {
   const start = worldMomentum(top(0).q, [1, 0, 0, 0], [I1, I1, I3], top(0).w);
   for (const t of [0, 0.7, 2.1]) {
     const now = worldMomentum(top(t).q, [1, 0, 0, 0], [I1, I1, I3], top(t).w);
     assert.ok(length(subtract(now, [0, 0, L])) < 1e-14 && length(subtract(now, start)) < 1e-14);
   }
-  // the same body, its principal axes turned in it: I = R D R^T
+  // the same body with rotated principal axes: I = R D R^T
   const principal = about([1, 2, 3], 0.8);
   const w: Vector = [0.3, -1, 2];
   const expected = rotate(principal, angularMomentum([1, 2, 3], toPrincipal(principal, w)));
@@ -323,7 +323,7 @@ test("angular momentum in world axes stays", () => {
   assert.ok(Math.abs(dot(w, expected) - twiceEnergy([1, 2, 3], toPrincipal(principal, w))) < 1e-14);
 });
 
-test("the outline is on the ellipsoid, where its normal is across the line of sight", () => {
+test("the outline lies on the ellipsoid, where the normal is perpendicular to the line of sight", () => {
   const axes = semiAxes([1, 2, 3], 6);
   assert.deepEqual(axes.map((a) => a * a).map((a) => Math.round(a * 1e12) / 1e12), [6, 3, 2]);
   const n = scale(1 / Math.hypot(1, 2, 0.5), [1, 2, 0.5]);
@@ -334,7 +334,7 @@ test("the outline is on the ellipsoid, where its normal is across the line of si
   assert.ok(isSeen(axes, n, [0, axes[1], 0]) && !isSeen(axes, n, [0, -axes[1], 0]));
 });
 
-test("errors between samples, and none beyond the last", () => {
+test("interpolates errors between samples, and returns none beyond the last", () => {
   const method = { t: [0, 1, 2], attitude: [0, 1e-4, 1e-2] } as MotionMethod;
   assert.ok(Math.abs(errorAt(method, 1.5)! - 1e-3) < 1e-15);
   assert.equal(errorAt(method, 0.5), 0.5e-4);
@@ -344,7 +344,7 @@ test("errors between samples, and none beyond the last", () => {
   assert.equal(errorAt({ ...method, t: [], attitude: [] }, 0), null);
 });
 
-test("the first choice: a trajectory of the user's, else the furthest, then the nearest that is seen", () => {
+test("first selects a user's trajectory, or the largest error, then the smallest visible error", () => {
   const seen = {} as Track;
   const one = (label: string, method: number, difference: number, track: Track | null): MotionMethod =>
     ({ label, method, difference, track, setting_kind: 0, setting: null, status: 0, message: "", t: [], attitude: [] });
@@ -366,21 +366,22 @@ test("ticks and decades", () => {
   assert.deepEqual(decades([0, null]), [-16, 0]);
 });
 
-test("an upright plane is looked at from its front", () => {
+test("views motion in a vertical plane from the front", () => {
   const plane = Array.from({ length: 20 }, (_, i): Vector => [Math.cos(i) * Math.cos(1), Math.cos(i) * Math.sin(1), Math.sin(i)]);
   const azimuth = azimuthOf(plane);
-  // the line of sight is 0.4 rad off the plane's normal
+  // the line of sight is at 0.4 rad to the normal of the plane
   assert.ok(Math.abs(Math.abs(Math.cos(azimuth) * -Math.sin(1) + Math.sin(azimuth) * Math.cos(1)) - Math.cos(0.4)) < 1e-12);
   const round = Array.from({ length: 20 }, (_, i): Vector => [Math.cos(i), Math.sin(i), 0]);
   assert.equal(azimuthOf(round), azimuthOf([]));
 });
 
-test("the T-handle turns over when Jacobi's elliptic functions say so", () => {
+test("the T-handle flips at the times given by Jacobi's elliptic functions", () => {
   const [A, B, C] = [2.2375e-4, 3.75e-4, 5.7625e-4];
   const w: Vector = [0.01, 15, 0.02];
   const E2 = twiceEnergy([A, B, C], w);
   const L2 = dot(angularMomentum([A, B, C], w), angularMomentum([A, B, C], w));
-  // Landau and Lifshitz, section 37, for L^2 > 2E B: w_2 ~ sn(rate t, m), zero every 2 K(m) / rate; else with A and C exchanged
+  // Landau and Lifshitz, section 37: w_2 ~ sn(rate t, m), zero every 2 K(m) / rate, for L^2 > 2E B; else with A and C
+  // exchanged
   const [a, c] = L2 > E2 * B ? [A, C] : [C, A];
   const rate = Math.sqrt(((c - B) * (L2 - E2 * a)) / (A * B * C));
   const m = ((B - a) * (E2 * c - L2)) / ((c - B) * (L2 - E2 * a));
@@ -390,11 +391,11 @@ test("the T-handle turns over when Jacobi's elliptic functions say so", () => {
   const between = Math.PI / x / rate;
   const found = flips(motionDocument().motions[0]!);
   assert.ok(found.length >= 4, `${found.length} flips`);
-  // the angular velocities are rounded to 15 / 32767 rad/s, and the point is crossed at some 30 rad/s^2
+  // angular velocities are rounded to 15 / 32767 rad/s, and zero is crossed at about 30 rad/s^2
   for (let i = 1; i < found.length; ++i) assert.ok(Math.abs(found[i]! - found[i - 1]! - between) < 2e-3, `${found[i]! - found[i - 1]!} for ${between}`);
 });
 
-test("pictures are written without loss, with and without a palette", () => {
+test("writes PNG pictures without loss, with and without a palette", () => {
   for (const colors of [5, 256, 300]) {
     const [width, height] = [40, 30];
     const rgba = new Uint8Array(4 * width * height);

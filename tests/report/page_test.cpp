@@ -1,4 +1,4 @@
-// The page that a document is put into.
+// Tests the insertion of a document into the page.
 #include "report/page.h"
 
 #include <gtest/gtest.h>

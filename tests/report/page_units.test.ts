@@ -1,4 +1,4 @@
-// The page's pure functions: numbers and texts, filters, the state in the address, what is lit and what is drawn.
+// Tests the page's pure functions: formats, filters, the state in the address, selection of curves, validation.
 
 import assert from "node:assert/strict";
 import test from "node:test";
@@ -32,7 +32,7 @@ test("significant digits", () => {
   assert.equal(significant(null), "");
   assert.equal(significant(NaN), "");
   assert.equal(significant(-Infinity), "-inf");
-  // it can be read back to the digits it has
+  // parsing returns the value to the printed digits
   for (let i = -300; i < 300; i += 7) {
     const value = 1.2345678 * 10 ** i;
     assert.ok(Math.abs(Number(significant(value, 4)) / value - 1) < 5e-4, significant(value, 4));
@@ -57,7 +57,7 @@ test("prefixes", () => {
   assert.equal(quantity(null, "rad"), "");
 });
 
-test("names are one line, short, and no markup", () => {
+test("names become one short line without markup", () => {
   assert.equal(oneLine("a\nb\t\u202ec"), "a b c");
   assert.equal(shorten("abcdefghij", 10), "abcdefghij");
   assert.equal(shorten("abcdefghijk", 5), "ab…jk");
@@ -86,7 +86,7 @@ test("LaTeX", () => {
   assert.match(text, /\\caption\{50\\% of it\}/);
 });
 
-test("the filter's grammar", () => {
+test("filter syntax", () => {
   const columns = ["method", "attitude error", "status", "status_detail"];
   const rows: Cell[][] = [["rk4", 1e-8, "ok", null], ["bullet:default", 1e-3, "failed", "over time"], ["odeint rk4", null, "ok", "x"]];
   const kept = (line: string): number[] => {
@@ -104,37 +104,37 @@ test("the filter's grammar", () => {
   assert.deepEqual(kept("attitude_error>1e-9"), [0, 1]);
   assert.deepEqual(kept("att<=1e-8"), [0]);
   assert.deepEqual(kept('"attitude error">=1e-3'), [1]);
-  assert.deepEqual(kept("1e-8"), [0]); // a number's digits are a word, too
+  assert.deepEqual(kept("1e-8"), [0]); // words match digits of numbers
   assert.deepEqual(kept("0.001"), [1]);
   assert.deepEqual(kept("status=ok"), [0, 2]);
   assert.deepEqual(kept("status!=ok"), [1]);
   assert.deepEqual(kept("attitude_error=0.001"), [1]);
   assert.deepEqual(kept("rk4 att>1"), []);
-  assert.match(parseFilter("nothing>1", columns).fault, /no column is called nothing/);
-  assert.match(parseFilter("stat>1", columns).fault, /several columns begin with stat/);
-  assert.match(parseFilter("attitude_error>much", columns).fault, /a number must follow/);
+  assert.match(parseFilter("nothing>1", columns).fault, /no column is named nothing/);
+  assert.match(parseFilter("stat>1", columns).fault, /several columns start with stat/);
+  assert.match(parseFilter("attitude_error>much", columns).fault, /attitude_error> needs a number/);
   assert.deepEqual(kept('unclosed "quotation'), []);
 });
 
-test("the state goes into the address and back", () => {
+test("the address stores and restores the state", () => {
   const states: Record<string, string>[] = [{}, { section: "work-precision", scene: "free_asymmetric{/duration=40000}" }, { a: "&=#%+ é\u{1d54f}\n", "work.zoom": "-1.5,2,3,4" }, { "__proto__x": "1", "constructor": "2" }];
   for (const state of states) assert.deepEqual({ ...parseFragment(`#${writeFragment(state)}`) }, state);
   assert.equal(writeFragment({ scene: "b", section: "a", empty: "" }), "section=a&scene=b");
   assert.equal(parseFragment("#__proto__=1&x=2").x, "2");
   assert.equal(({} as Record<string, unknown>).x, undefined);
-  assert.equal(parseFragment("#a=%E0%A4%A").a, "%E0%A4%A"); // a broken escape is taken as it stands
+  assert.equal(parseFragment("#a=%E0%A4%A").a, "%E0%A4%A"); // an invalid escape is kept
   assert.deepEqual({ ...parseFragment("nonsense&=3&&") }, {});
   for (const names of [[], ["a"], ["a,b", "c\\", "\\,", "d"], ["odeint (controlled)"]]) assert.deepEqual(parseList(writeList(names)), names);
 });
 
-test("never more than twelve are lit", () => {
+test("highlights at most twelve methods", () => {
   let lit: number[] = [];
   for (let i = 0; i < 40; ++i) {
     lit = toggleLit(lit, i);
     assert.ok(lit.length <= mostLit);
     assert.equal(lit[lit.length - 1], i);
   }
-  assert.deepEqual(lit, [28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39]); // the oldest went
+  assert.deepEqual(lit, [28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39]); // the oldest are removed
   assert.deepEqual(toggleLit(lit, 30).includes(30), false);
   assert.equal(light(Array.from({ length: 30 }, (_, i) => i % 20)).length, 12);
   assert.deepEqual(light([3, 3, 1]), [3, 1]);
@@ -153,7 +153,7 @@ test("thinning keeps ends and extremes", () => {
   assert.ok(thinned(Array.from({ length: 1000 }, () => null), 10).length <= 10);
 });
 
-test("what no other beats", () => {
+test("Pareto front", () => {
   assert.deepEqual(front([1, 2, 3, 4], [4, 5, 1, 1]), [0, 2]);
   assert.deepEqual(front([], []), []);
 });
@@ -162,7 +162,7 @@ const row = (values: Partial<Row>): Row => ({
   place: 0, experiment: 0, scene: 0, method: 0, settingKind: 1, setting: 0.01, status: 0, message: "", seconds: 1, evaluations: 1, attitude: 1e-6, floor: 1e-15, floor32: 1e-7, cut: false, formulation: "", ...values,
 });
 
-test("what limits a run", () => {
+test("limits of a run", () => {
   assert.equal(limitOf(row({}), "binary64").kind, "truncation");
   assert.equal(limitOf(row({ attitude: 0.9e-14 }), "binary64").kind, "floor");
   assert.equal(limitOf(row({ attitude: 1.1e-14 }), "binary64").kind, "truncation");
@@ -188,7 +188,7 @@ test("marks differ until all marks with all dashes are used", () => {
   assert.match(colorOf({ name: "", label: "", color: "red;x", color_dark: "" }, false), /^#[0-9a-f]{6}$/);
 });
 
-test("rows by scene, and documents that are broken", () => {
+test("rows by scene, and errors in documents", () => {
   const data = richDocument();
   assert.equal(faultOf(data), "");
   const index = new RowIndex(data.rows, data.scenes.length);
@@ -205,10 +205,10 @@ test("rows by scene, and documents that are broken", () => {
   assert.match(faultOf({ ...data, format: 2 }), /format is 2/);
   assert.match(faultOf({ ...data, tables: undefined }), /no list "tables"/);
   assert.match(faultOf({ ...data, rows: { ...data.rows, seconds: [] } }), /rows\.seconds must have/);
-  assert.match(faultOf({ ...data, methods: data.methods.slice(0, 3) }), /rows\.method\[\d+\] is \d+, and there are 3/);
+  assert.match(faultOf({ ...data, methods: data.methods.slice(0, 3) }), /rows\.method\[\d+\] is \d+, but there are only 3 methods/);
 });
 
-test("a column of numbers that the page's code does not name", () => {
+test("a numeric column that the page's code does not name", () => {
   const data = richDocument();
   const wide = { ...data, rows: { ...data.rows, drag: data.rows.energy } };
   assert.equal(faultOf(wide), "");
@@ -220,7 +220,7 @@ test("a column of numbers that the page's code does not name", () => {
   assert.deepEqual(content.rows.map((line) => line[place]), data.rows.energy);
 });
 
-test("sorting: numbers, then texts, then nothing, either way", () => {
+test("sorts numbers before texts before empty cells, in both directions", () => {
   const rows: Cell[][] = [[3], ["b"], [null], [1], ["a"], [2]];
   const places = rows.map((_, i) => i);
   assert.deepEqual(sortedPlaces(rows, places, 0, false), [3, 5, 0, 4, 1, 2]);
@@ -230,7 +230,7 @@ test("sorting: numbers, then texts, then nothing, either way", () => {
 const curve = (x: number[], y: number[]): Curve => ({ method: 0, variant: "", place: 0, x, y, hover: () => [], failures: [] });
 const order = (claimed: number | null, observed: number | null): Order => ({ experiment: 0, scene: 0, method: 0, setting_kind: 1, claimed, observed, points: 3, from: 0.01, to: 0.1 });
 
-test("orders that are off", () => {
+test("flags orders that differ from the claimed order", () => {
   assert.equal(isOff(order(4, 3.85)), false);
   assert.equal(isOff(order(4, 3.75)), true);
   assert.equal(isOff(order(4, 4.25)), true);
@@ -248,7 +248,7 @@ test("orders that are off", () => {
   assert.equal(exponentText(undefined), "");
 });
 
-test("shares and shades of a map", () => {
+test("shares and shades of a stability map", () => {
   const map = { method: 0, map: "m", x_label: "", y_label: "", x: [1, 2], y: [1, 2], outcome: [0, 1, 1, -1], outcomes: ["good", "bad", "worse"] };
   assert.deepEqual(sharesOf(map), { run: 3, shares: [1 / 3, 2 / 3, 0] });
   assert.deepEqual(sharesOf({ ...map, outcome: [-1, -1, -1, -1] }), { run: 0, shares: [0, 0, 0] });
@@ -257,7 +257,7 @@ test("shares and shades of a map", () => {
   assert.deepEqual(tickPlaces([2, 3, 4, 5, 6], 3), [0, 2, 4]);
 });
 
-test("a document in the template is the document again", () => {
+test("a document embedded in the template is read back unchanged", () => {
   const data = hostileNames();
   const page = embed('<title><!--polhode:title--></title><script id="polhode-data" type="application/gzip"><!--polhode:data--></script>', data);
   assert.match(page, /<title>&lt;script&gt;/);

@@ -1,6 +1,6 @@
-// The pictures of README, out of a page of `polhode report`:  node readme_pictures.cjs PAGE OUTPUT SCENE METHOD
-// report.png shows its findings and work-precision diagram, SCENE.gif the truth beside a method over two flips. The motion is
-// driven by the page's own state.
+// Takes the pictures of README from a page of `polhode report`:  node readme_pictures.cjs PAGE OUTPUT SCENE METHOD
+// report.png shows the findings and the work-precision diagram, SCENE.gif the truth beside a method over two flips. The
+// URL fragment sets the time of each frame.
 
 import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -15,20 +15,20 @@ import { type Picture, readPng, writePng } from "./motion_png.ts";
 class Fault extends Error {}
 
 const frames = 84;
-const delay = 60; // ms a frame
+const delay = 60; // ms per frame
 const colors = 40;
 
 function documentOf(page: string): ReportData {
   const found = /<script id="polhode-data"[^>]*>([^<]*)<\/script>/.exec(readFileSync(page, "utf8"));
-  if (found?.[1] === undefined || found[1] === "") throw new Fault(`${page} holds no data of a report: make it by \`polhode report DIR\``);
+  if (found?.[1] === undefined || found[1] === "") throw new Fault(`${page} contains no report data; create it with \`polhode report DIR\``);
   try {
     return JSON.parse(gunzipSync(Buffer.from(found[1], "base64")).toString("utf8")) as ReportData;
   } catch {
-    throw new Fault(`${page}: its data cannot be read: make it anew by \`polhode report DIR\``);
+    throw new Fault(`${page}: cannot read its data; create it again with \`polhode report DIR\``);
   }
 }
 
-/** A scene of that name, as it is or varied, that is shown moving by that method. */
+/** The scene of this name, or a variation of it, with a motion by this method. */
 function shownBy(data: ReportData, scene: string, method: string): { name: string; motion: Motion } {
   const of = data.scenes.filter((one) => one.motion !== null && (one.name === scene || one.name.startsWith(`${scene}{`)));
   for (const one of of) {
@@ -37,8 +37,8 @@ function shownBy(data: ReportData, scene: string, method: string): { name: strin
   }
   const methods = of.flatMap((one) => data.motions[one.motion ?? -1]?.methods.filter((run) => run.track !== null).map((run) => run.label) ?? []);
   throw new Fault(of.length === 0
-    ? `the page shows no motion of ${scene}: report a folder with results of it`
-    : `the page does not show ${scene} by ${method}: report a folder with results of it, or choose ${[...new Set(methods)].slice(0, 8).join(", ") || "another scene"}`);
+    ? `the page has no motion of ${scene}; report a directory with results for it`
+    : `the page has no motion of ${scene} with ${method}; report a directory with results for it, or choose ${[...new Set(methods)].slice(0, 8).join(", ") || "another scene"}`);
 }
 
 const pause = (milliseconds: number): Promise<void> => new Promise((done) => setTimeout(done, milliseconds));
@@ -59,10 +59,10 @@ function write(file: string, bytes: Uint8Array): void {
   process.stdout.write(`${file}: ${Math.round(bytes.length / 1000)} kB\n`);
 }
 
-/** Header, findings and the first diagram. */
+/** Takes a picture of the findings and the work-precision diagram. */
 async function overviewPicture(browser: Browser, page: string): Promise<Uint8Array> {
   const tab = await open(browser, page, "section=work-precision", 1280, 900);
-  if ((await tab.$("#section-work-precision")) === null) throw new Fault(`${page} has no work-precision diagram: report a folder with results of a sweep`);
+  if ((await tab.$("#section-work-precision")) === null) throw new Fault(`${page} has no work-precision diagram; report a directory with results of a sweep`);
   await tab.addStyleTag({
     content: `main > section:not(#section-overview):not(#section-work-precision) { display: none }
       #section-overview .body > :not(.lead, .cards) { display: none }
@@ -84,12 +84,12 @@ async function overviewPicture(browser: Browser, page: string): Promise<Uint8Arr
   return writePng(picture);
 }
 
-/** Frames over a global palette; what stays as it was is left transparent. */
+/** GIF with a global palette; unchanged pixels are transparent. */
 function animation(pictures: readonly Picture[]): Uint8Array {
   const [first] = pictures;
-  if (first === undefined) throw new Fault("there is no frame");
+  if (first === undefined) throw new Fault("no frames to encode");
   const { width, height } = first;
-  // the palette of some frames together
+  // one palette from a sample of the frames
   const some = pictures.filter((_, i) => i % 12 === 0);
   const sample = new Uint8Array(some.reduce((sum, one) => sum + one.rgba.length, 0));
   some.reduce((at, one) => (sample.set(one.rgba, at), at + one.rgba.length), 0);
@@ -104,7 +104,7 @@ function animation(pictures: readonly Picture[]): Uint8Array {
     const shown = last === null ? index : index.map((color, at) => (color === last[at] ? transparentIndex : color));
     gif.writeFrame(shown, width, height, {
       ...(i === 0 ? { palette: [...palette, ground], repeat: 0 } : { transparent: true, transparentIndex }),
-      // the end is looked at for a while
+      // pause at the end
       delay: i === pictures.length - 1 ? 1200 : delay, dispose: 1,
     });
     before = index;
@@ -124,7 +124,7 @@ async function motionPicture(browser: Browser, page: string, data: ReportData, s
   const fault = await tab.$eval(".motion-view .fault", (one) => (one as HTMLElement).hidden ? "" : one.textContent ?? "");
   if (fault !== "") process.stderr.write(`readme_pictures: ${fault}\n`);
   const stage = await tab.$(".motion-panes");
-  if (stage === null) throw new Fault(`${page} has no motion view: make it anew by \`polhode report DIR\``);
+  if (stage === null) throw new Fault(`${page} has no motion view; create it again with \`polhode report DIR\``);
   const pictures: Picture[] = [];
   for (let i = 0; i < frames; ++i) {
     const t = Number((begin + ((end - begin) * i) / (frames - 1)).toPrecision(6));
@@ -141,13 +141,13 @@ async function motionPicture(browser: Browser, page: string, data: ReportData, s
 
 async function main(): Promise<void> {
   const [page = "", output = "", scene = "", method = "", chromium = ""] = process.argv.slice(2);
-  if (!existsSync(page)) throw new Fault(`${page} is not there: make it by \`polhode report DIR\`, or name another one by --page`);
+  if (!existsSync(page)) throw new Fault(`${page} does not exist; create it with \`polhode report DIR\`, or name another page with --page`);
   const data = documentOf(page);
   shownBy(data, scene, method);
   mkdirSync(output, { recursive: true });
   const browser = await puppeteer.launch({ executablePath: chromium, headless: true, args: ["--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
   try {
-    // both are made before either is written
+    // nothing is written unless both pictures succeed
     const overview = await overviewPicture(browser, resolve(page));
     const moving = await motionPicture(browser, resolve(page), data, scene, method);
     write(join(output, "report.png"), overview);

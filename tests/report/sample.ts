@@ -1,8 +1,8 @@
-// Documents to try the page with: a rich one that behaves as measured data do, and hostile ones.
+// Sample documents for tests of the page: one that resembles measured data, and hostile ones.
 
 import { indexColumns, numberColumns, type Check, type Drift, type Method, type Motion, type Order, type ReportData, type Rows, type StabilityMap, type Table } from "../../src/report/page/source/data.ts";
 
-/** The same numbers on every run: a linear congruential generator, Numerical Recipes' constants. */
+/** Reproducible random numbers: a linear congruential generator with the constants of Numerical Recipes. */
 function generator(seed: number): () => number {
   let state = seed >>> 0;
   return () => {
@@ -76,7 +76,7 @@ const families = [
   { name: "multistep", label: "Multistep", color: "#00795a", color_dark: "#3fd1a5" },
   { name: "geometric", label: "Geometric", color: "#9c3f76", color_dark: "#e79ac6" },
   { name: "implicit", label: "Implicit", color: "#7f4f24", color_dark: "#d9a676" },
-  { name: "game", label: "Of game engines", color: "#8a6d00", color_dark: "#e6c200" },
+  { name: "game", label: "Game engines", color: "#8a6d00", color_dark: "#e6c200" },
 ];
 
 interface Kind {
@@ -110,11 +110,11 @@ const kinds: Kind[] = [
 ];
 
 const sceneList: [string, string, number, number][] = [
-  ["free_asymmetric", "An asymmetric body without torque, spun about an axis near none of its principal ones.", 10, 2.4e-15],
-  ["dzhanibekov", "A body turning over about its middle axis, again and again.", 100, 6e-13],
+  ["free_asymmetric", "A torque-free asymmetric body, spun about an axis away from its principal axes.", 10, 2.4e-15],
+  ["dzhanibekov", "A body that flips repeatedly about its intermediate axis.", 100, 6e-13],
   ["lagrange_top", "A symmetric heavy top, fast.", 20, 1.1e-14],
-  ["stiff_drag", "A body in a fluid whose drag is fast against its motion.", 1, 3e-16],
-  ["free_asymmetric{/duration=40000}", "The first scene for a long time.", 40000, 4e-12],
+  ["stiff_drag", "A body with drag much faster than its motion.", 1, 3e-16],
+  ["free_asymmetric{/duration=40000}", "The first scene over a long time.", 40000, 4e-12],
   ["mechanisms/double_pendulum_spatial", "Two bodies on ball joints.", 5, 9.8e-15],
 ];
 
@@ -126,7 +126,7 @@ export function methodsOfSample(): Method[] {
   }));
 }
 
-/** A document with something in every section. */
+/** A document with data in every section. */
 export function richDocument(): ReportData {
   const random = generator(20261125);
   const data = emptyDocument();
@@ -159,7 +159,7 @@ export function richDocument(): ReportData {
           continue;
         }
         if (s === 5 && kind.family === 4 && m % 2 === 0) {
-          addRow(data.rows, { experiment, scene: s, method: m, kind: 1, setting: 0.1, status: 1, message: "not made for mechanisms" });
+          addRow(data.rows, { experiment, scene: s, method: m, kind: 1, setting: 0.1, status: 1, message: "mechanisms are not supported" });
           continue;
         }
         for (let n = 0; n < (experiment === 1 ? 12 : 9); ++n) {
@@ -176,7 +176,7 @@ export function richDocument(): ReportData {
           else if (kind.byTolerance && n === 8 && s === 1) addRow(data.rows, { ...line, status: 3, message: "the step fell below what binary64 resolves", error: null });
           else if (kind.name === "gauss_6" && n === 0) addRow(data.rows, { ...line, status: 4, message: "Newton's iteration did not converge", seconds: null, evaluations: null, error: null });
           else if (seconds > 0.05) {
-            addRow(data.rows, { ...line, cut: true, status: 4, message: "over the limit of time", error: null });
+            addRow(data.rows, { ...line, cut: true, status: 4, message: "time limit exceeded", error: null });
             break;
           } else addRow(data.rows, line);
         }
@@ -198,7 +198,7 @@ export function richDocument(): ReportData {
 
   data.findings = [
     { title: "exact is 890 times as fast", text: "On free_asymmetric, to 1e-12 rad, exact takes 508 ns and the fastest library 452 µs.", link: "#section=work-precision&scene=free_asymmetric" },
-    { title: "3 methods fall short of their order", text: "Of 34 methods, three converge by more than 0.2 below what they claim.", link: "#section=convergence" },
+    { title: "3 methods converge below their claimed order", text: "Three of 34 methods converge with an order more than 0.2 below the claimed one.", link: "#section=convergence" },
     { title: "radau wins where the motion is stiff", text: "On stiff_drag it is 5.6 times as fast as the next.", link: "#section=work-precision&scene=stiff_drag&lit=radau,cvode_bdf" },
   ];
   data.remarks = ["The table stability_maps has 120 000 rows; every second value of the step is shown."];
@@ -254,23 +254,23 @@ export function richDocument(): ReportData {
     columns: columns.map((column, c) => ({ name: column, numeric: rows.some((row) => typeof row[c] === "number"), integral: integral.includes(column) })),
   });
   data.tables = [
-    table("leave_out_gain", "What leaving out what a scene does not need gains", ["scene", "method", "gain", "left_out"],
+    table("leave_out_gain", "Gain of the reduced formulation", ["scene", "method", "gain", "left_out"],
       sceneList.slice(0, 4).flatMap(([scene], s) => ["rk4", "dop853", "cvode_adams", "extrapolation"].map((method, i): (string | number | null)[] =>
         [scene, method, s === 3 && i === 0 ? null : 1.1 + 0.6 * s + 0.3 * i + 0.2 * random(), "p and v; gyroscopic term w x Iw"]))),
-    table("inertia", "Moments of inertia by several ways", ["shape", "way", "pieces", "seconds_median", "inertia_error"],
+    table("inertia", "Moments of inertia by several methods", ["shape", "way", "pieces", "seconds_median", "inertia_error"],
       ["box", "torus", "capsule"].flatMap((shape) => [
         [shape, "closed_form", 1, 1e-8, 5e-17],
         ...[64, 512, 4096, 32768].map((n): (string | number | null)[] => [shape, "grid", n, 4.1e-9 * n, n ** (-2 / 3)]),
         ...[12, 48, 192, 768].map((n): (string | number | null)[] => [shape, "mesh", n, 2.2e-9 * n, shape === "box" ? 2e-16 : 0.5 / n]),
         ...[64, 512, 4096].map((n): (string | number | null)[] => [shape, "samples", n, 6e-9 * n, 0.5 * n ** -0.5]),
       ]), ["pieces"]),
-    table("engines_leaderboard", "Physics engines by how well they turn a body", ["place", "engine", "setting", "median_place", "scenes", "attitude_error", "energy_error", "order", "step_nanoseconds", "message"],
+    table("engines_leaderboard", "Physics engines, ranked by attitude error", ["place", "engine", "setting", "median_place", "scenes", "attitude_error", "energy_error", "order", "step_nanoseconds", "message"],
       ["simbody", "mujoco", "bullet", "ode", "dart", "rapier"].map((engine, i) => [i + 1, engine, "default", i + 1, 17 + (i % 2), 10 ** (-3 + 0.4 * i), 10 ** (-8 + i), 4.03 - 0.6 * i, 39000 / (1 + 3 * i), i === 5 ? "binary32" : null]), ["place", "scenes"]),
-    table("mechanisms_margins", "How much faster the fastest of ours is than the fastest library", ["scene", "attitude_error", "own", "own_seconds", "peer", "peer_seconds", "ratio"],
+    table("mechanisms_margins", "Run time of polhode and of other libraries at equal error", ["scene", "attitude_error", "own", "own_seconds", "peer", "peer_seconds", "ratio"],
       ["double_pendulum", "four_bar", "spatial_chain"].flatMap((scene, i) => [1e-6, 1e-9].map((error, k): (string | number | null)[] => [scene, error, "taylor", 1e-4 * (i + 1), "cvode_adams", 6e-4 * (i + 1), 1.4 + 2 * i + k])) ),
     table("jointed_methods", "Methods for jointed bodies", ["method", "joint_gap", "attitude_error", "seconds"],
       ["reduced", "sequential_impulses_10", "baumgarte"].map((method, i) => [method, 10 ** (-14 + 5 * i), 10 ** (-9 + 3 * i), 1e-4 * (i + 1)])),
-    table("mass_ratio", "Two bodies of unlike masses", ["method", "ratio", "joint_gap", "attitude_error"],
+    table("mass_ratio", "Two bodies with different masses", ["method", "ratio", "joint_gap", "attitude_error"],
       ["reduced", "bullet"].flatMap((method, i) => [1, 10, 100, 1000].map((ratio): (string | number | null)[] => [method, ratio, i === 0 ? 1e-14 : 1e-4 * ratio ** 0.5, i === 0 ? 1e-10 : 0.01 * ratio ** 0.3])), ["ratio"]),
     table("long_list", "Many rows", ["name", "value", "count"], Array.from({ length: 350 }, (_, i) => [`row ${i}`, random() * 10 ** ((i % 20) - 15), i]), ["count"]),
   ];
@@ -284,7 +284,7 @@ export function richDocument(): ReportData {
     }),
     pairs: matched.map((row) => ({ row, seconds: (data.rows.seconds[row] ?? 0) * (1.2 + 0.1 * random()), error: data.rows.attitude[row] ?? null })),
     all: { ratio: 1.21, low: 1.17, high: 1.25, scenes: 6 },
-    how: "The interval is Student's, of the logarithms of the scenes' geometric means.",
+    how: "The interval is Student's confidence interval of the logarithms of the scenes' geometric means.",
   };
 
   const t = Array.from({ length: 101 }, (_, i) => i / 10);
@@ -309,7 +309,7 @@ export function richDocument(): ReportData {
   return data;
 }
 
-/** A free symmetric body about its axis of symmetry: the simplest motion there is. */
+/** A uniform rotation about a fixed axis. */
 function motionOf(scene: number): Motion {
   const t = Array.from({ length: 61 }, (_, i) => i / 10);
   const q = t.flatMap((time) => [Math.round(32767 * Math.cos(time / 2)), 0, 0, Math.round(32767 * Math.sin(time / 2))]);
@@ -327,7 +327,7 @@ const nasty = [
   "\u202eright to left", "=1+1", "__proto__", "constructor", "<a href='javascript:window.broken=1'>link</a>", "%{x} $x^2$ {{y}}",
 ];
 
-/** Names that would run, and names that are 10 kB long. */
+/** Names that contain markup and scripts, and names of 10 kB. */
 export function hostileNames(): ReportData {
   const data = richDocument();
   const name = (i: number): string => (i % (nasty.length + 1) === nasty.length ? "long ".repeat(2000) + i : `${nasty[i % (nasty.length + 1)]} ${i}`);
@@ -358,7 +358,7 @@ export function oneRow(): ReportData {
   return { ...emptyDocument(), experiments: data.experiments.slice(0, 1), families: data.families, methods: data.methods, scenes: [{ ...data.scenes[0]!, fastest: [{ error: 1e-6, row: 0, runner_up: null }], motion: null, experiments: [0] }], rows };
 }
 
-/** Everything that may be null is. */
+/** All values that may be null are null. */
 export function nothingKnown(): ReportData {
   const data = richDocument();
   const rows = emptyRows();
@@ -375,7 +375,7 @@ export function nothingKnown(): ReportData {
   };
 }
 
-/** So many rows, over twenty scenes and a hundred methods. */
+/** `count` rows over 20 scenes and 100 methods. */
 export function manyRows(count: number): ReportData {
   const random = generator(7);
   const data = emptyDocument();

@@ -1,5 +1,5 @@
-// Bundles script and style and puts both into the page:  node bundle.mjs SOURCE NODE_MODULES > OUTPUT
-// The result is one file that asks for nothing, with the licences of what is in it.
+// Bundles script and style and inserts both into the page:  node bundle.mjs SOURCE NODE_MODULES > OUTPUT
+// The result is one file that makes no requests and contains the licences of its packages.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
@@ -13,7 +13,7 @@ const fail = (text) => {
   process.exit(1);
 };
 
-/** What esbuild makes of a file. */
+/** Returns the file bundled by esbuild. */
 const bundle = (file) => {
   try {
     const result = esbuild.buildSync({
@@ -38,7 +38,7 @@ const bundle = (file) => {
   }
 };
 
-/** The licence a package comes with, as a comment: who passes the page on passes the package on. */
+/** The licence of a package as a comment. The page redistributes the package. */
 const licence = (name) => {
   const about = JSON.parse(readFileSync(join(modules, name, "package.json"), "utf8"));
   const text = readFileSync(join(modules, name, "LICENSE"), "utf8").trim().replaceAll("*/", "* /");
@@ -46,24 +46,24 @@ const licence = (name) => {
 };
 
 const style = bundle("style.css");
-if (/<\/style/i.test(style)) fail("style.css: holds the end of a style element; take it out");
+if (/<\/style/i.test(style)) fail("style.css: contains the end of a style element; remove it");
 
-// What would end the script element, or begin a comment in the eyes of the HTML parser, is written in ways that mean the
-// same inside of a JavaScript string.
+// Sequences that the HTML parser reads as the end of the script element or the start of a comment are replaced by
+// equivalent ones inside JavaScript strings.
 const loader =
   ["plotly.js-basic-dist-min", "three"].map(licence).join("").replaceAll(/<(?=[!/])/g, "< ") +
   bundle("loader.ts")
     .replaceAll(/<\/script/gi, (found) => `<\\/${found.slice(2)}`)
     .replaceAll("<!--", "\\x3c!--");
-// a third of its size, which leaves room for data
+// a third of the size, which leaves room for data
 const script = gzipSync(bundle("main.ts"), { level: 9 }).toString("base64");
 
 let page = readFileSync(join(source, "page.html"), "utf8");
 for (const [place, text] of [["/*polhode:style*/", style], ["/*polhode:script*/", script], ["/*polhode:loader*/", loader]]) {
-  if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
+  if (page.split(place).length !== 2) fail(`page.html: must contain ${place} exactly once`);
   page = page.replace(place, () => text);
 }
 for (const place of ["<!--polhode:title-->", "<!--polhode:data-->"]) {
-  if (page.split(place).length !== 2) fail(`page.html: ${place} must stand there exactly once`);
+  if (page.split(place).length !== 2) fail(`page.html: must contain ${place} exactly once`);
 }
 process.stdout.write(page);

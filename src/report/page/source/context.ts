@@ -1,16 +1,16 @@
-// What the page's parts share: the state in the URL's fragment, the theme, and whether things may move by themselves.
+// The interface that all parts of the page share: the state in the URL fragment, the theme, reduced motion.
 
 export interface PageContext {
-  /** A value of the state, "" where there is none. */
+  /** A value of the state, or "". */
   get(key: string): string;
-  /** Sets values of the state (an empty one is taken out) and writes them to the fragment. */
+  /** Sets values of the state, removes empty ones, and writes the fragment. */
   set(values: Record<string, string>): void;
-  /** Called whenever the state was changed by anybody, or the reader followed a link or went back. */
+  /** Called after every change of the state, including links and the back button. */
   onState(listener: () => void): void;
   dark(): boolean;
   onTheme(listener: () => void): void;
-  /** The reader asked for less motion: nothing plays by itself. */
+  /** Whether the reader prefers reduced motion. */
   reducedMotion(): boolean;
-  /** Tells screen readers. */
+  /** Announces a text to screen readers. */
   announce(text: string): void;
 }

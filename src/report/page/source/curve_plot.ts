@@ -1,5 +1,5 @@
-// Curves of many methods in one plot: at most twelve are lit, the others are drawn thin and grey, and the legend beside
-// lights and dims them.
+// Curves of many methods in one plot: at most twelve are highlighted ("lit" in the code and in the address), the others
+// are thin and grey. The legend beside the plot toggles them.
 
 import { Choice, element, fill } from "./dom.ts";
 import { count } from "./format.ts";
@@ -14,13 +14,13 @@ import { oneLine, plotText, type Cell } from "./text.ts";
 
 export interface Curve {
   method: number;
-  variant: string; // tells several curves of one method apart: "step", "tolerance", ..
-  place: number; // 0: the method's first curve, 1 its second, ..
+  variant: string; // distinguishes curves of one method: "step", "tolerance", ..
+  place: number; // index among the method's curves
   x: (number | null)[];
   y: (number | null)[];
-  hover: (i: number) => string[]; // lines, as texts
+  hover: (i: number) => string[]; // lines of text
   failures: { x: number | null; y: number | null; hover: string[] }[];
-  other?: { x: number[]; y: number[]; hover: string[] }; // of the folder compared with
+  other?: { x: number[]; y: number[]; hover: string[] }; // of the directory compared with
 }
 
 export interface Picture {
@@ -29,7 +29,7 @@ export interface Picture {
   y: { title: string; log: boolean };
   bands: { from: number; to: number; label: string; short: string }[];
   guides: { x: number[]; y: number[]; label: string }[];
-  standard: number[]; // methods to be lit unless the reader says otherwise, the most important first
+  standard: number[]; // default selection of highlighted methods, the most important first
   detail?: (method: number) => { text: string; flag: string } | null;
   detailHead?: string;
 }
@@ -57,8 +57,8 @@ export class CurvePlot {
       if (typeof method === "number" && !this.lit().includes(method)) this.toggle(method);
     });
     this.legend = element("div", { class: "legend-list" });
-    this.familyChoice = new Choice("Light a family", (family) => this.lightFamily(Number(family)));
-    this.numbers = element("details", { class: "numbers", ontoggle: () => this.showNumbers() }, element("summary", {}, "The lit curves in numbers"));
+    this.familyChoice = new Choice("Highlight family", (family) => this.lightFamily(Number(family)));
+    this.numbers = element("details", { class: "numbers", ontoggle: () => this.showNumbers() }, element("summary", {}, "Data of the highlighted curves"));
     this.root = element(
       "div",
       { class: "curve-plot" },
@@ -73,7 +73,7 @@ export class CurvePlot {
     this.refresh();
   }
 
-  /** Methods that are lit: the reader's, as far as they are here, else the standard ones. */
+  /** Highlighted methods: the reader's selection among the plotted methods, else the default selection. */
   lit(): number[] {
     if (this.picture === null) return [];
     const here = new Set(this.picture.curves.map((curve) => curve.method));
@@ -88,7 +88,7 @@ export class CurvePlot {
   }
 
   private write(methods: number[]): void {
-    // a list with a name longer than an address bears would make the link useless
+    // very long names would make the address unusable
     const names = methods.map((method) => methodName(this.tools, method)).filter((name) => name.length <= 400);
     this.tools.page.set({ lit: names.length === 0 ? "none" : writeList(names) });
   }
@@ -99,8 +99,8 @@ export class CurvePlot {
     this.write(after);
     const gone = before.find((one) => one !== method && !after.includes(one));
     this.tools.page.announce(
-      `${methodName(this.tools, method).slice(0, 80)} ${after.includes(method) ? "lit" : "dimmed"}` +
-        (gone === undefined ? "" : `, ${methodName(this.tools, gone).slice(0, 80)} dimmed`) + `; ${after.length} of ${mostLit} lit`,
+      `${methodName(this.tools, method).slice(0, 80)} ${after.includes(method) ? "highlighted" : "dimmed"}` +
+        (gone === undefined ? "" : `, ${methodName(this.tools, gone).slice(0, 80)} dimmed`) + `; ${after.length} of ${mostLit} highlighted`,
     );
   }
 
@@ -154,7 +154,7 @@ export class CurvePlot {
     const families = this.tools.data.families;
     const byFamily = families.map((_, f) => methods.filter((method) => this.tools.data.methods[method]?.family === f));
     this.familyChoice.update(
-      [["", "the standard choice"], ...byFamily.flatMap((some, f): [string, string][] => (some.length > 0 ? [[String(f), `${oneLine(families[f]?.label ?? "").slice(0, 60)} (${some.length})`]] : []))],
+      [["", "default selection"], ...byFamily.flatMap((some, f): [string, string][] => (some.length > 0 ? [[String(f), `${oneLine(families[f]?.label ?? "").slice(0, 60)} (${some.length})`]] : []))],
       "",
     );
     const focused = document.activeElement instanceof HTMLElement && this.legend.contains(document.activeElement) ? document.activeElement.dataset.method : undefined;
@@ -164,9 +164,9 @@ export class CurvePlot {
     const scrolled = this.legend.scrollTop;
     fill(
       this.legend,
-      element("p", { class: "legend-head" }, `Lit: ${inOrder.length - unlit} of ${count(inOrder.length)} methods`, picture.detailHead === undefined ? null : element("span", { class: "detail" }, picture.detailHead)),
+      element("p", { class: "legend-head" }, `Highlighted: ${inOrder.length - unlit} of ${count(inOrder.length)}`, picture.detailHead === undefined ? null : element("span", { class: "detail" }, picture.detailHead)),
       element("ul", {}, ...inOrder.filter((method) => lit.has(method)).map(entry)),
-      unlit > 0 ? element("p", { class: "legend-head" }, "In grey; choose to light") : null,
+      unlit > 0 ? element("p", { class: "legend-head" }, "Grey; click to highlight") : null,
       ...others.flatMap((some, f) => some.length === 0 ? [] : [
         element("p", { class: "family" }, oneLine(families[f]?.label ?? "").slice(0, 60)), element("ul", {}, ...some.map(entry)),
       ]),
@@ -192,7 +192,7 @@ export class CurvePlot {
         for (const i of thinned(curve.y, each)) {
           x.push(curve.x[i] ?? null);
           y.push(curve.y[i] ?? null);
-          text.push(`${label}<br>click to light`);
+          text.push(`${label}<br>click to highlight`);
           method.push(curve.method);
         }
         x.push(null);
@@ -201,12 +201,12 @@ export class CurvePlot {
         method.push(null);
       }
       const look = { line: { color: theme.grey, width: 1 }, marker: { size: 4, color: theme.grey }, hoverinfo: "text", showlegend: false };
-      // lines do for most; marks are slow to draw, and only a lone point needs one
+      // marks are slow to draw; only single points need one
       const lone = grey.filter((curve) => curve.x.length === 1);
       if (lone.length > 0) {
         traces.push({
           type: "scatter", mode: "markers", x: lone.map((curve) => curve.x[0] ?? null), y: lone.map((curve) => curve.y[0] ?? null), ...look,
-          text: lone.map((curve) => `${plotText(methodName(this.tools, curve.method))}<br>click to light`), customdata: lone.map((curve) => curve.method) as never,
+          text: lone.map((curve) => `${plotText(methodName(this.tools, curve.method))}<br>click to highlight`), customdata: lone.map((curve) => curve.method) as never,
         } as Trace);
       }
       traces.push({
@@ -250,7 +250,7 @@ export class CurvePlot {
     const layout: Layout = {
       xaxis: axis(theme, picture.x.title, picture.x.log),
       yaxis: axis(theme, picture.y.title, picture.y.log),
-      // failures stand at the edge, however the reader zooms
+      // failures are marked at the edge of the plot at any zoom
       xaxis2: { overlaying: "x", anchor: "y", range: [0, 1], fixedrange: true, visible: false },
       yaxis2: { overlaying: "y", anchor: "x", range: [0, 1], fixedrange: true, visible: false },
       shapes: picture.bands.flatMap((band) => [
@@ -267,7 +267,7 @@ export class CurvePlot {
     return { traces, layout };
   }
 
-  /** Runs that failed: where they have both coordinates there, else at the edge. */
+  /** Marks failed runs at their coordinates, or at the edge if a coordinate is undefined. */
   private failures(traces: Trace[], curve: Curve, nth: number, rank: number, color: string): void {
     const lane = 0.985 - 0.016 * (rank % 6);
     const kinds: [boolean, boolean][] = [[true, true], [true, false], [false, true], [false, false]];
@@ -297,7 +297,7 @@ export class CurvePlot {
       }
     }
     const content = {
-      caption: "The lit curves in numbers",
+      caption: "Data of the highlighted curves",
       columns: [
         { name: "method", numeric: false }, { name: "curve", numeric: false }, { name: picture.x.title, numeric: true },
         { name: picture.y.title, numeric: true }, { name: "remarks", numeric: false },

@@ -1,17 +1,16 @@
-// What the page shows: the document that `polhode report` puts into it (src/report/document.cpp writes it).
-// Units are SI and radians; what does not exist is null. Names are texts from files of anyone's making: they are only
-// ever set as text, never as markup.
+// The page's document, written by src/report/document.cpp. Units are SI and radians; undefined values are null.
+// Names come from untrusted files: they are only inserted as text, never as markup.
 
 export interface ReportData {
   format: 1;
-  folder: string; // the folder's name, without the way to it
+  folder: string; // the directory's name without its path
   made: string; // ISO 8601, UTC
-  version: string; // of polhode
+  version: string; // polhode's version
   experiments: Experiment[];
   families: Family[];
   methods: Method[];
   scenes: Scene[];
-  findings: Finding[]; // at most three, the first first
+  findings: Finding[]; // at most three, the most important first
   rows: Rows;
   orders: Order[];
   drift: Drift[];
@@ -20,14 +19,14 @@ export interface ReportData {
   comparison: Comparison | null;
   checks: Check[];
   motions: Motion[];
-  remarks: string[]; // what was thinned or left out, a sentence each
+  remarks: string[]; // one sentence per omission or reduction
 }
 
-/** An experiment of the folder and where its numbers come from (provenance.json). */
+/** An experiment of the directory and its provenance (provenance.json). */
 export interface Experiment {
   name: string;
   about: string;
-  kind: string; // "sweep", "convergence", "drift", ..; "" where it is not known
+  kind: string; // "sweep", "convergence", "drift", ..; "" if unknown
   date: string;
   quick: boolean;
   facts: [string, string][]; // "CPU", "cores", "compiler", "flags", "commit", versions of libraries, ..
@@ -37,41 +36,40 @@ export interface Family {
   name: string; // "runge_kutta"
   label: string; // "Runge-Kutta"
   color: string; // "#rrggbb" on white
-  color_dark: string; // on a dark ground
+  color_dark: string; // on a dark background
 }
 
 export interface Method {
   name: string;
   family: number; // index into families
-  mark: number; // index into the marks, see below; the place within its family
+  mark: number; // index into the marks listed below; one per method of a family
   library: string; // "polhode", "SUNDIALS", "Boost.Odeint", ..
   precision: string; // "binary64", "binary32", ..
-  order: number; // claimed; 0: variable, or not known
-  documentation: string; // its first sentence
+  order: number; // claimed order; 0: variable or unknown
+  documentation: string; // first sentence
   source: string;
   conserves: string;
 }
 
-// Marks in order, in plotly's names; a mark beyond the last begins anew with a dash ("solid", "dash", "dot", ..):
-// circle square triangle-up diamond triangle-down pentagon, the same with -open, then cross-thin-open x-thin-open
-// asterisk-open
+// Marks in order, by plotly's names: circle square triangle-up diamond triangle-down pentagon, the same with -open,
+// then cross-thin-open x-thin-open asterisk-open. Beyond the last mark they repeat with the next dash ("dash", "dot", ..).
 
 export interface Scene {
   name: string; // with its variation: "free_asymmetric{/duration=40000}"
   about: string;
   source: string;
   duration: number | null;
-  experiments: number[]; // that have rows of it
-  /** the fastest run within each attitude error, rad */
-  fastest: { error: number; row: number | null; runner_up: number | null }[]; // rows of `rows`
-  floor: number | null; // conditioning floor in binary64, rad: kappa 2^-53
+  experiments: number[]; // experiments with rows of this scene
+  /** Fastest run within each attitude error (rad), and the fastest run of another method. */
+  fastest: { error: number; row: number | null; runner_up: number | null }[]; // indices into `rows`
+  floor: number | null; // rounding floor of binary64, rad: kappa 2^-53
   motion: number | null; // index into motions
 }
 
 export interface Finding {
   title: string;
   text: string;
-  link: string; // a fragment: "#section=work-precision&scene=free_asymmetric"
+  link: string; // URL fragment: "#section=work-precision&scene=free_asymmetric"
 }
 
 /** Columns of result rows that are indices, codes or flags. */
@@ -80,25 +78,25 @@ export const indexColumns = [
   "setting_kind", // 0 none, 1 step (s), 2 tolerance
   "status", // 0 ok, 1 unsupported, 2 diverged, 3 tolerance_not_met, 4 failed
   "message", // index into messages
-  "cut", // 1: ended by the limit on a run's time, steps or evaluations
+  "cut", // 1: ended by the limit on run time, steps or evaluations
   "formulation", // index into formulations
 ] as const;
 
-/** Columns of numbers that the page's code names. A document may have more: the page shows each as a column of its table
- * of results. `result_column_table()` (src/experiment/run/result.cpp) defines them; a test compares. */
+/** Numeric columns that the page's code names. The page shows further columns of a document in its table of results.
+ * `result_column_table()` (src/experiment/run/result.cpp) defines all; a test compares the names. */
 export const numberColumns = [
   "setting", "seconds", "evaluations", "attitude_final", "attitude", "omega", "energy", "momentum", "norm", "floor", "floor32",
 ] as const;
 
-/** Result rows as columns of one length. */
+/** Result rows as columns of equal length. */
 export type Rows = {
   count: number;
-  total: number; // in the folder; more than `count`: thinned, and a remark says how
+  total: number; // rows in the directory; if more than `count`, a remark describes the reduction
   messages: string[]; // the first is ""
   formulations: string[];
 } & Record<(typeof indexColumns)[number], number[]> & Record<(typeof numberColumns)[number], (number | null)[]>;
 
-/** The fitted order of one curve of a convergence experiment. */
+/** Fitted order of one curve of a convergence experiment. */
 export interface Order {
   experiment: number;
   scene: number;
@@ -106,8 +104,8 @@ export interface Order {
   setting_kind: number;
   claimed: number | null;
   observed: number | null;
-  points: number | null; // that the fit went through
-  from: number | null; // settings
+  points: number | null; // number of fitted points
+  from: number | null; // range of settings
   to: number | null;
 }
 
@@ -123,12 +121,13 @@ export interface Drift {
   energy: (number | null)[];
   momentum: (number | null)[];
   norm: (number | null)[];
-  /** exponents p of error ~ t^p and half the difference between those of the first and second half; null where no fit holds */
+  /** Exponents p of error ~ t^p, and half the difference between the exponents of the first and the second half.
+   * Measures without a valid fit are absent. */
   growth: Partial<Record<"attitude" | "omega" | "energy" | "momentum" | "norm", [number, number]>>;
   thinned: boolean;
 }
 
-/** What came of each pair of step and parameter of one method. */
+/** Outcome of one method for each pair of step and parameter. */
 export interface StabilityMap {
   method: number;
   map: string; // "spin", "stiffness"
@@ -140,9 +139,9 @@ export interface StabilityMap {
   outcomes: string[]; // from best to worst
 }
 
-/** Any other table of the folder. */
+/** Any other table of the directory. */
 export interface Table {
-  name: string; // of its file, without .csv
+  name: string; // file name without .csv
   title: string;
   experiment: string;
   columns: { name: string; numeric: boolean; integral: boolean }[];
@@ -150,12 +149,12 @@ export interface Table {
   total: number; // rows in the file
 }
 
-/** Two folders: run time and errors at the same settings. A ratio is the other's over this one's: above 1, this one is
- * faster. */
+/** Run times and errors of two directories at the same settings. A ratio is the other directory's value over this
+ * one's: above 1, this one is faster. */
 export interface Comparison {
   folder: string;
   experiments: Experiment[];
-  same_bits: number; // matched rows whose attitude errors are equal to the last bit
+  same_bits: number; // matched rows with attitude errors that are equal to the last bit
   matched: number;
   only_here: number;
   only_there: number;
@@ -163,47 +162,47 @@ export interface Comparison {
     method: number;
     scenes: number;
     pairs: number;
-    ratio: number; // geometric mean, of the scenes' geometric means
-    low: number | null; // 95 % confidence interval; null where there are too few
+    ratio: number; // geometric mean of the scenes' geometric means
+    low: number | null; // 95 % confidence interval; null for fewer than three scenes
     high: number | null;
     error_ratio: number | null; // geometric mean of attitude errors
   }[];
-  pairs: { row: number; seconds: number; error: number | null }[]; // a row of `rows`, the other's values
+  pairs: { row: number; seconds: number; error: number | null }[]; // index into `rows`, the other directory's values
   all: { ratio: number; low: number | null; high: number | null; scenes: number };
-  how: string; // how the interval is got, a sentence
+  how: string; // how ratio and interval are computed
 }
 
-/** The judgement of one trajectory of the user's. */
+/** Comparison of one user trajectory with the truth. */
 export interface Check {
   file: string;
   scene: number;
-  verdict: string; // "passed", "failed", or why it could not be judged
+  verdict: string; // "passed", "failed", or why the file was not checked
   passed: boolean | null;
   blocks: { name: string; error: number | null; unit: string; limit: number | null; passed: boolean | null; at: number | null }[];
-  lines: string[]; // the report in words
-  diagnoses: string[]; // what ails it
+  lines: string[]; // text report of `polhode check`
+  diagnoses: string[]; // diagnosed faults and the matching update
   t: number[];
   errors: { name: string; unit: string; values: (number | null)[] }[];
-  motion_method: number | null; // place in the scene's motion.methods, where the trajectory is to be seen
+  motion_method: number | null; // index of the trajectory in the `methods` of the scene's motion
 }
 
-/** The motion of one scene, for drawing. Body lengths are in m, from each body's centre of mass, in body axes. */
+/** The motion of one scene. Points of bodies are in m, from the body's centre of mass, in body axes. */
 export interface Motion {
   scene: number;
-  duration: number; // s, of what is shown
+  duration: number; // s, of the motion shown
   whole: number; // s, of the scene
-  thinning: { angle: number; length: number }; // rad, m: what the keyframes' interpolation is off at most
+  thinning: { angle: number; length: number }; // rad, m: error bound of the interpolation between keyframes
   bodies: BodyShape[];
-  joints: { name: string; type: string; parent: number; child: number; parent_point: number[]; child_point: number[]; axis: number[] | null }[]; // -1: the world; points from the centre of mass (of the world: its origin)
-  pivot: number[] | null; // point of the body, from its centre of mass, that is held at the world's origin
+  joints: { name: string; type: string; parent: number; child: number; parent_point: number[]; child_point: number[]; axis: number[] | null }[]; // bodies: -1 is the world; points: from the centre of mass or the world's origin
+  pivot: number[] | null; // point of the body, from its centre of mass, that is fixed at the world's origin
   planes: { normal: number[]; offset: number }[];
   gravity: number[] | null; // m/s^2, world
   moving: boolean; // whether any centre of mass moves
-  free: boolean; // no torque: the polhode stays on its ellipsoid
-  about: { moments: number[]; principal: number[] } | null; // of one body: about the pivot where there is one
-  energy: number; // J, of rotation at the start, of one body; 0 of several
+  free: boolean; // no torque: the polhode stays on the ellipsoid
+  about: { moments: number[]; principal: number[] } | null; // inertia of a single body about its pivot or centre
+  energy: number; // J, rotational energy of a single body at the start; 0 for several bodies
   truth: Track;
-  how: string; // how the truth was made, and its bound
+  how: string; // how the truth was computed, and its error bound
   methods: MotionMethod[];
 }
 
@@ -212,47 +211,47 @@ export interface BodyShape {
   mass: number;
   moments: number[]; // principal, kg m^2
   principal: number[]; // quaternion, principal to body axes
-  parts: Part[]; // of the shape; empty: draw a box of these moments
-  vertices: number[] | null; // of a mesh, three numbers each
-  faces: number[] | null; // of a mesh, three indices each
-  points: number[] | null; // of a body of points, three numbers each
+  parts: Part[]; // parts of the shape; if there is no shape, draw a box with these moments
+  vertices: number[] | null; // vertices of a mesh, three numbers each
+  faces: number[] | null; // faces of a mesh, three indices each
+  points: number[] | null; // point masses, three numbers each
 }
 
 export interface Part {
-  type: string; // "box", "sphere", "cylinder", "capsule", "cone", .. as in scene files, with the same keys
+  type: string; // "box", "sphere", "cylinder", "capsule", "cone", .. with the keys of scene files
   sizes: Record<string, number | number[]>; // "half_extents", "radius", "half_height", ..
-  position: number[]; // of the shape's origin, from the body's centre of mass, body axes
+  position: number[]; // origin of the shape, from the body's centre of mass, body axes
   orientation: number[]; // w, x, y, z, shape to body axes
-  hole: boolean; // of negative density
+  hole: boolean; // negative density
 }
 
-/** Keyframes. Between two of them: positions by cubic Hermite from p and v; attitudes by the cubic Hermite of the four
- * quaternion components with derivative q' = q (0, w) / 2, then normalised; w by cubic Hermite without its derivative's
- * knowledge (linear). Integers are scaled: x = integer * scale. */
+/** Keyframes. Interpolation (motion/interpolation.ts): positions by the cubic Hermite polynomial of p and v; attitudes
+ * by that of the four quaternion components with the derivative q' = q (0, w) / 2, then normalised; angular velocities
+ * from the interpolated attitude or from neighbouring values of w. Integers are scaled: x = integer * scale. */
 export interface Track {
   t: number[]; // s
   bodies: {
-    q: number[]; // four integers a keyframe, to be divided by their length: w, x, y, z, body to world
-    w: number[]; // three integers a keyframe: angular velocity, body axes
+    q: number[]; // four integers per keyframe, to be normalised: w, x, y, z, body to world
+    w: number[]; // three integers per keyframe: angular velocity, body axes
     w_scale: number; // rad/s
-    p: number[]; // three integers a keyframe: centre of mass, world; empty where it does not move
-    v: number[]; // likewise its velocity
+    p: number[]; // three integers per keyframe: centre of mass, world; empty if it does not move
+    v: number[]; // three integers per keyframe: velocity of the centre of mass, world; empty if it does not move
     p_scale: number; // m
     v_scale: number; // m/s
-    p_start: number[]; // m, to be added
+    p_start: number[]; // m, offset of all positions
   }[];
 }
 
 export interface MotionMethod {
-  method: number; // index into methods; -1: a trajectory of the user's
-  label: string; // of a user's trajectory its file; else the method's name
+  method: number; // index into methods; -1: a user trajectory
+  label: string; // the method's name, or the file name of a user trajectory
   setting_kind: number;
   setting: number | null;
   status: number; // as in rows
   message: string;
-  /** null: no further from the truth than `difference`, which is below what a picture shows: draw the truth's */
+  /** null if `difference` is invisible: draw the truth's track; also null if there is no motion to draw */
   track: Track | null;
-  difference: number | null; // rad, the largest attitude error over what is shown
-  t: number[]; // of the errors
+  difference: number | null; // rad, largest attitude error over the motion shown
+  t: number[]; // s, times of the errors
   attitude: (number | null)[]; // rad, of the worst body
 }

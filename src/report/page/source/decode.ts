@@ -1,11 +1,11 @@
-// What the page holds, out of its elements: base64, gzip.
+// Reads the contents of the page's elements: base64, gzip.
 
-/** The text of an element that holds it compressed; `what` it is for messages. */
+/** Decompressed text of an element; `what` names it in messages. */
 export async function readCompressed(holder: Element | null, what: string): Promise<string> {
   const text = holder?.textContent?.trim() ?? "";
-  if (text === "" || text.startsWith("<!--")) throw new Error(`the page holds no ${what}; \`polhode report DIR\` makes one that does`);
+  if (text === "" || text.startsWith("<!--")) throw new Error(`the page contains no ${what}; create it with \`polhode report DIR\``);
   if (typeof DecompressionStream === "undefined") {
-    throw new Error(`this browser cannot decompress the ${what} (it has no DecompressionStream); Chrome 80, Firefox 113, Safari 16.4 and later can`);
+    throw new Error(`this browser cannot decompress the ${what} (it has no DecompressionStream); use Chrome 80, Firefox 113, Safari 16.4 or later`);
   }
   let bytes: Uint8Array<ArrayBuffer>;
   try {
@@ -13,21 +13,21 @@ export async function readCompressed(holder: Element | null, what: string): Prom
     bytes = new Uint8Array(binary.length);
     for (let i = 0; i < binary.length; ++i) bytes[i] = binary.charCodeAt(i);
   } catch {
-    throw new Error(`the ${what} is not base64: the page was changed or cut short; make it anew`);
+    throw new Error(`the ${what} is not base64: the page was modified or truncated; create it again`);
   }
   try {
     return await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
   } catch {
-    throw new Error(`the ${what} does not decompress: the page was changed or cut short; make it anew`);
+    throw new Error(`the ${what} cannot be decompressed: the page was modified or truncated; create it again`);
   }
 }
 
-/** The document that the page shows. */
+/** Reads the page's document. */
 export async function readDocument(holder: Element | null): Promise<unknown> {
   const json = await readCompressed(holder, "data");
   try {
     return JSON.parse(json);
   } catch (fault) {
-    throw new Error(`the data is not JSON (${fault instanceof Error ? fault.message : String(fault)}); make the page anew`);
+    throw new Error(`the data is not JSON (${fault instanceof Error ? fault.message : String(fault)}); create the page again`);
   }
 }

@@ -1,9 +1,9 @@
-// Elements, made without markup: texts are set as texts.
+// Creates elements without markup: strings become text nodes.
 
 type Value = string | number | boolean | null | undefined | ((event: never) => void);
 export type Child = Node | string | null | undefined | false;
 
-/** An element with attributes; a function is a listener ("onclick"), true an empty attribute, false and null none. */
+/** Creates an element. A function sets a listener ("onclick"), true an empty attribute; false and null are skipped. */
 export function element<K extends keyof HTMLElementTagNameMap>(
   name: K,
   attributes: Record<string, Value> = {},
@@ -40,7 +40,7 @@ export function identity(kind: string): string {
   return `${kind}-${++next}`;
 }
 
-/** A labelled choice of one among several. */
+/** A labelled drop-down list. */
 export class Choice {
   readonly root: HTMLElement;
   private readonly select: HTMLSelectElement;
@@ -51,7 +51,7 @@ export class Choice {
     this.root = element("label", { class: "choice" }, element("span", {}, label), this.select);
   }
 
-  /** The options as [value, text]; hidden where there is nothing to choose. */
+  /** Sets the options as [value, text]. Hides the list if it has fewer than two. */
   update(options: [string, string][], value: string): void {
     const all = JSON.stringify(options);
     if (all !== this.shown) {
@@ -63,13 +63,13 @@ export class Choice {
   }
 }
 
-/** Writes to the clipboard by the ways there are; false where none is. */
+/** Writes to the clipboard. Returns false if the browser does not allow it. */
 export async function copyText(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);
     return true;
   } catch {
-    // the older way, which needs no permission
+    // the older interface, which needs no permission
     const area = element("textarea", { class: "unseen", "aria-hidden": "true", tabindex: -1 });
     area.value = text;
     document.body.append(area);

@@ -1,4 +1,4 @@
-// Dots in rows: one number of each line of a table, on one axis.
+// Dot plot: one number of each row of a table on one axis.
 
 import { Choice, element, fill } from "./dom.ts";
 import { significant } from "./format.ts";
@@ -19,7 +19,7 @@ export interface Dot {
 
 const mostDots = 90;
 
-/** An axis over all values with some room at its ends, as plotly takes it. */
+/** Range of an axis for plotly that covers all values with a margin at both ends. */
 export function around(values: readonly number[], logarithmic: boolean): [number, number] {
   const places = values.filter((value) => Number.isFinite(value) && (!logarithmic || value > 0)).map((value) => (logarithmic ? Math.log10(value) : value));
   const [low, high] = [Math.min(...places), Math.max(...places)];
@@ -27,7 +27,7 @@ export function around(values: readonly number[], logarithmic: boolean): [number
   return [low - room, high + room];
 }
 
-/** Rows of dots, the first at the top; `one` draws the line at 1. */
+/** Rows of dots, the first at the top. `one` draws a line at 1. */
 export class DotPlot {
   readonly root: HTMLElement;
   private readonly plot: Plot;
@@ -46,7 +46,7 @@ export class DotPlot {
     const shown = dots.filter((dot) => Number.isFinite(dot.value)).slice(0, mostDots);
     this.root.hidden = shown.length === 0;
     this.note.hidden = dots.length <= shown.length;
-    this.note.textContent = `The first ${shown.length} of ${dots.length} are drawn; the table has all.`;
+    this.note.textContent = `Only the first ${shown.length} of ${dots.length} rows are plotted; the table has all rows.`;
     if (shown.length === 0) return;
     const values = shown.map((dot) => dot.value);
     const logarithmic = log ?? (values.every((value) => value > 0) && Math.max(...values) > 20 * Math.min(...values));
@@ -78,16 +78,16 @@ export class DotPlot {
   }
 }
 
-/** What names a row: its first texts. */
+/** Label of a row: its first text cells. */
 export function labelOf(table: Table, row: readonly (string | number | null)[]): string {
   const texts = table.columns.flatMap((column, c) => (column.numeric || /^(message|left_out|setting_kind|step|own|peer|reached|family|proof|within.*)$/.test(column.name) ? [] : [row[c]]));
   const label = texts.filter((cell) => cell !== null && cell !== undefined && cell !== "").slice(0, 3).map(String);
-  // several rows of one name are told apart by the numbers that are settings
+  // settings distinguish rows with the same name
   const settings = table.columns.flatMap((column, c) => (column.numeric && /^(attitude_error|ratio|links|bodies|tolerance)$/.test(column.name) && typeof row[c] === "number" ? [significant(row[c])] : []));
   return [...label, ...(table.columns.some((column) => /^(own|ratio|joint)$/.test(column.name)) ? settings.slice(0, 1) : [])].map((part) => shorten(oneLine(part), 40)).join(", ");
 }
 
-/** A column of a table as dots, the column of the reader's choice. */
+/** Dot plot of a column that the reader selects; null if the table has no suitable column. */
 export function tableDots(tools: Tools, table: Table, key: string, preferred: readonly RegExp[]): HTMLElement | null {
   const drawable = table.columns.flatMap((column, c) =>
     column.numeric && column.name !== "place" && table.rows.some((row) => typeof row[c] === "number") ? [c] : []);
@@ -95,8 +95,8 @@ export function tableDots(tools: Tools, table: Table, key: string, preferred: re
   if (firstColumn === undefined || !table.columns.some((column) => !column.numeric)) return null;
   const standard = preferred.flatMap((pattern) => drawable.filter((c) => pattern.test(table.columns[c]?.name ?? "")))[0] ?? firstColumn;
   const name = (c: number): string => table.columns[c]?.name ?? "";
-  const plot = new DotPlot(tools, `${shorten(oneLine(table.title || table.name), 80)}: dots`, () => table.name);
-  const choice = new Choice("Drawn", (value) => tools.page.set({ [key]: value === name(standard) ? "" : value }));
+  const plot = new DotPlot(tools, `${shorten(oneLine(table.title || table.name), 80)}: dot plot`, () => table.name);
+  const choice = new Choice("Plotted column", (value) => tools.page.set({ [key]: value === name(standard) ? "" : value }));
   const methods = new Map(tools.data.methods.map((method, m) => [method.name, m]));
   const methodColumn = table.columns.findIndex((column) => column.name === "method" || column.name === "own");
   const show = (): void => {

@@ -1,30 +1,30 @@
-// The filter of a table: a line of conditions, all of which a row has to meet.
+// The filter of a table: a line of conditions. A row must satisfy all of them.
 //
-//   word          some cell holds the word, whatever its case          "two words"     as they stand
-//   -word         no cell holds it
-//   column:word   the cell of that column holds it                     -column:word    does not
-//   column>1e-9   compares a number: < <= > >= = != (= and != texts, too)
+//   word          a cell contains the word, ignoring case           "two words"     quoted words are one word
+//   -word         no cell contains the word
+//   column:word   the cell of this column contains the word         -column:word    it does not
+//   column>1e-9   compares numbers: < <= > >= = != (= and != also compare text)
 //
-// A column is named as its head says, with _ for a space, or by its beginning where only one begins so.
+// A column is written as in the header, with _ for each space, or as a unique prefix of it.
 
 import type { Cell } from "./text.ts";
 
 export interface Filter {
-  /** "" or what is wrong with the line. */
+  /** Error in the line, or "". */
   fault: string;
   matches(row: readonly Cell[]): boolean;
 }
 
 const everything: Filter = { fault: "", matches: () => true };
 
-/** The line's terms; a quotation holds together what is in it. */
+/** Splits the line into terms; quotation marks protect spaces. */
 function termsOf(line: string): string[] {
   return line.match(/(?:"[^"]*"?|[^\s"])+/g) ?? [];
 }
 
 const unquoted = (text: string): string => text.replace(/"/g, "");
 
-/** The column a name means: the same, or the only one that begins so; -1 none, -2 several. */
+/** Index of the column with this name or unique prefix; -1 if there is none, -2 if the prefix is ambiguous. */
 function columnOf(name: string, columns: readonly string[]): number {
   const plain = (text: string): string => text.toLowerCase().replace(/[\s_]+/g, "_");
   const asked = plain(name);
@@ -45,7 +45,7 @@ export function parseFilter(line: string, columns: readonly string[]): Filter {
       const value = unquoted(rest).trim();
       const number = value === "" ? NaN : Number(value);
       if (Number.isNaN(number) && sign !== "=" && sign !== "!=") {
-        return { fault: `${unquoted(name)}${sign}: a number must follow, such as ${unquoted(name)}${sign}1e-9`, matches: () => true };
+        return { fault: `${unquoted(name)}${sign} needs a number, such as ${unquoted(name)}${sign}1e-9`, matches: () => true };
       }
       tests.push((row) => compare(row[column] ?? null, sign, value, number));
       continue;
@@ -54,10 +54,10 @@ export function parseFilter(line: string, columns: readonly string[]): Filter {
     const plain = negative ? term.slice(1) : term;
     const placed = /^([^:"]+|"[^"]*"):(.*)$/.exec(plain);
     const column = placed ? columnOf(unquoted(placed[1] ?? ""), columns) : -1;
-    // a colon may well belong to a word, as in bullet:default
+    // a colon may belong to the word, as in bullet:default
     const word = unquoted(placed && column >= 0 ? (placed[2] ?? "") : plain).toLowerCase();
     if (word === "") continue;
-    // most words cannot stand in a number, and to write numbers out is slow
+    // formatting numbers is slow, so it is skipped for words that no number contains
     const numeric = /^[-+.\de]+$/.test(word);
     const holds = (cell: Cell): boolean => (typeof cell === "string" ? cell.toLowerCase().includes(word) : numeric && cell !== null && String(cell).includes(word));
     tests.push((row) => (column >= 0 ? holds(row[column] ?? null) : row.some(holds)) !== negative);
@@ -67,7 +67,7 @@ export function parseFilter(line: string, columns: readonly string[]): Filter {
 }
 
 function columnFault(name: string, column: number): string {
-  return column === -2 ? `several columns begin with ${name}: write more of its name` : `no column is called ${name}`;
+  return column === -2 ? `several columns start with ${name}; write more of the name` : `no column is named ${name}`;
 }
 
 function compare(cell: Cell, sign: string, value: string, number: number): boolean {

@@ -1,9 +1,9 @@
-// Numbers as texts.
+// Formats numbers.
 
 const thin = "\u202f"; // narrow no-break space
 const minus = "\u2212";
 
-/** To so many significant digits, without trailing zeros: 3.59, 0.00133, 1.59e-5. ASCII, so that it can be read back. */
+/** Significant digits without trailing zeros: 3.59, 0.00133, 1.59e-5. ASCII, so that it can be parsed. */
 export function significant(value: number | null | undefined, digits = 3): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "";
   if (!Number.isFinite(value)) return value > 0 ? "inf" : "-inf";
@@ -21,7 +21,7 @@ export function significant(value: number | null | undefined, digits = 3): strin
 const prefixes = ["q", "r", "y", "z", "a", "f", "p", "n", "µ", "m", "", "k", "M", "G", "T", "P", "E", "Z", "Y", "R", "Q"];
 const noPrefix = prefixes.indexOf("");
 
-/** With the prefix that leaves one to three digits before the point: 446 ns, 1.5 kN. */
+/** With an SI prefix, so that one to three digits precede the point: 446 ns, 1.5 kN. */
 export function engineering(value: number | null | undefined, unit: string, digits = 3): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "";
   if (!Number.isFinite(value)) return `${significant(value)} ${unit}`;
@@ -34,25 +34,25 @@ export function engineering(value: number | null | undefined, unit: string, digi
   return `${significant(scaled, digits)}${thin}${prefixes[place]}${unit}`;
 }
 
-/** Seconds up to a minute by prefix, then in whole seconds. */
+/** Seconds, with an SI prefix below 1000 s. */
 export function duration(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || Number.isNaN(seconds)) return "";
   return Math.abs(seconds) >= 1000 ? `${significant(seconds, 4)}${thin}s` : engineering(seconds, "s");
 }
 
-/** 12 345 */
+/** An integer with thin spaces: 12 345. */
 export function count(value: number | null | undefined): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "";
   const text = Math.abs(value).toFixed(0).replace(/\B(?=(\d{3})+$)/g, thin);
   return value < 0 ? `${minus}${text}` : text;
 }
 
-/** How many of something, the noun in its number. */
+/** A count with the noun in singular or plural. */
 export function counted(value: number, one: string, many = `${one}s`): string {
   return `${count(value)} ${value === 1 ? one : many}`;
 }
 
-/** An error in its unit, as a power of ten where small. */
+/** A value with its unit, in scientific notation if small. */
 export function quantity(value: number | null | undefined, unit: string, digits = 3): string {
   const text = significant(value, digits);
   return text === "" ? "" : unit === "" ? text : `${text}${thin}${unit}`;

@@ -1,8 +1,8 @@
-// The page's state as the URL's fragment, and back: #section=work-precision&scene=free_asymmetric.
+// Converts the page's state to a URL fragment and back: #section=work-precision&scene=free_asymmetric.
 
 export type State = Record<string, string>;
 
-/** Never throws: what is no proper escape is taken as it stands. */
+/** Decodes percent escapes; text with invalid escapes is returned unchanged. */
 function decode(text: string): string {
   try {
     return decodeURIComponent(text.replace(/\+/g, " "));
@@ -11,7 +11,7 @@ function decode(text: string): string {
   }
 }
 
-/** As little escaped as an address allows, for it is to be read. */
+/** Escapes as little as possible, to keep the address readable. */
 function encode(text: string): string {
   return encodeURIComponent(text).replace(/%(2F|3A|2C|40|7B|7D)/g, (found) =>
     found === "%7B" || found === "%7D" ? found : decodeURIComponent(found),
@@ -29,7 +29,7 @@ export function parseFragment(fragment: string): State {
   return state;
 }
 
-/** Keys in a fixed order, so that the same state has the same address. */
+/** Writes keys in a fixed order, so that equal states have equal addresses. */
 export function writeFragment(state: State): string {
   const first = ["section", "scene"];
   const rank = (key: string): number => (first.includes(key) ? first.indexOf(key) : first.length);
@@ -38,7 +38,7 @@ export function writeFragment(state: State): string {
   return keys.map((key) => `${encode(key)}=${encode(state[key] ?? "")}`).join("&");
 }
 
-/** A list in one value: separated by commas, with commas and backslashes of the names escaped. */
+/** Joins names with commas; commas and backslashes in names are escaped by a backslash. */
 export function writeList(names: readonly string[]): string {
   return names.map((name) => name.replace(/[\\,]/g, (found) => `\\${found}`)).join(",");
 }

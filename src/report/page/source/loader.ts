@@ -1,4 +1,4 @@
-// The page's script stands in it compressed, to leave room for data: this unpacks it, once the frame is painted.
+// Decompresses and runs the page's script after the first paint. The script is compressed to leave room for data.
 
 import { readCompressed } from "./decode.ts";
 

@@ -1,4 +1,4 @@
-// The page begins here: the data is decoded, and sections are drawn as they come near.
+// Entry point of the page: decodes the document and renders each section when the reader scrolls near it.
 
 import { copyText, element, fill } from "./dom.ts";
 import type { ReportData } from "./data.ts";
@@ -25,16 +25,16 @@ function header(page: Page, tools: Tools | null): void {
   const show = (): void => {
     const dark = page.dark();
     theme.textContent = dark ? "Light" : "Dark";
-    theme.title = dark ? "Dark on light" : "Light on dark";
+    theme.title = dark ? "Switch to the light theme" : "Switch to the dark theme";
   };
   theme.addEventListener("click", () => page.set({ theme: page.dark() ? "light" : "dark" }));
   page.onTheme(show);
   show();
   const link = element("button", {
-    type: "button", title: "The address of the page as it is seen now",
+    type: "button", title: "Copy a link to the current view",
     onclick: () => {
       const address = page.address();
-      void copyText(address).then((done) => page.announce(done ? "link copied" : "the address bar has the link"));
+      void copyText(address).then((done) => page.announce(done ? "link copied" : "cannot copy; the link is in the address bar"));
       link.textContent = "Copied";
       window.setTimeout(() => (link.textContent = "Copy link"), 1500);
     },
@@ -65,7 +65,7 @@ function draw(placed: Placed, tools: Tools): void {
   }
 }
 
-/** Sections, navigation between them, and drawing as they come near. */
+/** Builds sections and navigation, and renders sections when they come near. */
 function build(page: Page, tools: Tools): void {
   const content = byId("content");
   const navigation = byId("sections");
@@ -77,7 +77,7 @@ function build(page: Page, tools: Tools): void {
       const link = element("a", { href: `#section=${section.name}` }, section.title);
       return { section, host, heading, link, drawn: false };
     });
-  let still = 0; // while the page scrolls by itself, it does not follow its own scrolling
+  let still = 0; // ms; until this time, scrolling was caused by the page and does not change the state
   const go = (placed: Placed, focus: boolean): void => {
     draw(placed, tools);
     still = performance.now() + 700;
@@ -85,7 +85,7 @@ function build(page: Page, tools: Tools): void {
     const there = (): void => placed.heading.scrollIntoView({ block: "start" });
     there();
     if (focus) placed.heading.focus({ preventScroll: true });
-    // what is drawn above on the way may push it down
+    // sections rendered above during scrolling may move the heading
     window.setTimeout(there, 250);
   };
   const mark = (placed: Placed): void => {
@@ -151,17 +151,17 @@ function build(page: Page, tools: Tools): void {
 
 async function begin(): Promise<void> {
   const page = new Page(byId("announcements"));
-  // the frame is painted first
+  // after the first paint
   await new Promise((resolve) => requestAnimationFrame(() => window.setTimeout(resolve, 0)));
   try {
     const holder = document.getElementById("polhode-data");
     const value = await readDocument(holder);
     holder?.remove();
     const fault = faultOf(value);
-    if (fault !== "") throw new Error(`${fault}; make the page anew with this version of polhode`);
+    if (fault !== "") throw new Error(`${fault}; create the page again with this version of polhode`);
     const data = value as ReportData;
     const tools: Tools = { data, page, index: new RowIndex(data.rows, data.scenes.length) };
-    // every section shows the same scene, also where the address names none, or one that is not here
+    // all sections show the same scene, even if the address has no scene or an unknown one
     if (data.scenes.length > 0) page.set({ scene: sceneName(tools, chosenScene(tools)) });
     header(page, tools);
     build(page, tools);

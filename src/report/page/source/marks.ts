@@ -1,4 +1,4 @@
-// The mark and colour of a method: the same in every picture, legend and table.
+// Mark and colour of a method, the same in every plot, legend and table.
 
 import type { Family, Method, ReportData } from "./data.ts";
 import { vector } from "./dom.ts";
@@ -23,7 +23,7 @@ export function markOf(place: number): Mark {
   };
 }
 
-/** A colour of the data is taken only if it is one. */
+/** Colour of a family; a neutral colour if the document's value is not a valid colour. */
 export function colorOf(family: Family | undefined, dark: boolean): string {
   const color = dark ? family?.color_dark : family?.color;
   return color !== undefined && /^#[0-9a-f]{6}$/i.test(color) ? color : dark ? "#b8bec6" : "#59616b";
@@ -48,7 +48,7 @@ const strokes: Record<string, string> = {
 };
 const dashArrays: Record<string, string> = { dash: "4 2", dot: "1.5 2", dashdot: "4 2 1.5 2", longdash: "7 3" };
 
-/** A piece of the curve for a legend, decoration only. */
+/** A sample of the curve for a legend; decorative only. */
 export function swatch(mark: Mark, color: string, lit: boolean): SVGElement {
   const open = mark.symbol.endsWith("-open");
   const shape = mark.symbol.replace(/-open$/, "");

@@ -1,4 +1,4 @@
-// A plot: plotly's drawing with tools of our own, which have names and obey the keyboard.
+// A plotly plot with accessible tools: buttons with names, keyboard control, zoom in the address, export.
 
 import type Plotly from "plotly.js-basic-dist-min";
 import { element, identity } from "./dom.ts";
@@ -11,9 +11,9 @@ export interface Theme {
   dark: boolean;
   ground: string;
   ink: string;
-  faint: string; // text of less weight
+  faint: string; // secondary text
   grid: string;
-  grey: string; // curves that are not lit
+  grey: string; // curves that are not highlighted
   band: string;
 }
 
@@ -30,7 +30,7 @@ export interface Drawing {
 type Library = typeof Plotly;
 let library: Promise<Library> | null = null;
 
-/** Plotly is run when the first plot is wanted, not before. */
+/** Loads plotly when the first plot is drawn. */
 export function loadPlotly(): Promise<Library> {
   library ??= import("plotly.js-basic-dist-min").then((loaded) => (loaded as { default?: Library }).default ?? (loaded as unknown as Library));
   return library;
@@ -38,7 +38,7 @@ export function loadPlotly(): Promise<Library> {
 
 const font = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "Liberation Sans", sans-serif';
 
-/** Numbers of axes that are not logarithmic, and of logarithmic ones as powers of ten. */
+/** Common properties of a linear or logarithmic axis. */
 export function axis(theme: Theme, title: string, log: boolean, more: object = {}): Partial<Plotly.LayoutAxis> {
   return {
     title: { text: title, standoff: 8 },
@@ -74,7 +74,7 @@ export class Plot {
   private busy: Promise<void> = Promise.resolve();
   private click: ((customdata: unknown) => void) | null = null;
 
-  /** `zoomKey` is where the state keeps the ranges, "" for nowhere. */
+  /** `zoomKey` is the key of the ranges in the state; "" does not store them. */
   constructor(
     private readonly page: Page,
     label: string,
@@ -90,25 +90,25 @@ export class Plot {
     const tool = (text: string, title: string, act: () => void): HTMLButtonElement =>
       element("button", { type: "button", title, onclick: act }, text);
     this.dragButtons = [
-      tool("Zoom", "Dragging zooms in", () => this.setDrag("zoom")),
-      tool("Pan", "Dragging moves the view", () => this.setDrag("pan")),
+      tool("Zoom", "Drag to zoom in", () => this.setDrag("zoom")),
+      tool("Pan", "Drag to move the view", () => this.setDrag("pan")),
     ];
     this.root = element(
       "figure",
       { class: "figure" },
       element(
         "div",
-        { class: "plot-tools", role: "toolbar", "aria-label": `Tools of the plot: ${label}` },
+        { class: "plot-tools", role: "toolbar", "aria-label": `Plot tools: ${label}` },
         ...this.dragButtons,
         tool("−", "Zoom out", () => this.scale(1.5)),
         tool("+", "Zoom in", () => this.scale(1 / 1.5)),
-        tool("Reset", "The whole view", () => this.reset()),
+        tool("Reset", "Show the whole range", () => this.reset()),
         element("span", { class: "gap" }),
-        tool("SVG", "Save as SVG, on white", () => void this.save("svg")),
-        tool("PNG", "Save as PNG, on white", () => void this.save("png")),
+        tool("SVG", "Save as SVG with a white background", () => void this.save("svg")),
+        tool("PNG", "Save as PNG with a white background", () => void this.save("png")),
       ),
       this.host,
-      element("p", { id: help, class: "unseen" }, "Arrow keys move the view, plus and minus zoom, 0 shows all. The numbers stand in a table below."),
+      element("p", { id: help, class: "unseen" }, "Arrow keys move the view, plus and minus zoom, 0 shows the whole range. A table below lists the data."),
     );
     this.showDrag();
     page.onTheme(() => this.redraw());
@@ -128,12 +128,12 @@ export class Plot {
     this.host.style.height = `${height}px`;
   }
 
-  /** Whether there is little room for labels. */
+  /** Whether the plot is too narrow for long labels. */
   narrow(): boolean {
     return this.host.clientWidth > 0 && this.host.clientWidth < 560;
   }
 
-  /** After all drawing that was asked for so far. */
+  /** Resolves when all drawing requested so far is done. */
   settled(): Promise<void> {
     return this.busy;
   }
@@ -242,7 +242,7 @@ export class Plot {
     void this.relayout([now[0] + x, now[1] + x, now[2] + y, now[3] + y]);
   }
 
-  /** As it is drawn without a zoom. */
+  /** Shows the whole range. */
   private reset(): void {
     if (this.zoomKey !== "" && this.page.get(this.zoomKey) !== "") this.page.set({ [this.zoomKey]: "" });
     else this.redraw();
@@ -273,7 +273,7 @@ export class Plot {
     this.dragButtons.forEach((button, i) => button.setAttribute("aria-pressed", String(this.drag === (i === 0 ? "zoom" : "pan"))));
   }
 
-  /** A file of its own needs its legend, which on the page stands beside. */
+  /** Saves the plot with a legend, which on the page is a separate element. */
   private async save(format: "svg" | "png"): Promise<void> {
     if (this.make === null) return;
     const plotly = await loadPlotly();
@@ -292,7 +292,7 @@ export class Plot {
       } as never);
       this.page.announce(`${format.toUpperCase()} saved`);
     } catch (fault) {
-      this.page.announce(`The picture could not be saved: ${String(fault)}`);
+      this.page.announce(`Cannot save the picture: ${String(fault)}`);
     }
   }
 }

@@ -1,4 +1,4 @@
-// Result rows one by one and by scene, and what limits a run.
+// Access to result rows singly and by scene, the limit of a run's accuracy, and validation of the document.
 
 import { indexColumns, numberColumns, type ReportData, type Rows } from "./data.ts";
 import { significant } from "./format.ts";
@@ -7,7 +7,7 @@ export const statuses = ["ok", "unsupported", "diverged", "tolerance not met", "
 export const settingKinds = ["none", "step", "tolerance"] as const;
 
 export interface Row {
-  place: number; // in the columns
+  place: number; // index into the columns
   experiment: number;
   scene: number;
   method: number;
@@ -46,11 +46,11 @@ export function rowAt(rows: Rows, place: number): Row {
 
 export type Limit = "unsupported" | "limit" | "instability" | "tolerance" | "failure" | "floor" | "truncation" | "unknown";
 
-/** What keeps a run from being more accurate. An error within ten times its precision's floor is rounding's. */
+/** What limits the accuracy of a run. An error of at most ten times the rounding floor is attributed to rounding. */
 export function limitOf(row: Row, precision: string): { kind: Limit; text: string } {
   const told = row.message === "" ? "" : `: ${row.message}`;
   if (row.status === 1) return { kind: "unsupported", text: `unsupported${told}` };
-  if (row.cut) return { kind: "limit", text: "the limit on a run's time or steps" };
+  if (row.cut) return { kind: "limit", text: "limit on run time, steps or evaluations" };
   if (row.status === 2) return { kind: "instability", text: `instability${told}` };
   if (row.status === 3) return { kind: "tolerance", text: `tolerance not met${told}` };
   if (row.status === 4) return { kind: "failure", text: `failed${told}` };
@@ -69,7 +69,7 @@ export function settingText(kind: number, setting: number | null): string {
   return kind === 1 ? `step ${significant(setting, 4)} s` : `tolerance ${significant(setting, 3)}`;
 }
 
-/** Places of the rows by scene, without a pass over all of them each time. */
+/** Row indices by scene, computed once. */
 export class RowIndex {
   private readonly begin: Uint32Array;
   private readonly places: Uint32Array;
@@ -88,17 +88,17 @@ export class RowIndex {
   }
 }
 
-/** The columns of numbers of a document, by name. */
+/** Numeric columns of a document by name. */
 export function numbersOf(rows: Rows): Map<string, (number | null)[]> {
   const others = new Set<string>([...indexColumns, "count", "total", "messages", "formulations"]);
   return new Map(Object.entries(rows as Record<string, unknown>).filter(([name]) => !others.has(name))) as Map<string, (number | null)[]>;
 }
 
-/** "" or what is wrong with a document, so that the page tells it instead of drawing half. */
+/** Checks the structure of a document. Returns the first error, or "". */
 export function faultOf(value: unknown): string {
   if (typeof value !== "object" || value === null) return "the document is not an object";
   const data = value as ReportData;
-  if (data.format !== 1) return `the document's format is ${String(data.format)}, and this page reads format 1`;
+  if (data.format !== 1) return `the document's format is ${String(data.format)}; this page supports format 1`;
   for (const key of ["experiments", "families", "methods", "scenes", "findings", "orders", "drift", "maps", "tables", "checks", "motions", "remarks"] as const) {
     if (!Array.isArray(data[key])) return `the document has no list "${key}"`;
   }
@@ -110,12 +110,12 @@ export function faultOf(value: unknown): string {
   }
   const within = (key: "experiment" | "scene" | "method", size: number): string => {
     const bad = rows[key].findIndex((place) => !(place >= 0 && place < size));
-    return bad < 0 ? "" : `rows.${key}[${bad}] is ${String(rows[key][bad])}, and there are ${size}`;
+    return bad < 0 ? "" : `rows.${key}[${bad}] is ${String(rows[key][bad])}, but there are only ${size} ${key}s`;
   };
   return (
     within("experiment", data.experiments.length) ||
     within("scene", data.scenes.length) ||
     within("method", data.methods.length) ||
-    (data.methods.some((method) => !data.families[method.family]) ? "a method is of no family" : "")
+    (data.methods.some((method) => !data.families[method.family]) ? "a method's family is not in the list of families" : "")
   );
 }

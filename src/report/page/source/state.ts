@@ -1,4 +1,4 @@
-// The page's state: one for all sections, kept in the fragment.
+// The page's state, shared by all sections and stored in the URL fragment.
 
 import type { PageContext } from "./context.ts";
 import { parseFragment, writeFragment, type State } from "./fragment.ts";
@@ -32,7 +32,7 @@ export class Page implements PageContext {
   set(values: Record<string, string>): void {
     const before = this.state;
     const after: State = Object.assign(Object.create(null) as State, before);
-    // another scene has other axes
+    // zoom ranges do not apply to another scene
     if (values.scene !== undefined && values.scene !== (before.scene ?? "")) {
       for (const key of Object.keys(after)) if (key.endsWith(".zoom")) delete after[key];
     }
@@ -42,12 +42,12 @@ export class Page implements PageContext {
     }
     if (writeFragment(after) === writeFragment(before)) return;
     this.state = after;
-    // browsers refuse hundreds of changes within seconds, as a drag would make
+    // browsers limit the rate of address changes, which a drag would exceed
     if (this.timer === 0) this.timer = window.setTimeout(() => this.write(), 150);
     this.changed(before);
   }
 
-  /** The address of what is seen. */
+  /** Address of the current view. */
   address(): string {
     this.write();
     return `${location.href.replace(/#.*$/, "")}#${writeFragment(this.state)}`;
@@ -57,12 +57,12 @@ export class Page implements PageContext {
     this.listeners.push(listener);
   }
 
-  /** Called when a link was followed, or the reader went back. */
+  /** Called after a link or the back button changed the address. */
   onFollow(listener: () => void): void {
     this.followers.push(listener);
   }
 
-  /** Called when a value of one of the keys has changed. */
+  /** Called after the value of one of the keys changed. */
   watch(keys: readonly string[], listener: () => void): void {
     const values = (): string => JSON.stringify(keys.map((key) => this.get(key)));
     let before = values();
@@ -88,7 +88,7 @@ export class Page implements PageContext {
   }
 
   announce(text: string): void {
-    // the same text twice would not be read twice
+    // cleared first, because an unchanged text is not announced again
     this.live.textContent = "";
     window.setTimeout(() => (this.live.textContent = text), 30);
   }
@@ -102,7 +102,7 @@ export class Page implements PageContext {
     try {
       history.replaceState(null, "", fragment);
     } catch {
-      // some browsers allow it not from file://
+      // some browsers do not allow it on file://
       location.replace(fragment);
     }
   }
@@ -112,7 +112,7 @@ export class Page implements PageContext {
     this.written = location.hash;
     const before = this.state;
     this.state = parseFragment(location.hash);
-    // what a link says nothing of stays: how the page looks, and the scene
+    // theme and scene are kept if the link does not contain them
     for (const key of ["theme", "scene"]) if (this.state[key] === undefined && before[key] !== undefined) this.state[key] = before[key];
     this.changed(before);
     for (const follower of this.followers) follower();
@@ -135,7 +135,7 @@ export class Page implements PageContext {
   }
 }
 
-/** One listener's failure is told and harms no other. */
+/** Calls all listeners. Errors are logged and do not affect other listeners. */
 function call(listeners: readonly (() => void)[]): void {
   for (const listener of [...listeners]) {
     try {

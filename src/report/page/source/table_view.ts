@@ -1,4 +1,4 @@
-// A table that is sorted, filtered, copied and read a page at a time.
+// A table with sorting, filtering, paging, a choice of columns, and copying as CSV and LaTeX.
 
 import { add, copyText, element, fill, identity } from "./dom.ts";
 import { parseFilter } from "./filter.ts";
@@ -11,28 +11,28 @@ export interface Column {
   name: string;
   numeric: boolean;
   integral?: boolean;
-  hidden?: boolean; // until the reader asks for it
+  hidden?: boolean; // not shown by default
 }
 
 export interface Content {
   caption: string;
   columns: Column[];
   rows: readonly (readonly Cell[])[];
-  total?: number; // rows there are beyond those given
-  /** A cell's own look; null for the usual. */
+  total?: number; // rows in the file, if more than given
+  /** Custom rendering of a cell; null for the default. */
   render?: (column: number, cell: Cell, row: readonly Cell[]) => Node | null;
 }
 
 const rowsPerPage = 100;
 
-/** As it is shown. */
+/** Displayed text of a cell. */
 export function shownCell(column: Column, cell: Cell | undefined): string {
   if (cell === null || cell === undefined) return "";
   if (typeof cell === "number") return column.integral === true ? String(cell) : significant(cell, 4);
   return oneLine(cell);
 }
 
-/** Places of the rows in order: numbers before texts, what is empty last, equal ones as they were. */
+/** Sorts row indices stably: numbers before texts before empty cells. */
 export function sortedPlaces(rows: readonly (readonly Cell[])[], places: number[], column: number, descending: boolean): number[] {
   const sign = descending ? -1 : 1;
   const kind = (cell: Cell | undefined): number => (typeof cell === "number" ? 0 : cell === null || cell === undefined || cell === "" ? 2 : 1);
@@ -59,7 +59,7 @@ export class TableView {
   private at = 0;
   private timer = 0;
 
-  /** `key` begins the names of its values in the state, "" for none. */
+  /** `key` is the prefix of the table's keys in the state; "" does not store them. */
   constructor(
     private readonly page: Page,
     private readonly key: string,
@@ -124,20 +124,20 @@ export class TableView {
     return element(
       "details",
       { class: "pop" },
-      element("summary", {}, "how"),
+      element("summary", {}, "syntax"),
       element(
         "div",
         { class: "pop-body" },
-        element("p", {}, "A row has to meet all of the conditions:"),
+        element("p", {}, "Rows must satisfy all conditions:"),
         element(
           "ul",
           {},
-          line("word", "some cell holds it; “two words” in straight quotation marks"),
-          line("-word", "no cell holds it"),
-          line("column:word", "that column's cell holds it"),
+          line("word", "a cell contains the word; put “two words” in straight quotation marks"),
+          line("-word", "no cell contains the word"),
+          line("column:word", "the cell in this column contains the word"),
           line(`${shorten(example, 24)}>1e-9`, "compares numbers: < <= > >= = !="),
         ),
-        element("p", {}, "A column is named as its head says, with _ for a space, or by its beginning."),
+        element("p", {}, "Write a column's name as in the header, with _ for each space, or a unique prefix of it."),
       ),
     );
   }
@@ -243,7 +243,7 @@ export class TableView {
       }
       body.append(line);
     }
-    if (this.places.length === 0) body.append(element("tr", {}, element("td", { colspan: Math.max(1, columns.length), class: "empty" }, "no row")));
+    if (this.places.length === 0) body.append(element("tr", {}, element("td", { colspan: Math.max(1, columns.length), class: "empty" }, "no rows")));
     const focused = document.activeElement instanceof HTMLElement && this.scroller.contains(document.activeElement) ? document.activeElement.dataset.column : undefined;
     fill(this.scroller, element("table", {}, element("caption", { class: "unseen" }, shorten(oneLine(this.content.caption), 200)), element("thead", {}, head), body));
     if (focused !== undefined) this.scroller.querySelector<HTMLElement>(`button[data-column="${focused}"]`)?.focus({ preventScroll: true });
@@ -266,18 +266,18 @@ export class TableView {
       }, text);
     fill(
       this.pager,
-      button("First", 0, "first page"), button("Back", here - 1, "page before"), ` page ${count(here + 1)} of ${count(pages)} `,
+      button("First", 0, "first page"), button("Previous", here - 1, "previous page"), ` page ${count(here + 1)} of ${count(pages)} `,
       button("Next", here + 1, "next page"), button("Last", pages - 1, "last page"),
     );
   }
 
-  /** Ascending, descending, as it was. */
+  /** Cycles through ascending, descending and original order. */
   private sortBy(column: number): void {
     const name = this.content.columns[column]?.name ?? "";
     const [sorted, descending] = this.sorting();
     const next = sorted !== column ? name : descending ? "" : `-${name}`;
     this.store("sort", next);
-    this.page.announce(next === "" ? "as in the file" : `sorted by ${name}, ${next.startsWith("-") ? "descending" : "ascending"}`);
+    this.page.announce(next === "" ? "original order" : `sorted by ${name}, ${next.startsWith("-") ? "descending" : "ascending"}`);
   }
 
   private async copy(format: "CSV" | "LaTeX"): Promise<void> {
@@ -293,12 +293,12 @@ export class TableView {
     this.state.dataset.copied = format;
   }
 
-  /** Where the clipboard is closed to the page: the text, to be copied by hand. */
+  /** Shows the text to copy by hand if the clipboard is not accessible. */
   private offer(text: string): void {
     const area = element("textarea", { rows: 8, readonly: true, "aria-label": "Text to copy" });
     area.value = text;
     this.root.querySelector(".offered")?.remove();
-    const box = element("div", { class: "offered" }, element("p", {}, "The browser does not let the page copy; here is the text:"), area);
+    const box = element("div", { class: "offered" }, element("p", {}, "The browser does not allow copying. Copy this text by hand:"), area);
     add(this.root, box);
     area.select();
   }

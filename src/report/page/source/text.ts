@@ -1,11 +1,11 @@
-// Names and cells as texts: shortened, and escaped for those who read them. Nothing of the data becomes markup.
+// Text of names and cells: shortened, and escaped for plotly, CSV and LaTeX. No data becomes markup.
 
-/** Control characters, line breaks and what turns the direction of writing become spaces. */
+/** Replaces control characters, line breaks and bidirectional controls by spaces. */
 export function oneLine(text: string): string {
   return text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029\u202a-\u202e\u2066-\u2069]+/g, " ");
 }
 
-/** At most so many characters: of a name the middle goes, as names differ at their ends, of a sentence the end. */
+/** Shortens to `length` characters: a sentence at its end, a name in the middle, because names differ at their ends. */
 export function shorten(text: string, length = 40): string {
   const characters = Array.from(text.length > 4 * length + 64 ? `${text.slice(0, 2 * length)}…${text.slice(-2 * length)}` : text);
   if (characters.length <= length) return characters.join("");
@@ -14,20 +14,19 @@ export function shorten(text: string, length = 40): string {
   return `${characters.slice(0, head).join("")}…${characters.slice(characters.length - (length - 1 - head)).join("")}`;
 }
 
-/** For plotly, which reads <b>, <a href> and entities in every text. */
+/** Escapes for plotly, which interprets <b>, <a href> and entities in every text. */
 export function plotText(text: string, length = 80): string {
   return shorten(oneLine(text), length).replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
 }
 
 export type Cell = string | number | null;
 
-/** A number as it was read, shortest. */
+/** Text of a cell; numbers with all digits. */
 export function cellText(cell: Cell | undefined): string {
   return cell === null || cell === undefined ? "" : String(cell);
 }
 
-/** RFC 4180, with line feeds. A text that a spreadsheet would run as a formula is no number of ours: it is quoted with
- * a leading apostrophe. */
+/** CSV as in RFC 4180, with line feeds. Text that a spreadsheet would run as a formula gets a leading apostrophe. */
 export function csv(columns: string[], rows: Cell[][]): string {
   const field = (cell: Cell | undefined): string => {
     let text = cellText(cell);
@@ -58,14 +57,14 @@ export function latexText(text: string): string {
   return oneLine(text).replace(/[\\{}$&#_%^~<>|"]/g, (found) => latexSpecials[found] ?? found);
 }
 
-/** A number in math mode: 1.59e-5 becomes $1.59 \times 10^{-5}$. */
+/** Number in math mode: 1.59e-5 becomes $1.59 \times 10^{-5}$. */
 export function latexNumber(text: string): string {
   const parts = /^(-?)([\d.]+)e([+-]?)(\d+)$/.exec(text);
   if (parts) return `$${parts[1]}${parts[2]} \\times 10^{${parts[3] === "-" ? "-" : ""}${parts[4]}}$`;
   return /^-/.test(text) ? `$${text}$` : text;
 }
 
-/** A table in the style of the package booktabs. Cells come as they are shown; numeric columns are set to the right. */
+/** LaTeX table for the package booktabs. Cells are the displayed texts; numeric columns are right-aligned. */
 export function latex(columns: { name: string; numeric: boolean }[], rows: string[][], caption: string): string {
   const line = (cells: string[]): string => `    ${cells.join(" & ")} \\\\\n`;
   const body = rows.map((row) =>

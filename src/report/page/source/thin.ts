@@ -1,7 +1,7 @@
-// Fewer points for the same picture.
+// Reduces curves to fewer points.
 
-/** The places of at most `most` points (at least four) that draw the same curve: first and last, and from each stretch
- * between them the lowest and the highest. Points that are null or not finite stay only where a stretch has no other. */
+/** Indices of at most `most` points (at least four) that draw the same curve: the first, the last, and the minimum and
+ * maximum of each interval between them. An interval without finite values keeps one point. */
 export function thinned(y: readonly (number | null)[], most: number): number[] {
   const n = y.length;
   if (n <= Math.max(4, most)) return Array.from({ length: n }, (_, i) => i);
@@ -24,7 +24,7 @@ export function thinned(y: readonly (number | null)[], most: number): number[] {
   return [...kept].sort((a, b) => a - b);
 }
 
-/** The places of points that no other beats in both x and y (smaller is better), by x. */
+/** Indices of the Pareto front in ascending x; smaller x and y are better. */
 export function front(x: readonly number[], y: readonly number[]): number[] {
   const order = x.map((_, i) => i).sort((a, b) => (x[a] ?? 0) - (x[b] ?? 0) || (y[a] ?? 0) - (y[b] ?? 0));
   const best: number[] = [];

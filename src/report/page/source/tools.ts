@@ -1,4 +1,4 @@
-// What every section is given.
+// The interface of sections, and their common elements.
 
 import type { ReportData, Table } from "./data.ts";
 import type { RowIndex } from "./rows.ts";
@@ -14,25 +14,25 @@ export interface Tools {
 }
 
 export interface Section {
-  name: string; // in the fragment
+  name: string; // name in the fragment
   title: string;
   present(data: ReportData): boolean;
   render(host: HTMLElement, tools: Tools): void;
 }
 
-/** The chosen scene, -1 where there is none. */
+/** Index of the selected scene, or -1 if there are no scenes. */
 export function chosenScene(tools: Tools): number {
   const name = tools.page.get("scene");
   const found = tools.data.scenes.findIndex((scene) => scene.name === name);
   return found >= 0 ? found : firstScene(tools);
 }
 
-/** Experiments that are made for a work-precision diagram. */
+/** Whether the experiment is intended for a work-precision diagram. */
 export function isSweep(data: ReportData, experiment: number): boolean {
   return /^(sweep|speed)$/.test(data.experiments[experiment]?.kind ?? "");
 }
 
-/** The scene to begin with: the one with the largest sweep, or else with most rows; -1 where there is none. */
+/** Index of the initial scene: the one with the largest sweep, else with most rows; -1 if there are no scenes. */
 export function firstScene(tools: Tools): number {
   const { data, index } = tools;
   const known = data.scenes.map((_, scene) => {
@@ -56,7 +56,7 @@ export function precisionOf(tools: Tools, method: number): string {
   return tools.data.methods[method]?.precision ?? "";
 }
 
-/** A name as text, shortened, the whole of it in its title. */
+/** A shortened name with the full name as tooltip. */
 export function named(name: string, length = 40): HTMLElement {
   const plain = oneLine(name);
   const short = shorten(plain, length);
@@ -74,20 +74,20 @@ export function methodSwatch(tools: Tools, method: number, lit: boolean): HTMLEl
   const known = tools.data.methods[method];
   const family = known === undefined ? undefined : tools.data.families[known.family];
   const holder = element("span", { class: "swatches", title: family === undefined ? null : oneLine(family.label).slice(0, 200) });
-  // both colours are there, and the style shows the theme's
+  // contains the colours of both themes; the style sheet shows one of them
   holder.append(swatch(markOf(known?.mark ?? 0), colorOf(family, false), lit), swatch(markOf(known?.mark ?? 0), colorOf(family, true), lit));
   holder.children[0]?.classList.add("on-light");
   holder.children[1]?.classList.add("on-dark");
   return holder;
 }
 
-/** Where the chosen scene has nothing to show, the scenes that have. */
+/** Note that the selected scene has no data, with buttons for scenes that have. */
 export function otherScenes(tools: Tools, what: string, scenes: readonly number[]): HTMLElement {
   const shown = scenes.slice(0, 12);
   return element(
     "div",
     { class: "note" },
-    element("p", {}, `${what} of this scene ${scenes.length > 0 ? "are not here; they are of:" : "are not here."}`),
+    element("p", {}, `No ${what} for this scene${scenes.length > 0 ? "; available for:" : "."}`),
     element(
       "p",
       { class: "buttons" },
@@ -99,23 +99,23 @@ export function otherScenes(tools: Tools, what: string, scenes: readonly number[
   );
 }
 
-/** The scene itself if it is among those that have something, else a variation of it that is: name{/key=value}. */
+/** The scene if it has data, else a variation of it (name{/key=value}) that has, else the scene. */
 export function standIn(tools: Tools, scene: number, having: readonly number[]): number {
   if (having.includes(scene)) return scene;
   const base = (one: number): string => sceneName(tools, one).replace(/\{.*$/s, "");
   return having.find((one) => base(one) === base(scene)) ?? scene;
 }
 
-/** Says which scene is seen where it is not the chosen one. */
+/** Note that names the scene shown if it is not the selected one. */
 export function standInNote(tools: Tools, chosen: number, seen: number): HTMLElement | null {
-  return chosen === seen ? null : element("p", { class: "note" }, "Shown is ", named(sceneName(tools, seen), 60), ", for there is nothing of the chosen scene itself.");
+  return chosen === seen ? null : element("p", { class: "note" }, "Showing ", named(sceneName(tools, seen), 60), ": there are no results for the selected scene itself.");
 }
 
 export function columnPlace(table: Table, name: string): number {
   return table.columns.findIndex((column) => column.name === name);
 }
 
-/** A cell as a number, null where it is none. */
+/** A cell as a number, or null. */
 export function numberIn(row: readonly (string | number | null)[], place: number): number | null {
   const cell = place < 0 ? null : row[place];
   return typeof cell === "number" && Number.isFinite(cell) ? cell : null;

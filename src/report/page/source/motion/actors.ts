@@ -1,4 +1,4 @@
-// Who is shown: the truth, and methods beside it, each with its colour, mark and keyframes.
+// The motions shown: the truth and up to three methods, each with colour, mark and keyframes.
 
 import type { Motion, MotionMethod, ReportData } from "../data.ts";
 import { quantity } from "../format.ts";
@@ -12,11 +12,11 @@ export interface Actor {
   name: string;
   method: MotionMethod | null; // null: the truth
   mark: Mark;
-  color: string; // by theme
-  place: number; // 0 the truth, then 1, 2, 3: chooses the dash of its lines
-  keyframes: Keyframes | null; // null: there is nothing to draw
+  color: string; // for the current theme
+  place: number; // 0: the truth; 1, 2, 3: methods; selects the dash of lines
+  keyframes: Keyframes | null; // null: no motion to draw
   isTruth: boolean; // drawn from the truth's keyframes
-  end: number; // s, where its samples end
+  end: number; // s, time of the last sample
   endsEarly: boolean;
 }
 
@@ -30,10 +30,10 @@ export function settingOf(method: MotionMethod): string {
   return method.setting_kind === 2 ? `tolerance ${quantity(method.setting, "")}` : "";
 }
 
-/** In texts: file names may be of any length. */
+/** Name for display; file names may have any length. */
 const nameOf = (method: MotionMethod): string => shorten(oneLine(method.label), 60);
 
-/** As it is told from the others: name and setting. */
+/** Name and setting. */
 export function titleOf(method: MotionMethod): string {
   const setting = settingOf(method);
   const name = nameOf(method);
@@ -51,7 +51,7 @@ export function truthActor(motion: Motion, dark: boolean): Actor {
 export function methodActor(data: ReportData, motion: Motion, method: MotionMethod, truth: Keyframes, place: number, dark: boolean): Actor {
   const known = data.methods[method.method];
   const own = method.track !== null && method.track.t.length > 0 ? new Keyframes(method.track, false) : null;
-  // no track: not told from the truth by eye, if it went to the end
+  // a successful run without a track is visually indistinguishable from the truth
   const isTruth = own === null && isDrawn(method);
   const end = own?.end ?? (isTruth ? truth.end : 0);
   return {
@@ -62,7 +62,7 @@ export function methodActor(data: ReportData, motion: Motion, method: MotionMeth
   };
 }
 
-/** Which methods of a motion, by their labels; unknown ones are left out. */
+/** Methods of a motion by label. Ignores unknown labels. */
 export function chosenMethods(motion: Motion, labels: readonly string[]): MotionMethod[] {
   const found: MotionMethod[] = [];
   for (const label of labels) {
@@ -72,11 +72,11 @@ export function chosenMethods(motion: Motion, labels: readonly string[]): Motion
   return found;
 }
 
-/** There is something to draw of it: its own keyframes, or the truth's in their place. */
+/** Whether the method can be drawn, from its own keyframes or from the truth's. */
 export const isDrawn = (method: MotionMethod): boolean => method.track !== null || (method.status === 0 && method.t.length > 0);
 
-/** Before the reader chooses: a trajectory of the user's, else the method that strays the furthest, and the nearest of
- * those whose difference is seen. */
+/** Default selection: a user trajectory or else the method with the largest error, and the method with the smallest
+ * visible error. */
 export function firstMethods(motion: Motion): MotionMethod[] {
   const seen = motion.methods.filter((one) => one.track !== null);
   const own = seen.filter((one) => one.method < 0);
@@ -86,7 +86,7 @@ export function firstMethods(motion: Motion): MotionMethod[] {
   return [first, second].filter((one) => one !== undefined);
 }
 
-/** The error at a time, between the two nearest samples on a logarithmic scale; null beyond the last. */
+/** Error at a time, by logarithmic interpolation between samples; null beyond the last sample. */
 export function errorAt(method: MotionMethod, t: number): number | null {
   const { t: times, attitude } = method;
   const last = times.length - 1;

@@ -1,4 +1,4 @@
-// Vectors and quaternions (w, x, y, z), as plain numbers. A quaternion maps body vectors to world vectors.
+// Vectors and quaternions (w, x, y, z) as arrays. A quaternion maps body vectors to world vectors.
 
 export type Vector = readonly [number, number, number];
 export type Quaternion = readonly [number, number, number, number];
@@ -6,7 +6,7 @@ export type Quaternion = readonly [number, number, number, number];
 export const zero: Vector = [0, 0, 0];
 export const identity: Quaternion = [1, 0, 0, 0];
 
-/** Three numbers of a list, from a place on. */
+/** The three numbers of a list that start at index `at`. */
 export function vectorAt(list: readonly number[], at = 0): Vector {
   return [list[at] ?? 0, list[at + 1] ?? 0, list[at + 2] ?? 0];
 }
@@ -26,7 +26,7 @@ export const cross = (a: Vector, b: Vector): Vector => [
 ];
 export const length = (a: Vector): number => Math.hypot(a[0], a[1], a[2]);
 
-/** Of unit length; the x axis where there is no direction. */
+/** Unit vector along a; the x axis if a is zero. */
 export function unit(a: Vector): Vector {
   const size = length(a);
   return size > 0 ? scale(1 / size, a) : [1, 0, 0];
@@ -54,16 +54,16 @@ export function rotate(q: Quaternion, v: Vector): Vector {
   return add(v, scale(2, cross(s, add(cross(s, v), scale(q[0], v)))));
 }
 
-/** The angle of the rotation between two attitudes. */
+/** Rotation angle between two attitudes, rad. */
 export function angleBetween(a: Quaternion, b: Quaternion): number {
   const [w, x, y, z] = multiply(conjugate(a), b);
   return 2 * Math.atan2(Math.hypot(x, y, z), Math.abs(w));
 }
 
-/** Two unit vectors that make a right-handed frame with a third. */
+/** Two unit vectors that form a right-handed frame with `axis` as the third. */
 export function across(axis: Vector): [Vector, Vector] {
   const n = unit(axis);
-  // the coordinate axis that is furthest from it
+  // the coordinate axis with the largest angle to it
   const [x, y, z] = n.map(Math.abs) as [number, number, number];
   const other: Vector = x <= y && x <= z ? [1, 0, 0] : y <= z ? [0, 1, 0] : [0, 0, 1];
   const first = unit(subtract(other, scale(dot(other, n), n)));

@@ -1,4 +1,6 @@
-// The bodies in three dimensions. One renderer serves all panes: each is drawn in turn and copied to the pane's canvas.
+// The three-dimensional view of the bodies (three.js). One WebGL renderer draws all panes in turn; each image is copied
+// to the pane's canvas. show() builds one Figure per actor, pose() moves it to a time, draw() renders. Without WebGL, the
+// edges of the bodies are drawn on the canvas.
 
 import {
   AmbientLight, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, LineBasicMaterial,
@@ -18,9 +20,9 @@ import { type Surface, surfacesOf, tipOf } from "./geometry.ts";
 import type { Orbit } from "./orbit.ts";
 import { inertiaOf, spinAt } from "./spin.ts";
 
-const fieldOfView = 30; // degrees, of the narrower side
+const fieldOfView = 30; // degrees, along the narrower side
 const trailPoints = 200;
-/** Of what is shown: so much of the path behind a body is drawn. */
+/** Length of the trail as a fraction of the motion shown. */
 export const trailPart = 0.08;
 
 export interface Palette {
@@ -35,16 +37,16 @@ export interface Shown {
   momentum: boolean;
   angularVelocity: boolean;
   trail: boolean;
-  body: number; // whose arrows
+  body: number; // index of the body with arrows
 }
 
-/** Where a pane draws to, and whom it shows. */
+/** A pane: its canvas and the motions that it shows. */
 export interface Pane {
   canvas: HTMLCanvasElement;
   actors: readonly Actor[];
 }
 
-/** A text to be set upon a pane, in its pixels. */
+/** A text over a pane, in its pixels. */
 export interface Label {
   text: string;
   x: number;
@@ -56,16 +58,16 @@ const vector3 = (v: Vector): Vector3 => new Vector3(v[0], v[1], v[2]);
 const quaternion3 = (q: Quaternion): ThreeQuaternion => new ThreeQuaternion(q[1], q[2], q[3], q[0]);
 const up = new Vector3(0, 0, 1);
 
-/** The length of the longest arrow, m. */
+/** Length of the longest arrow, m. */
 const arrowReach = (extent: Extent, motion: Motion): number =>
   1.1 * (motion.pivot !== null ? extent.radius : Math.max(extent.size, 0.4 * extent.radius));
 
-/** What stands in the scene for one actor. */
+/** The three.js objects of one actor. */
 interface Figure {
   actor: Actor;
   root: Group;
   solid: MeshStandardMaterial;
-  opacity: number; // as long as it has samples
+  opacity: number; // before its last sample
   bodies: Group[];
   joints: { mark: Object3D; links: { mesh: Mesh; body: number }[] }[];
   pivotLink: Mesh | null;
@@ -74,7 +76,7 @@ interface Figure {
   trails: Trail[];
 }
 
-/** An arrow along z, of length 1 before it is scaled. */
+/** An arrow along z with unit length before scaling. */
 class Arrow {
   readonly root = new Group();
   private readonly shaft: Mesh;
@@ -84,7 +86,7 @@ class Arrow {
     const material = keep(new MeshStandardMaterial({ color, roughness: 0.5 }));
     this.shaft = new Mesh(keep(new CylinderGeometry(thick, thick, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5)), material);
     this.head = new Mesh(keep(new ConeGeometry(2.6 * thick, 7 * thick, 20).rotateX(Math.PI / 2).translate(0, 0, 3.5 * thick)), material);
-    // within a body it shines through
+    // faintly visible inside bodies
     const through = keep(new MeshStandardMaterial({ color, roughness: 0.5, transparent: true, opacity: 0.3, depthTest: false, depthWrite: false }));
     for (const solid of [this.shaft, this.head]) {
       const behind = new Mesh(solid.geometry, through);
@@ -105,7 +107,7 @@ class Arrow {
   }
 }
 
-/** The path of a body's tip over some time behind. */
+/** The path of a body's tip over the preceding time window. */
 class Trail {
   readonly line: Line2;
   private readonly data: Float32Array;
@@ -135,7 +137,7 @@ class Trail {
 }
 
 export class BodyView {
-  /** Why there is no picture; "" where there is one. */
+  /** Why the bodies are drawn as wireframes, or "". */
   fault = "";
   extent: Extent = { size: 1, center: zero, radius: 1, azimuth: 0, follows: false };
   private renderer: WebGLRenderer | null = null;
@@ -159,7 +161,7 @@ export class BodyView {
       const canvas = renderer.domElement;
       canvas.addEventListener("webglcontextlost", (event) => {
         event.preventDefault();
-        this.fault = "The browser took the graphics context away, so the bodies are not drawn for now; they come back as soon as it gives it back. The numbers and the other pictures go on.";
+        this.fault = "The browser released the WebGL context: bodies are drawn as wireframes until it restores the context.";
         this.changed();
       });
       canvas.addEventListener("webglcontextrestored", () => {
@@ -167,7 +169,7 @@ export class BodyView {
         this.changed();
       });
     } catch {
-      this.fault = "This browser gives no WebGL context, so the bodies are drawn as wires. To have them solid, switch hardware acceleration on, or take a browser that has WebGL 2.";
+      this.fault = "This browser provides no WebGL context: bodies are drawn as wireframes. For solid bodies, enable hardware acceleration or use a browser with WebGL 2.";
     }
     this.camera.up.set(0, 0, 1);
     this.camera.add(this.lamp);
@@ -175,7 +177,7 @@ export class BodyView {
     this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x8890a0, 1.7), new AmbientLight(0xffffff, 0.4));
   }
 
-  /** Lets go of all that is in the scene. */
+  /** Removes and disposes all objects of the scene. */
   clear(): void {
     for (const figure of this.figures) this.scene.remove(figure.root);
     for (const plane of this.planes) this.scene.remove(plane.mesh);
@@ -186,7 +188,7 @@ export class BodyView {
     this.lineMaterials = [];
   }
 
-  /** Sets the stage. Overlaid methods are tinted and translucent with lines, dashed by their place; alone they are solid. */
+  /** Builds the scene. Overlaid methods are translucent, with coloured edges dashed by their place; otherwise solid. */
   show(motion: Motion, actors: readonly Actor[], overlaid: boolean, palette: Palette, body: number): void {
     this.clear();
     this.motion = motion;
@@ -221,7 +223,7 @@ export class BodyView {
   private lines(color: string, width: number, dash: number, size: number): LineMaterial {
     const material = this.keep(new LineMaterial({ color, linewidth: width, dashed: dash > 0 }));
     if (dash > 0) {
-      // dashes for the second, dots for the third
+      // dashes for the second method, dots for the third
       material.dashSize = (dash === 1 ? 0.09 : 0.03) * size;
       material.gapSize = (dash === 1 ? 0.05 : 0.04) * size;
     }
@@ -247,7 +249,7 @@ export class BodyView {
       const group = new Group();
       for (const surface of list) {
         const mesh = new Mesh(surface.geometry, surface.hole ? hole : solid);
-        // what is behind translucent sides is drawn before them
+        // opaque surfaces first, then translucent ones
         mesh.renderOrder = surface.hole ? 2 : ghost ? 1 : 0;
         group.add(mesh);
         if (surface.lines.length > 0) {
@@ -288,7 +290,7 @@ export class BodyView {
       pivotLink = link();
     }
 
-    // told apart by their letters, and by their thickness
+    // labels and thickness distinguish the arrows
     const thick = (ghost ? 0.6 : 1) * 0.011 * arrowReach(this.extent, motion);
     const { dark } = this.palette;
     const momentum = new Arrow(1.7 * thick, ghost ? actor.color : dark ? "#f0b429" : "#a06400", keep);
@@ -306,7 +308,7 @@ export class BodyView {
   private addPlane(normal: Vector, offset: number): void {
     const n = length(normal) > 0 ? scale(1 / length(normal), normal) : ([0, 0, 1] as const);
     const [x, y] = across(n);
-    // a round spacing, some twenty squares over the picture
+    // a round spacing, about twenty squares over the view
     const wanted = this.extent.radius / 5;
     const power = 10 ** Math.floor(Math.log10(wanted));
     const spacing = power * (wanted / power >= 5 ? 5 : wanted / power >= 2 ? 2 : 1);
@@ -373,7 +375,7 @@ export class BodyView {
         for (const one of made.links) {
           const center = placements[one.body]?.position;
           const point = one.body === joint.child ? child : parent;
-          // a rod of fixed length joins the two points
+          // a rod between the two points
           if (joint.type === "distance") put(one.mesh, parent, child);
           else if (center !== undefined) put(one.mesh, point, subtract(center, origin));
         }
@@ -383,7 +385,7 @@ export class BodyView {
       const watched = placements[shown.body];
       const { w, L } = spinAt(keyframes, inertia, shown.body, t);
       const from = subtract(motion.pivot !== null ? zero : watched?.position ?? zero, origin);
-      // of unlike lengths, for they are often parallel
+      // different lengths, because L and w are often parallel
       const reach = arrowReach(extent, motion);
       figure.momentum.set(from, scale(this.largestL > 0 ? reach / this.largestL : 0, L));
       figure.angularVelocity.set(from, scale(this.largestW > 0 ? (0.8 * reach) / this.largestW : 0, w));
@@ -395,7 +397,7 @@ export class BodyView {
       }
     }
     for (const plane of this.planes) {
-      // the grid goes along by whole squares
+      // moves the grid by whole squares
       const [x, y] = across(plane.normal);
       const part = (axis: Vector): number => {
         const along = origin[0] * axis[0] + origin[1] * axis[1] + origin[2] * axis[2];
@@ -406,7 +408,7 @@ export class BodyView {
     }
   }
 
-  /** Draws the panes and returns the texts to be set upon each. */
+  /** Draws the panes and returns the labels of each. */
   draw(panes: readonly Pane[], t: number, orbit: Orbit, shown: Shown, ratio: number): Label[][] {
     const boxes = panes.map(({ canvas }) => [Math.max(1, Math.round(canvas.clientWidth * ratio)), Math.max(1, Math.round(canvas.clientHeight * ratio))] as const);
     const { renderer } = this;
@@ -432,7 +434,7 @@ export class BodyView {
         renderer.setScissorTest(true);
         renderer.clear();
         renderer.render(this.scene, this.camera);
-        // the viewport's lower left corner is the canvas' too
+        // the viewport is at the lower left corner of the renderer's canvas
         context.drawImage(renderer.domElement, 0, height - h, w, h, 0, 0, w, h);
       } else this.wires(context, pane, w, h, ratio);
       return this.labels(pane, canvas.clientWidth, canvas.clientHeight, shown);
@@ -441,7 +443,7 @@ export class BodyView {
 
   private aim(aspect: number, orbit: Orbit): void {
     const { camera, extent, motion } = this;
-    // the whole sphere is in the picture, however narrow it is
+    // the bounding sphere fits into the view at any aspect ratio
     const half = (fieldOfView * Math.PI) / 360;
     camera.aspect = aspect;
     camera.fov = aspect >= 1 ? fieldOfView : (360 / Math.PI) * Math.atan(Math.tan(half) / aspect);
@@ -477,7 +479,7 @@ export class BodyView {
       const tip = figure.trails[shown.body]?.tip;
       if (pane.actors.length > 1 && body !== undefined && tip !== undefined) put(figure.actor.name, vector3(tip).multiplyScalar(1.05).applyMatrix4(body.matrixWorld), figure.actor);
     }
-    // names that would lie over each other are moved apart, downward
+    // moves overlapping names downward
     const names = labels.filter((label) => label.actor !== null).sort((a, b) => a.y - b.y);
     names.forEach((label, i) => {
       for (const other of names.slice(0, i)) {
@@ -487,7 +489,7 @@ export class BodyView {
     return labels;
   }
 
-  /** Without WebGL: the bodies' lines. */
+  /** Draws the edges of the bodies without WebGL. */
   private wires(context: CanvasRenderingContext2D, pane: Pane, width: number, height: number, ratio: number): void {
     for (const figure of this.figures) {
       if (!pane.actors.includes(figure.actor)) continue;
@@ -516,7 +518,7 @@ export class BodyView {
   }
 }
 
-/** A small mark for a joint: a pin along its axis, a ball where it turns all ways, a block where it does not turn. */
+/** Mark of a joint: a pin along its axis, a ball for spherical and universal joints, a block for fixed joints. */
 function jointMark(type: string, axis: Vector | null, size: number, material: Material, keep: <T extends { dispose(): void }>(one: T) => T): Object3D {
   const root = new Group();
   if (axis === null || type === "spherical" || type === "universal") {
@@ -524,7 +526,7 @@ function jointMark(type: string, axis: Vector | null, size: number, material: Ma
     root.add(new Mesh(keep(new SphereGeometry(size, flat, flat === 4 ? 2 : 12)), material));
     return root;
   }
-  // round for a turn, square for a slide
+  // round for revolute joints, square for prismatic joints
   const pin = new Mesh(keep(new CylinderGeometry(0.6 * size, 0.6 * size, 5 * size, type === "prismatic" ? 4 : 20).rotateX(Math.PI / 2)), material);
   pin.quaternion.setFromUnitVectors(up, vector3(length(axis) > 0 ? scale(1 / length(axis), axis) : [0, 0, 1]));
   root.add(pin);

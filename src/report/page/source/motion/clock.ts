@@ -1,6 +1,6 @@
-// Time of the motion against time on the wall. Runs only while it plays.
+// Maps wall-clock time to time of the motion while the animation plays.
 
-/** Seconds of motion a second at speed 1: real time where that can be watched, else all of it in 20 s. */
+/** Seconds of motion per second at speed 1: real time for durations of 2 to 120 s, else the whole motion in 20 s. */
 export function rateOf(duration: number): number {
   return duration >= 2 && duration <= 120 ? 1 : duration / 20;
 }
@@ -13,7 +13,7 @@ export class Clock {
   private before = 0;
 
   constructor(public duration: number, private readonly ticked: () => void, private readonly stopped: () => void) {
-    // nothing is drawn that nobody sees
+    // pauses in hidden tabs
     document.addEventListener("visibilitychange", () => {
       if (document.hidden) this.pause();
     });
@@ -38,14 +38,14 @@ export class Clock {
     this.time = Math.max(0, Math.min(this.duration, Number.isFinite(time) ? time : 0));
   }
 
-  /** What one press of a step key is, s: a thirtieth of a second at speed 1. */
+  /** Time step of the step keys, s: 1/30 s of playback at speed 1. */
   step(): number {
     return rateOf(this.duration) / 30;
   }
 
   private tick(now: number): void {
     if (!this.playing) return;
-    // a picture that took long does not make the motion jump
+    // limits the step after slow frames
     const elapsed = Math.min(0.1, Math.max(0, (now - this.before) / 1000));
     this.before = now;
     this.go(this.time + elapsed * this.speed * rateOf(this.duration));

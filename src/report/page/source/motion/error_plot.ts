@@ -1,4 +1,4 @@
-// Attitude errors over time on a logarithmic scale, with the time of the view as a line through them.
+// Attitude errors over time on a logarithmic scale, with a line at the current time of the view.
 
 import { fill, vector } from "../dom.ts";
 import { significant } from "../format.ts";
@@ -8,7 +8,7 @@ import { dashOf } from "./polhode_view.ts";
 
 const margin = { left: 52, right: 12, top: 10, bottom: 34 };
 
-/** Round values over a range, at most so many. */
+/** Round values in a range, at most about `most`. */
 export function ticks(low: number, high: number, most: number): number[] {
   const span = high - low;
   if (!(span > 0) || most < 1) return [low];
@@ -20,7 +20,7 @@ export function ticks(low: number, high: number, most: number): number[] {
   return made;
 }
 
-/** Decades that hold the errors: of zeros nothing is known on this scale. */
+/** Exponents of the decades that contain the errors. Ignores zeros. */
 export function decades(errors: readonly (number | null)[]): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const error of errors) {
@@ -86,7 +86,7 @@ export class ErrorPlot {
   show(actors: readonly Actor[], duration: number): void {
     this.actors = actors.filter((actor) => (actor.method?.t.length ?? 0) > 0);
     this.duration = duration;
-    // at the start there is the rounding of the start alone, many decades below
+    // omits t = 0, where only rounding of the start remains, many decades below
     this.range = decades(this.actors.flatMap((actor) => actor.method?.attitude.filter((_, i) => (actor.method?.t[i] ?? 0) > 0) ?? []));
     this.draw();
   }
@@ -144,7 +144,7 @@ export class ErrorPlot {
         made.push(vector("path", { d: `M${x - 4} ${y - 4}L${x + 4} ${y + 4}M${x - 4} ${y + 4}L${x + 4} ${y - 4}`, class: "motion-curve", stroke: actor.color }));
       }
     }
-    if (this.actors.length === 0) text("no method with errors over time is chosen", margin.left + this.inner() / 2, height / 2, "middle");
+    if (this.actors.length === 0) text("no method with errors over time is selected", margin.left + this.inner() / 2, height / 2, "middle");
     fill(this.still, ...made);
   }
 
@@ -163,7 +163,7 @@ export class ErrorPlot {
       made.push(vector("circle", { cx: x.toFixed(1), cy: y.toFixed(1), r: "3.5", fill: actor.color }));
       numbers.push({ y: Math.max(margin.top + 10, y - 6), text: this.actors.length > 1 ? `${significant(error, 2)} rad, ${shorten(actor.name, 22)}` : `${significant(error, 2)} rad` });
     }
-    // numbers that would lie over each other are moved apart, downward
+    // moves overlapping numbers downward
     numbers.sort((a, b) => a.y - b.y);
     const left = x > margin.left + 0.5 * this.inner();
     let above = -Infinity;
@@ -174,6 +174,6 @@ export class ErrorPlot {
       made.push(label);
     }
     fill(this.cursor, ...made);
-    this.root.setAttribute("aria-label", `Attitude error over time, logarithmic. At ${significant(time)} s: ${words.join(", ") || "no method is chosen"}`);
+    this.root.setAttribute("aria-label", `Attitude error over time, logarithmic. At ${significant(time)} s: ${words.join(", ") || "no method is selected"}`);
   }
 }

@@ -1,4 +1,4 @@
-// How much there is to see: where the bodies go, and how large they are.
+// The extent of the view: the sizes of the bodies and the range of their motion.
 
 import type { Motion } from "../data.ts";
 import { add, length, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
@@ -6,20 +6,20 @@ import { tipOf, type Surface } from "./geometry.ts";
 import type { Keyframes } from "./interpolation.ts";
 
 export interface Extent {
-  size: number; // m, the largest body from its centre of mass
-  center: Vector; // of what is framed, where the view stands still
-  radius: number; // m
-  azimuth: number; // rad, to look from
-  follows: boolean; // bodies go too far to be seen from one place: the view goes with them
+  size: number; // m, extent of the largest body from its centre of mass
+  center: Vector; // m, centre of the view if it does not follow the bodies
+  radius: number; // m, of the view
+  azimuth: number; // rad, of the camera
+  follows: boolean; // the camera follows the bodies, because their motion is too large for a fixed view
 }
 
-// a body shall be seen
+// a larger motion, in sizes of the largest body, makes the camera follow
 const furthestInSizes = 12;
 
 const usualAzimuth = 0.7;
 
-/** Where bodies move in a plane that stands upright, it is seen from its front, a little aside. With C the covariance of the
- * centres' x and y, its longer axis is at the angle atan2(2 C_xy, C_xx - C_yy) / 2. */
+/** Camera azimuth. Motion in a vertical plane is viewed from the front, slightly from the side. With C the covariance
+ * of the centres' x and y, the major axis is at the angle atan2(2 C_xy, C_xx - C_yy) / 2. */
 export function azimuthOf(points: readonly Vector[]): number {
   const count = points.length;
   if (count === 0) return usualAzimuth;
@@ -32,7 +32,7 @@ export function azimuthOf(points: readonly Vector[]): number {
   }
   const middle = (xx + yy) / 2;
   const apart = Math.hypot((xx - yy) / 2, xy);
-  // not a plane, or not upright
+  // not in a vertical plane
   if (!(apart > 0.9 * middle)) return usualAzimuth;
   const along = 0.5 * Math.atan2(2 * xy, xx - yy);
   return along - Math.PI / 2 + 0.4;
@@ -73,7 +73,7 @@ export function extentOf(motion: Motion, truth: Keyframes, surfaces: readonly Su
         radius = Math.max(radius, length(subtract(truth.at(body, t).position, center)) + (sizes[body] ?? 0));
       }
     }
-    // of a body that stays where it is, its own size
+    // a body without translation: its size
     return { size, center, radius: radius > 0 ? radius : size, azimuth, follows: false };
   }
   let radius = 0;

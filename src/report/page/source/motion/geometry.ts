@@ -1,5 +1,5 @@
-// Bodies as surfaces: the shapes of scene files (centred on their origins, axis along z), and the box of a body's moments.
-// Tones tell sides apart, so that a turn is seen on a round body, too.
+// Surfaces of bodies: the shapes of scene files (centred on their origins, axis along z), and the box of a body's
+// moments. Two tones make rotation visible on round bodies.
 
 import {
   BoxGeometry, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, EdgesGeometry, Float32BufferAttribute,
@@ -9,12 +9,12 @@ import type { BodyShape, Part } from "../data.ts";
 import { cross, dot, length, type Quaternion, quaternionAt, rotate, subtract, type Vector, vectorAt } from "./algebra.ts";
 import { circle } from "./ellipsoid.ts";
 
-// what a flat or thin thing is given, of its largest extent
+// smallest thickness of flat and thin bodies, relative to the largest extent
 const leastThickness = 0.02;
-const round = 48; // sides of a circle, a multiple of 4: tones change at a quarter turn
+const round = 48; // sides of a circle; a multiple of 4, because tones change at quarters
 
-/** Half extents of the box with a body's mass and principal moments, a_i^2 = 3 (I_j + I_k - I_i) / (2 m); a flat one is
- * given a least thickness. */
+/** Half extents of the box with a body's mass and principal moments, a_i^2 = 3 (I_j + I_k - I_i) / (2 m), with a minimum
+ * thickness. */
 export function boxOfMoments(mass: number, moments: Vector): Vector {
   const square = (i: 0 | 1 | 2, j: 0 | 1 | 2, k: 0 | 1 | 2): number =>
     mass > 0 ? Math.max(0, (3 * (moments[j] + moments[k] - moments[i])) / (2 * mass)) : 0;
@@ -23,7 +23,7 @@ export function boxOfMoments(mass: number, moments: Vector): Vector {
   return [Math.max(extents[0], least), Math.max(extents[1], least), Math.max(extents[2], least)];
 }
 
-/** From the base of a frustum to its centre of mass: h (R^2 + 2 R r + 3 r^2) / (4 (R^2 + R r + r^2)). */
+/** Height of a frustum's centre of mass above its base: h (R^2 + 2 R r + 3 r^2) / (4 (R^2 + R r + r^2)). */
 export function frustumCenter(bottom: number, top: number, height: number): number {
   const whole = bottom * bottom + bottom * top + top * top;
   return whole > 0 ? (height * (bottom * bottom + 2 * bottom * top + 3 * top * top)) / (4 * whole) : height / 2;
@@ -40,7 +40,7 @@ const listOf = (part: Part, key: string): number[] => {
 
 const alongZ = <G extends BufferGeometry>(geometry: G): G => geometry.rotateX(Math.PI / 2); // three's axis is y
 
-/** The surface of a shape, in its own axes; null where the type is not known. */
+/** Surface of a shape in the shape's axes; null for unknown types. */
 export function surfaceOf(part: Part): BufferGeometry | null {
   switch (part.type) {
     case "box": {
@@ -64,7 +64,7 @@ export function surfaceOf(part: Part): BufferGeometry | null {
     case "hollow_cylinder": {
       const [outer, inner, half] = [lengthOf(part, "outer_radius"), lengthOf(part, "inner_radius"), lengthOf(part, "half_height")];
       const profile = [[outer, -half], [outer, half], [inner, half], [inner, -half], [outer, -half]];
-      // corners are doubled: the lathe would round the edges off
+      // doubled corners keep the edges sharp in the lathe geometry
       const points = profile.flatMap(([r = 0, z = 0], i) => (i === 0 || i === profile.length - 1 ? [new Vector2(r, z)] : [new Vector2(r, z), new Vector2(r, z)]));
       return toned(alongZ(new LatheGeometry(points, round)));
     }
@@ -87,7 +87,7 @@ export function surfaceOf(part: Part): BufferGeometry | null {
     case "tetrahedron": {
       const corners = listOf(part, "vertices");
       const [a, b, c, d] = [0, 3, 6, 9].map((at) => vectorAt(corners, at)) as [Vector, Vector, Vector, Vector];
-      // sides look outward, in whichever order the corners come
+      // outward normals for any order of the corners
       const isRight = dot(subtract(b, a), cross(subtract(c, a), subtract(d, a))) > 0;
       return sided(mesh(corners, isRight ? [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3] : [0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]));
     }
@@ -101,7 +101,7 @@ function frustum(bottom: number, top: number, height: number): BufferGeometry {
   return toned(alongZ(new CylinderGeometry(top, bottom, height, round)).translate(0, 0, middle));
 }
 
-/** Triangles of a list of corners, each with its own normal. */
+/** Triangle mesh with one normal per face. */
 export function mesh(vertices: readonly number[], faces: readonly number[]): BufferGeometry {
   const positions: number[] = [];
   for (const corner of faces) positions.push(...vectorAt(vertices, 3 * corner));
@@ -114,7 +114,7 @@ export function mesh(vertices: readonly number[], faces: readonly number[]): Buf
 const light = 1;
 const dark = 0.62;
 
-/** A round body: quarters about its axis in two tones, changed over at z = 0 where that shows. */
+/** Colours the quarters of a round body alternately in two tones; with `halved`, the tones swap at z = 0. */
 function toned(geometry: BufferGeometry, halved = false): BufferGeometry {
   return paint(geometry, (x, y, z) => {
     const quarter = Math.floor((Math.atan2(y, x) / (Math.PI / 2) + 4) % 4);
@@ -122,7 +122,7 @@ function toned(geometry: BufferGeometry, halved = false): BufferGeometry {
   });
 }
 
-/** A body of flat sides: tones by the way a side looks, the sides along +x, +y and +z lighter than those opposite. */
+/** Colours flat sides by their normals; sides along +x, +y and +z are lighter than the opposite ones. */
 function sided(geometry: BufferGeometry): BufferGeometry {
   return paint(geometry, (_x, _y, _z, n) => {
     const size = [Math.abs(n[0]), Math.abs(n[1]), Math.abs(n[2])];
@@ -152,7 +152,7 @@ function paint(geometry: BufferGeometry, tone: (x: number, y: number, z: number,
   return flat;
 }
 
-/** Lines by which a shape is known, as pairs of points in its own axes: its edges, and circles of a round one. */
+/** Outline of a shape as pairs of points in the shape's axes: edges, and circles for round shapes. */
 export function outlineOf(part: Part, surface: BufferGeometry): number[] {
   const lines: number[] = [];
   const curve = (points: Vector[]): void => {
@@ -193,7 +193,7 @@ export function outlineOf(part: Part, surface: BufferGeometry): number[] {
   const edges = new EdgesGeometry(surface, 20);
   lines.push(...Array.from(edges.getAttribute("position").array));
   edges.dispose();
-  // generators of what has an axis
+  // generators of shapes with an axis
   const ends = ((): [number, number, number, number][] => {
     if (part.type === "cylinder") return [[lengthOf(part, "radius"), -lengthOf(part, "half_height"), lengthOf(part, "radius"), lengthOf(part, "half_height")]];
     if (part.type === "hollow_cylinder") return ["outer_radius", "inner_radius"].map((key) => [lengthOf(part, key), -lengthOf(part, "half_height"), lengthOf(part, key), lengthOf(part, "half_height")]);
@@ -226,7 +226,7 @@ function placed(surface: BufferGeometry, lines: number[], position: Vector, orie
   return { geometry: surface, lines: moved, hole };
 }
 
-/** What a body is drawn as: its parts, its mesh, its points, or else the box of its moments. */
+/** Surfaces of a body: its parts, mesh and points, or the box of its moments if it has none. */
 export function surfacesOf(shape: BodyShape): Surface[] {
   const made: Surface[] = [];
   for (const part of shape.parts) {
@@ -245,7 +245,7 @@ export function surfacesOf(shape: BodyShape): Surface[] {
     for (let i = 0; i + 2 < points.length; i += 3) {
       const at = vectorAt(points, i);
       const ball = toned(alongZ(new SphereGeometry(radius, round / 2, round / 4)), true).translate(...at);
-      // and the line to the centre of mass
+      // with a line to the centre of mass
       made.push({ geometry: ball, lines: [0, 0, 0, ...at], hole: false });
     }
   }
@@ -258,14 +258,14 @@ export function surfacesOf(shape: BodyShape): Surface[] {
   return made;
 }
 
-/** The body's point that is furthest from its centre of mass, along the longest of what is drawn. */
+/** The drawn point with the largest distance from the centre of mass. */
 export function tipOf(surfaces: readonly Surface[]): Vector {
   let tip: Vector = [0, 0, 0];
   for (const surface of surfaces) {
     const positions = surface.geometry.getAttribute("position");
     for (let i = 0; i < positions.count; ++i) {
       const at: Vector = [positions.getX(i), positions.getY(i), positions.getZ(i)];
-      // the first of those that are equally far, so that it does not depend on rounding
+      // the first of points at equal distance, independent of rounding
       if (length(at) > length(tip) * (1 + 1e-4)) tip = at;
     }
   }

@@ -1,4 +1,4 @@
-// The motion between keyframes, as data.ts lays it down. What is drawn, and what the thinning's bound holds for, is this.
+// Interpolation of the motion between keyframes as defined in data.ts. `thinning` of a motion bounds its error.
 
 import type { Track } from "../data.ts";
 import { identity, length, normalized, type Quaternion, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
@@ -6,10 +6,10 @@ import { identity, length, normalized, type Quaternion, scale, subtract, type Ve
 export interface Placement {
   attitude: Quaternion; // body to world
   angularVelocity: Vector; // rad/s, body axes
-  position: Vector; // m, of the centre of mass, world
+  position: Vector; // m, centre of mass, world
 }
 
-/** The interval [t_k, t_k+1] that holds t, by halving: k from 0 to n - 2. */
+/** Index k of the interval [t_k, t_k+1] that contains t, by bisection; 0 to n - 2. */
 export function findInterval(times: readonly number[], t: number): number {
   let low = 0;
   let high = Math.max(0, times.length - 2);
@@ -21,13 +21,13 @@ export function findInterval(times: readonly number[], t: number): number {
   return low;
 }
 
-/** The weights of (value, h slope) at both ends of the cubic Hermite polynomial, at s in 0..1. */
+/** Weights of (value, h slope) at both ends in the cubic Hermite polynomial at s in 0..1. */
 export function hermite(s: number): [number, number, number, number] {
   const r = 1 - s;
   return [r * r * (1 + 2 * s), s * r * r, s * s * (1 + 2 * r), -s * s * r];
 }
 
-/** Likewise of its derivative by s. */
+/** Weights of (value, h slope) at both ends in the derivative of the cubic Hermite polynomial with respect to s. */
 export function hermiteSlope(s: number): [number, number, number, number] {
   const r = 1 - s;
   return [-6 * s * r, r * (1 - 3 * s), 6 * s * r, s * (3 * s - 2)];
@@ -43,9 +43,9 @@ export function attitudeRate(q: Quaternion, w: Vector): Quaternion {
   ];
 }
 
-/** How much faster than it should the cubic turns at s through an even turn by an angle: up to a few per cent where
- * keyframes are far apart. With u = angle / 2 it goes from 1 to e^iu with the slopes iu and iu e^iu; the rate is
- * Im(r* r') / (u |r|^2). */
+/** For a uniform rotation by `angle` over the interval: angular velocity of the cubic at s relative to the true one. It
+ * differs from 1 by up to a few per cent if keyframes are far apart. With u = angle / 2 the cubic goes from 1 to e^iu
+ * with the slopes iu and iu e^iu; the ratio is Im(r* r') / (u |r|^2). */
 export function evenTurnRate(angle: number, s: number): number {
   const u = angle / 2;
   if (!(u > 1e-3)) return 1;
@@ -56,9 +56,9 @@ export function evenTurnRate(angle: number, s: number): number {
   return (x * dy - y * dx) / (u * (x * x + y * y));
 }
 
-/** Attitude and angular velocity a part s (0..1) of an interval h on. The attitude is the cubic r(s) through both ends
- * with their rates, normalised; the angular velocity is that of what is drawn, 2 vec(r* r') / |r|^2, less what the cubic does
- * to an even turn: at the keyframes it is theirs. */
+/** Attitude and angular velocity at the fraction s (0..1) of an interval h. The attitude is the normalised cubic r(s)
+ * through both ends with their rates. The angular velocity is that of the cubic, 2 vec(r* r') / (h |r|^2), divided by
+ * evenTurnRate(); at the keyframes it equals their angular velocities. */
 export function attitudeBetween(
   from: Quaternion, fromW: Vector, to: Quaternion, toW: Vector, h: number, s: number,
 ): { attitude: Quaternion; angularVelocity: Vector } {
@@ -88,24 +88,25 @@ export function positionBetween(from: Vector, fromV: Vector, to: Vector, toV: Ve
   return [at(0), at(1), at(2)];
 }
 
-/** The slope at b of the parabola through three values, h before and k after it. */
+/** Slope at b of the parabola through a, b and c, with the intervals h and k between them. */
 export function middleSlope(a: Vector, b: Vector, c: Vector, h: number, k: number): Vector {
   const at = (i: 0 | 1 | 2): number => ((b[i] - a[i]) / h) * (k / (h + k)) + ((c[i] - b[i]) / k) * (h / (h + k));
   return [at(0), at(1), at(2)];
 }
 
-/** A track's keyframes as numbers. Of the truth, attitudes and angular velocities belong together, and between keyframes
- * the angular velocity is that of the attitude that is drawn. A method's need not: there it is a cubic through its own. */
+/** The keyframes of a track. If `consistent` (the truth), the angular velocity between keyframes is that of the
+ * interpolated attitude. A method's attitudes and angular velocities may be inconsistent: its angular velocities are
+ * interpolated by a separate cubic. */
 export class Keyframes {
   readonly times: readonly number[];
-  readonly end: number; // s, of the last keyframe
+  readonly end: number; // s, time of the last keyframe
 
   constructor(private readonly track: Track, private readonly consistent = true) {
     this.times = track.t;
     this.end = track.t[track.t.length - 1] ?? 0;
   }
 
-  /** By three neighbouring keyframes; at the ends and at a jump by two. */
+  /** Estimated from three neighbouring keyframes; from two at the ends and at jumps. */
   private angularAcceleration(body: number, k: number): Vector {
     const t = (i: number): number => this.times[i] ?? 0;
     const w = (i: number): Vector => this.angularVelocity(body, i);
@@ -138,7 +139,7 @@ export class Keyframes {
     return one === undefined ? zero : scale(one.v_scale, vectorAt(one.v, 3 * k));
   }
 
-  /** Where a body is at a time; before the first keyframe at the first, beyond the last at the last. */
+  /** Placement of a body at a time; clamped to the first and the last keyframe. */
   at(body: number, t: number): Placement {
     const { times } = this;
     const last = times.length - 1;
@@ -170,7 +171,7 @@ export class Keyframes {
     return { attitude: turned.attitude, angularVelocity, position };
   }
 
-  /** Times to draw a curve through: each interval in so many parts, up to a time. */
+  /** Times for drawing curves: each interval divided into `parts`, up to the time `until`. */
   dense(parts: number, until = this.end): number[] {
     const made: number[] = [];
     for (let k = 0; k + 1 < this.times.length; ++k) {

@@ -1,7 +1,10 @@
-// The motion of a scene: the truth and methods beside it, in three dimensions, with their errors and the polhode.
+// The motion view of a scene: the truth and methods in three dimensions, their errors, and the polhode. MotionView
+// connects the page's state with the clock, the cameras and the three drawings (bodies, errors, polhode). It redraws
+// after changes only, at most once per frame.
 //
-// State: scene (else motion), motion_methods (labels, a list), motion_layout (side, overlay), motion_time (s), motion_show
-// (momentum, angular_velocity, trail), motion_body, motion_speed, motion_view (azimuth, elevation in degrees, zoom).
+// State: scene (else motion), motion_methods (list of labels), motion_layout (side, overlay), motion_time (s),
+// motion_show (momentum, angular_velocity, trail), motion_body, motion_speed, motion_view (azimuth and elevation in
+// degrees, zoom).
 
 import type { PageContext } from "../context.ts";
 import type { Motion, MotionMethod, ReportData } from "../data.ts";
@@ -22,13 +25,13 @@ import { gravitySentence, methodSentence, thinningSentence, truthSentence, windo
 
 const speeds = ["0.1", "0.25", "0.5", "1", "2", "5", "10"];
 const atFirst = "angular_velocity,momentum";
-// between two texts for screen readers, ms
+// delay of texts for screen readers, ms
 const quiet = 1500;
 
-/** Puts the view into an empty element. */
+/** Mounts the view in an empty element. */
 export function mountMotion(host: HTMLElement, data: ReportData, page: PageContext): void {
   if (data.motions.length === 0) {
-    host.append(element("p", {}, "This folder has no scene whose motion could be drawn."));
+    host.append(element("p", {}, "The directory has no scene with a motion to draw."));
     return;
   }
   if (document.getElementById("motion-style") === null) document.head.append(element("style", { id: "motion-style" }, style));
@@ -45,7 +48,7 @@ class MotionView {
   private readonly bodies: BodyView;
   private readonly errors: ErrorPlot;
   private readonly polhode: PolhodeView;
-  private asked = ""; // the state that is shown
+  private asked = ""; // state of the last build()
   private frame = 0;
   private spoken = 0;
 
@@ -78,10 +81,10 @@ class MotionView {
     this.errors = new ErrorPlot((time, done) => this.scrub(time, done));
     this.polhode = new PolhodeView(element("canvas", { role: "img" }), element("canvas", { role: "img" }));
 
-    this.which = new Choice("Motion of", (name) => this.page.set({ motion: name }));
-    this.methodChoices = Array.from({ length: mostMethods }, (_, i) => new Choice(["Beside the truth", "and a second", "and a third"][i] ?? "", () => this.chooseMethods()));
+    this.which = new Choice("Scene", (name) => this.page.set({ motion: name }));
+    this.methodChoices = Array.from({ length: mostMethods }, (_, i) => new Choice(["Method", "Second method", "Third method"][i] ?? "", () => this.chooseMethods()));
     this.layout = new Choice("Layout", (value) => this.page.set({ motion_layout: value }));
-    this.bodyChoice = new Choice("Arrows and curve of", (value) => this.page.set({ motion_body: value }));
+    this.bodyChoice = new Choice("Arrows and curves of body", (value) => this.page.set({ motion_body: value }));
     this.speed = new Choice("Speed", (value) => this.page.set({ motion_speed: value === "1" ? "" : value }));
     this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["trail", "Trail", "Trail of the body's tip"]] as const)
       .map(([key, text, title]) => [key, element("button", { type: "button", title, "aria-label": title, onclick: () => this.toggle(key) }, text)]);
@@ -99,13 +102,13 @@ class MotionView {
     root.addEventListener("keydown", (event) => this.key(event));
     fill(root,
       element("div", { class: "motion-controls" }, this.which.root, ...this.methodChoices.map((choice) => choice.root), this.layout.root, this.bodyChoice.root,
-        element("div", { class: "motion-toggles", role: "group", "aria-label": "Shown" }, ...this.toggles.map(([, button]) => button))),
+        element("div", { class: "motion-toggles", role: "group", "aria-label": "Arrows and trail" }, ...this.toggles.map(([, button]) => button))),
       this.substitute, this.fault,
       element("div", { class: "motion-stage" }, this.stage, this.orbit.buttons("bodies")),
-      element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step on (key .)"), this.slider, this.clockText, this.speed.root),
+      element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step forward (key .)"), this.slider, this.clockText, this.speed.root),
       this.now, this.live, this.legend,
       element("div", { class: "motion-curves" },
-        element("figure", { class: "errors" }, this.errors.root, element("figcaption", {}, "Attitude error over time; a click sets the time")),
+        element("figure", { class: "errors" }, this.errors.root, element("figcaption", {}, "Attitude error over time. Click to set the time.")),
         element("figure", { class: "polhode" }, element("div", { class: "turned" }, this.polhode.polhodeCanvas, this.polhodeOrbit.buttons("polhode")), this.polhodeText),
         element("figure", { class: "herpolhode" }, this.polhode.worldCanvas, this.worldText)),
       this.remarks);
@@ -116,7 +119,7 @@ class MotionView {
       this.follow();
     });
     new ResizeObserver(() => this.redraw()).observe(root);
-    // what is out of sight stands still
+    // pauses when out of view
     new IntersectionObserver((entries) => {
       if (entries.every((entry) => !entry.isIntersecting)) clock.pause();
     }).observe(root);
@@ -147,7 +150,7 @@ class MotionView {
     return { momentum: keys.includes("momentum"), angularVelocity: keys.includes("angular_velocity"), trail: keys.includes("trail"), body: Math.max(0, body) };
   }
 
-  /** Takes over what the state says. What costs is only done where it has changed. */
+  /** Applies the state. Expensive parts are rebuilt only after a change. */
   private follow(): void {
     const { page } = this;
     const motion = this.chosenMotion();
@@ -209,13 +212,13 @@ class MotionView {
     this.which.update(scenes.map((name) => [name, shorten(oneLine(name), 44)]), this.nameOf(motion));
     this.which.root.hidden = !isSubstitute || scenes.length < 2;
     this.substitute.hidden = !isSubstitute;
-    this.substitute.textContent = isSubstitute ? `There is no motion of ${shorten(oneLine(asked), 100)}; this is ${shorten(oneLine(this.nameOf(motion)), 100)}.` : "";
-    // those that cannot be watched come last, and say so
+    this.substitute.textContent = isSubstitute ? `No motion is available for ${shorten(oneLine(asked), 100)}; showing ${shorten(oneLine(this.nameOf(motion)), 100)}.` : "";
+    // methods without a motion come last and are marked
     const offered = [true, false].flatMap((drawn) => motion.methods.filter((method) => isDrawn(method) === drawn)
-      .map((method): [string, string] => [method.label, `${shorten(titleOf(method), 60)}${drawn ? "" : " (nothing to draw)"}`]));
+      .map((method): [string, string] => [method.label, `${shorten(titleOf(method), 60)}${drawn ? "" : " (no motion)"}`]));
     this.methodChoices.forEach((choice, i) => {
       const value = methods[i]?.label ?? "";
-      choice.update([["", "nothing"], ...offered], value);
+      choice.update([["", "none"], ...offered], value);
       choice.root.hidden = motion.methods.length === 0 || i > methods.length;
     });
     this.layout.update([["side", "side by side"], ["overlay", "overlaid"]], overlaid ? "overlay" : "side");
@@ -225,7 +228,7 @@ class MotionView {
     fill(this.legend, ...this.actors.map((actor) => {
       const method = actor.method;
       const setting = method === null ? "" : settingOf(method);
-      const greatest = method?.difference === null || method === null ? "" : `at most ${quantity(method.difference, "rad")} off`;
+      const greatest = method?.difference === null || method === null ? "" : `largest error ${quantity(method.difference, "rad")}`;
       return element("li", {}, swatch(actor.mark, actor.color, true), element("span", { class: "name", title: actor.name }, setting === "" ? actor.name : `${actor.name}, ${setting}`), element("span", { class: "value" }, greatest));
     }));
     const [ellipsoid, world] = this.polhode.captions();
@@ -234,8 +237,8 @@ class MotionView {
     const rate = rateOf(motion.duration);
     const sentences = [
       ...others.map(methodSentence), thinningSentence(motion), truthSentence(motion), windowSentence(motion), gravitySentence(motion),
-      rate === 1 ? "" : `At speed 1×, a second on the wall is ${quantity(rate, "s")} of the motion.`,
-      this.bodies.extent.follows ? "The view goes along with the bodies." : "",
+      rate === 1 ? "" : `At speed 1×, one second of playback shows ${quantity(rate, "s")} of motion.`,
+      this.bodies.extent.follows ? "The camera follows the bodies." : "",
     ];
     fill(this.remarks, ...sentences.filter((text) => text !== "").map((text) => element("li", {}, text)));
     this.slider.max = String(motion.duration);
@@ -280,7 +283,7 @@ class MotionView {
       pane.value.textContent = only === undefined ? "" : only.method === null ? fixed(t, this.motion.duration) : this.errorText(only, t);
       const over = pane.actors.filter((actor) => actor.method !== null && actor.endsEarly && t > actor.end);
       pane.ended.hidden = over.length === 0;
-      pane.ended.textContent = over.map((actor) => (actor.keyframes === null ? `${actor.name}: nothing to draw` : `${pane.actors.length > 1 ? `${actor.name} ` : ""}ended at ${significant(actor.end)} s`)).join("; ");
+      pane.ended.textContent = over.map((actor) => (actor.keyframes === null ? `${actor.name}: no motion` : `${pane.actors.length > 1 ? `${actor.name} ` : ""}ended at ${significant(actor.end)} s`)).join("; ");
       pane.canvas.setAttribute("aria-label", `${shorten(oneLine(this.nameOf(this.motion)), 100)}, ${pane.actors.map((actor) => actor.name).join(" and ")}: ${told}`);
       this.drawAxes(pane.axes);
     });
@@ -296,11 +299,11 @@ class MotionView {
     this.play.textContent = this.clock.playing ? "Pause" : "Play";
     this.now.textContent = told;
     this.speak(told);
-    // what drives the page from outside waits for this
+    // external drivers of the page wait for this
     this.root.dataset.drawn = t.toPrecision(6);
   }
 
-  /** World axes, and the way things fall. */
+  /** World axes and the direction of gravity. */
   private drawAxes(svg: SVGElement): void {
     const [right, upward] = this.orbit.axes();
     const place = (v: Vector): [number, number] => [24 * dot(right, v), -24 * dot(upward, v)];
@@ -323,7 +326,7 @@ class MotionView {
   private errorText(actor: Actor, t: number): string {
     if (actor.method === null) return "";
     const error = errorAt(actor.method, t);
-    return error === null ? (actor.keyframes === null ? "not drawn" : t > actor.end ? "ended" : "no error known") : `${quantity(error, "rad", 2)} off`;
+    return error === null ? (actor.keyframes === null ? "not drawn" : t > actor.end ? "ended" : "error unknown") : `error ${quantity(error, "rad", 2)}`;
   }
 
   private told(t: number): string {
@@ -332,7 +335,7 @@ class MotionView {
   }
 
   private speak(text: string): void {
-    // while it plays, nothing is told again and again; the last word comes when it stands
+    // no announcements during playback, only after it stops
     window.clearTimeout(this.spoken);
     if (this.clock.playing) return;
     this.spoken = window.setTimeout(() => {
@@ -384,7 +387,7 @@ class MotionView {
   private chooseMethods(): void {
     const labels = this.methodChoices.filter((choice) => !choice.root.hidden).map((choice) => choice.root.querySelector("select")?.value ?? "");
     const chosen = [...new Set(labels.filter((label) => label !== ""))];
-    // an empty list is a choice, too
+    // "-" stores an empty selection
     this.page.set({ motion_methods: chosen.length > 0 ? writeList(chosen) : "-" });
   }
 
@@ -396,7 +399,7 @@ class MotionView {
   }
 }
 
-/** A time with as many decimals as the duration wants, so that it does not jump about. */
+/** A time with a fixed number of decimals for the duration, so that its width is constant. */
 function fixed(t: number, duration: number): string {
   const decimals = Math.max(0, Math.min(12, 3 - Math.floor(Math.log10(duration || 1))));
   return duration >= 1e5 || duration < 1e-6 ? quantity(t, "s", 4) : `${t.toFixed(decimals)} s`;

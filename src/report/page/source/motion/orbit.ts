@@ -1,13 +1,13 @@
-// Where a view is looked at from: by pointer, by keys, by two fingers, and by buttons.
+// The camera of a view, controlled by pointer, wheel, pinch and buttons.
 
 import { element } from "../dom.ts";
 import type { Vector } from "./algebra.ts";
 
-const steepest = (Math.PI / 2) * 0.985; // short of the pole, where up is lost
+const steepest = (Math.PI / 2) * 0.985; // below the pole, where the up direction is undefined
 const nearest = 0.25;
 const furthest = 6;
 
-/** The eye's direction from the target in angles (rad; z up), and how near it is (1: all is in the frame). */
+/** Direction of the camera from the target (rad; z up), and zoom (1 shows everything). */
 export class Orbit {
   azimuth: number;
   elevation: number;
@@ -18,13 +18,13 @@ export class Orbit {
     this.elevation = home.elevation;
   }
 
-  /** From the target to the eye. */
+  /** Unit vector from the target to the camera. */
   direction(): Vector {
     const c = Math.cos(this.elevation);
     return [c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation)];
   }
 
-  /** To the right and up in the picture. */
+  /** Unit vectors to the right and upward in the image. */
   axes(): [Vector, Vector] {
     const [ca, sa] = [Math.cos(this.azimuth), Math.sin(this.azimuth)];
     const [ce, se] = [Math.cos(this.elevation), Math.sin(this.elevation)];
@@ -38,14 +38,14 @@ export class Orbit {
     this.zoom = Math.max(nearest, Math.min(furthest, zoom));
   }
 
-  /** Another direction to begin from, which it is turned to if it was at the one before. */
+  /** Changes the home direction. A camera at its home direction moves to the new one. */
   setHome(azimuth: number): void {
     const isHome = this.text() === "";
     this.home.azimuth = azimuth;
     if (isHome) this.azimuth = azimuth;
   }
 
-  /** As three numbers, degrees; "" at home. */
+  /** Azimuth, elevation (degrees) and zoom as text; "" at home. */
   text(): string {
     const { home } = this;
     if (this.azimuth === home.azimuth && this.elevation === home.elevation && this.zoom === 1) return "";
@@ -70,7 +70,7 @@ export class Orbit {
     this.settled();
   }
 
-  /** Lets a picture be turned. Sideways drags turn it; up and down, a finger scrolls the page. */
+  /** Attaches pointer and wheel control to an element. On touch screens, vertical drags scroll the page. */
   attach(canvas: HTMLElement): void {
     const pointers = new Map<number, [number, number]>();
     const spread = (): number => {
@@ -101,7 +101,7 @@ export class Orbit {
     };
     canvas.addEventListener("pointerup", release);
     canvas.addEventListener("pointercancel", release);
-    // a plain wheel scrolls the page
+    // the wheel without Ctrl or Meta scrolls the page
     canvas.addEventListener("wheel", (event) => {
       if (!event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
@@ -110,7 +110,7 @@ export class Orbit {
     }, { passive: false });
   }
 
-  /** Buttons that do the same. */
+  /** Buttons for rotation, zoom and reset. */
   buttons(what: string): HTMLElement {
     const step = Math.PI / 12;
     const button = (sign: string, title: string, act: () => void): HTMLElement =>
@@ -121,14 +121,14 @@ export class Orbit {
           this.settled();
         },
       }, sign);
-    return element("div", { class: "motion-turn", role: "group", "aria-label": `Point of view: ${what}` },
+    return element("div", { class: "motion-turn", role: "group", "aria-label": `Camera: ${what}` },
       button("←", "Turn left", () => this.turn(-step, 0)),
       button("→", "Turn right", () => this.turn(step, 0)),
       button("↑", "Look from above", () => this.turn(0, step)),
       button("↓", "Look from below", () => this.turn(0, -step)),
-      button("+", "Nearer", () => this.turn(0, 0, 1.2)),
-      button("−", "Further away", () => this.turn(0, 0, 1 / 1.2)),
-      button("Reset", "Reset to what it was at first", () => this.reset()),
+      button("+", "Zoom in", () => this.turn(0, 0, 1.2)),
+      button("−", "Zoom out", () => this.turn(0, 0, 1 / 1.2)),
+      button("Reset", "Reset the view", () => this.reset()),
     );
   }
 }

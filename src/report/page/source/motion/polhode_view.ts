@@ -1,5 +1,5 @@
-// Angular velocity as a curve: the polhode on the inertia ellipsoid, and the herpolhode in the invariable plane or, under
-// loads, the curve in world axes. Drawn from afar, in lines: what lies behind the ellipsoid is faint.
+// Two figures of the angular velocity: the polhode on the inertia ellipsoid, and the herpolhode in the invariable plane
+// or, under loads, the curve in world axes. Parallel projection; lines behind the ellipsoid are faint.
 
 import type { Motion } from "../data.ts";
 import type { Actor } from "./actors.ts";
@@ -12,7 +12,7 @@ import {
 import type { Orbit } from "./orbit.ts";
 import { type Inertia, inertiaOf } from "./spin.ts";
 
-/** Dashes of the lines by an actor's place, in pixels. */
+/** Dash pattern of an actor's lines by its place, px. */
 export const dashOf = (place: number): number[] => [[], [], [7, 4], [2, 3]][place] ?? [];
 
 interface Curve {
@@ -36,7 +36,7 @@ export class PolhodeView {
   show(motion: Motion, actors: readonly Actor[], body: number): void {
     this.body = body;
     this.inertia = inertiaOf(motion, body);
-    // between impacts it is free, but each impact leads to another polhode
+    // with planes, each impact changes the polhode
     this.free = motion.free && motion.bodies.length === 1 && motion.planes.length === 0;
     this.curves = [];
     this.largest = 0;
@@ -63,14 +63,14 @@ export class PolhodeView {
     }
   }
 
-  /** What the two pictures show, in words. */
+  /** Captions of the two figures. */
   captions(): [string, string] {
     const world = this.plane !== null
-      ? `Herpolhode: the path of ω in the invariable plane, which is across L at the distance 2E/|L| = ${this.plane.distance.toPrecision(3)} rad/s from the centre; dotted, the two circles that it runs between`
-      : "The path of ω in world axes";
+      ? `Herpolhode: path of ω in the invariable plane, perpendicular to L at the distance 2E/|L| = ${this.plane.distance.toPrecision(3)} rad/s from the centre. Dotted: the two circles that bound it`
+      : "Path of ω in world axes";
     const ellipsoid = this.free
-      ? "Polhode: ω in principal axes, on the ellipsoid ΣIω² = 2E; thin, the whole of the truth's closed curve"
-      : "ω in principal axes, with the ellipsoid ΣIω² = 2E of the energy at this time";
+      ? "Polhode: path of ω in principal axes, on the ellipsoid ΣIω² = 2E. Thin: the truth's whole closed curve"
+      : "Path of ω in principal axes, with the ellipsoid ΣIω² = 2E for the energy at the current time";
     return [ellipsoid, world];
   }
 
@@ -100,7 +100,7 @@ export class PolhodeView {
     const n = orbit.direction();
     const [right, upward] = orbit.axes();
     const reach = Math.max(...(this.free ? axes : [...axes, this.largest]), 1e-300);
-    // a little high: buttons stand below
+    // above the centre, because buttons are below
     const middle = 0.46 * sheet.height;
     const factor = (0.38 * Math.min(sheet.width, sheet.height) * orbit.zoom) / reach;
     const place = (v: Vector): [number, number] => [sheet.width / 2 + factor * dot(right, v), middle - factor * dot(upward, v)];
@@ -169,7 +169,7 @@ export class PolhodeView {
       context.arc(sheet.width / 2, sheet.height / 2, factor * radius, 0, 2 * Math.PI);
       context.stroke();
     }
-    // where L goes through the plane
+    // intersection of L with the plane
     sheet.style(palette.muted, 1);
     context.beginPath();
     context.moveTo(sheet.width / 2 - 5, sheet.height / 2);
@@ -230,7 +230,7 @@ export class PolhodeView {
     }
   }
 
-  /** For screen readers: the numbers at a time. */
+  /** Values at a time, for screen readers. */
   describe(t: number): string {
     const truth = this.curves.find((curve) => curve.actor.method === null);
     const at = truth === undefined ? null : this.now(truth, t);
@@ -240,14 +240,14 @@ export class PolhodeView {
   }
 }
 
-/** A curve's points up to a time. */
+/** Points of a curve up to a time. */
 function until(curve: Curve, points: Vector[], t: number): Vector[] {
   let count = curve.times.findIndex((one) => one > t);
   if (count < 0) count = points.length;
   return points.slice(0, count);
 }
 
-/** A canvas in its own pixels of CSS. */
+/** Drawing on a canvas in CSS pixels. */
 class Sheet {
   constructor(readonly context: CanvasRenderingContext2D, readonly width: number, readonly height: number) {}
 
@@ -258,7 +258,7 @@ class Sheet {
     this.context.lineJoin = "round";
   }
 
-  /** A curve on a surface: what is on the far side comes faint. */
+  /** Draws a curve on a surface; the far side is faint. */
   surfaceCurve(points: Vector[], place: (v: Vector) => [number, number], seen: (v: Vector) => boolean, near: number, far: number): void {
     const { context } = this;
     for (const wanted of [false, true]) {
@@ -287,7 +287,7 @@ class Sheet {
     context.fillText(text, x, y);
   }
 
-  /** Where somebody is now: the truth a filled disc, methods rings of growing size, so that they are told apart. */
+  /** Marks the current point: a filled disc for the truth, rings of increasing size for methods. */
   point([x, y]: [number, number], actor: Actor, palette: Palette, opacity: number): void {
     const { context } = this;
     context.globalAlpha = opacity;

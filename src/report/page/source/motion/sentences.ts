@@ -1,44 +1,44 @@
-// What must be said beside the picture.
+// Sentences below the motion view.
 
 import type { Motion } from "../data.ts";
 import { duration, engineering, quantity, significant } from "../format.ts";
 import { oneLine } from "../text.ts";
 import type { Actor } from "./actors.ts";
 
-const statuses = ["ended well", "is not supported here", "diverged", "did not meet its tolerance", "failed"];
+const statuses = ["finished", "does not support this scene", "diverged", "did not meet its tolerance", "failed"];
 
 const ended = (text: string): string => (/[.!?]$/.test(text) ? text : `${text}.`);
 
-/** How far the picture is off. */
+/** Error bound of the interpolation. */
 export function thinningSentence(motion: Motion): string {
   const { angle, length } = motion.thinning;
   const place = motion.moving ? ` and ${engineering(length, "m", 2)}` : "";
-  return `Drawn from keyframes: off by at most ${engineering(angle, "rad", 2)}${place}.`;
+  return `Interpolated between keyframes to within ${engineering(angle, "rad", 2)}${place}.`;
 }
 
 export function windowSentence(motion: Motion): string {
   return motion.duration < motion.whole * (1 - 1e-6)
-    ? `Shown are the first ${duration(motion.duration)} of the scene's ${duration(motion.whole)}.`
+    ? `Only the first ${duration(motion.duration)} of the scene's ${duration(motion.whole)} are shown.`
     : "";
 }
 
 export function truthSentence(motion: Motion): string {
-  return motion.how === "" ? "" : ended(`The truth: ${oneLine(motion.how)}`);
+  return motion.how === "" ? "" : ended(`Truth: ${oneLine(motion.how)}`);
 }
 
-/** What must be known of a method's picture; "" where it is drawn as it went, to the end. */
+/** Remark on a method that is not drawn exactly or completely; "" for all others. */
 export function methodSentence(actor: Actor): string {
   const { method, name } = actor;
   if (method === null) return "";
-  const status = statuses[method.status] ?? "ended in a way that this page does not know";
+  const status = statuses[method.status] ?? "ended with an unknown status";
   const message = oneLine(method.message);
   const why = message === "" ? "" : `: ${message}`;
-  if (actor.keyframes === null) return ended(`${name} ${status}${why}; there is nothing to draw`);
+  if (actor.keyframes === null) return ended(`${name} ${status}${why}; there is no motion to draw`);
   if (actor.isTruth) {
     const far = method.difference === null ? "an unknown distance" : quantity(method.difference, "rad", 2);
-    return `${name}: no further than ${far} from the truth: drawn as the truth.`;
+    return `${name} is within ${far} of the truth and is drawn as the truth.`;
   }
-  if (actor.endsEarly) return ended(`${name} ${method.status === 0 ? "has no samples" : status} after ${significant(actor.end)} s and stands still from there${why}`);
+  if (actor.endsEarly) return ended(`${name} ${method.status === 0 ? "has no samples" : status} after ${significant(actor.end)} s and does not move from then on${why}`);
   if (method.status !== 0) return ended(`${name} ${status}${why}`);
   return "";
 }

@@ -1,12 +1,11 @@
-// Angular velocity and momentum of a body that is looked at.
+// Angular velocity and angular momentum of a body.
 
 import type { Motion } from "../data.ts";
 import { type Quaternion, quaternionAt, rotate, type Vector, vectorAt } from "./algebra.ts";
 import { worldMomentum } from "./ellipsoid.ts";
 import type { Keyframes } from "./interpolation.ts";
 
-/** Moments and principal axes about the point that the body's rotation is told about: the pivot, else the centre of
- * mass. */
+/** Principal moments and axes about the pivot or, without a pivot, about the centre of mass. */
 export interface Inertia {
   moments: Vector;
   principal: Quaternion; // principal to body axes
@@ -19,7 +18,7 @@ export function inertiaOf(motion: Motion, body: number): Inertia {
   return { moments: vectorAt(about.moments), principal: quaternionAt(about.principal) };
 }
 
-/** World axes. */
+/** Angular velocity and angular momentum in world axes. */
 export function spinAt(keyframes: Keyframes, inertia: Inertia, body: number, t: number): { w: Vector; L: Vector } {
   const placed = keyframes.at(body, t);
   return {

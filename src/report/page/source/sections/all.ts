@@ -1,4 +1,4 @@
-// The page's sections in their order.
+// The sections of the page in order.
 
 import type { Section } from "../tools.ts";
 import { checks } from "./checks.ts";

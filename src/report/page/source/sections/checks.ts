@@ -20,14 +20,14 @@ function blockTable(check: Check): HTMLElement | null {
     element("tbody", {}, ...check.blocks.map((block) =>
       element("tr", {}, element("th", { scope: "row", class: "plain" }, shorten(oneLine(block.name), 60)), element("td", { class: "number" }, quantity(block.error, shorten(oneLine(block.unit), 20)) || "–"),
         element("td", { class: "number" }, block.limit === null ? "none" : quantity(block.limit, shorten(oneLine(block.unit), 20))), element("td", { class: "number" }, significant(block.at, 4)),
-        element("td", { class: block.passed === false ? "bad" : null }, block.passed === null ? "" : block.passed ? "within" : "beyond")))),
+        element("td", { class: block.passed === false ? "bad" : null }, block.passed === null ? "" : block.passed ? "within limit" : "over limit")))),
   );
 }
 
 function errorPlot(tools: Tools, check: Check): HTMLElement | null {
   const drawable = check.errors.filter((error) => error.values.some((value) => positive(value) !== null && value !== 0));
   if (drawable.length === 0) return null;
-  const plot = new Plot(tools.page, `Errors over time of ${shorten(oneLine(check.file), 60)}`, "", () => fileName("check", check.file), 320);
+  const plot = new Plot(tools.page, `Errors over time: ${shorten(oneLine(check.file), 60)}`, "", () => fileName("check", check.file), 320);
   const limits = check.blocks.filter((block) => block.limit !== null && block.limit > 0 && drawable.some((error) => error.name === block.name));
   const colorAt = (i: number, dark: boolean): string => (dark ? palette[i % palette.length]?.dark : palette[i % palette.length]?.light) ?? "#808080";
   const symbolAt = (i: number): string => symbols[i % symbols.length] ?? "circle";
@@ -41,7 +41,7 @@ function errorPlot(tools: Tools, check: Check): HTMLElement | null {
     const layout: Layout = {
       xaxis: axis(theme, "time (s)", false), yaxis: axis(theme, "error", true),
       shapes: limits.map((block) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: block.limit, y1: block.limit, line: { color: colorAt(drawable.findIndex((error) => error.name === block.name), theme.dark), width: 1.4, dash: "dash" } })) as Layout["shapes"],
-      // limits of one value share their label
+      // equal limits share a label
       annotations: [...new Set(limits.map((block) => block.limit))].map((limit) => ({
         xref: "paper", x: 0.01, xanchor: "left", y: Math.log10(limit ?? 1), yanchor: "bottom", showarrow: false, font: { size: 11, color: theme.faint },
         text: plotText(`limit: ${limits.filter((block) => block.limit === limit).map((block) => block.name).join(", ")}`, 60),
@@ -60,7 +60,7 @@ function errorPlot(tools: Tools, check: Check): HTMLElement | null {
 
 export const checks: Section = {
   name: "trajectories",
-  title: "Your trajectories",
+  title: "Checked trajectories",
   present: (data) => data.checks.length > 0,
   render(host, tools) {
     for (const check of tools.data.checks) {
@@ -70,12 +70,12 @@ export const checks: Section = {
         element("h3", {}, named(check.file, 70), " ", element("span", { class: check.passed === false ? "verdict bad" : check.passed === true ? "verdict good" : "verdict" }, shorten(oneLine(check.verdict), 200))),
         element("p", { class: "faint" }, "scene ", named(scene, 60),
           check.motion_method !== null && tools.data.motions.length > 0
-            ? element("span", {}, " · ", element("a", { href: `#${writeFragment({ section: "motion", scene })}` }, "see its motion"))
+            ? element("span", {}, " · ", element("a", { href: `#${writeFragment({ section: "motion", scene })}` }, "show its motion"))
             : null),
-        check.diagnoses.length > 0 ? element("div", { class: "warning" }, element("strong", {}, "What ails it"), element("ul", {}, ...check.diagnoses.slice(0, 20).map((text) => element("li", {}, shorten(oneLine(text), 500))))) : null,
+        check.diagnoses.length > 0 ? element("div", { class: "warning" }, element("strong", {}, "Diagnosis"), element("ul", {}, ...check.diagnoses.slice(0, 20).map((text) => element("li", {}, shorten(oneLine(text), 500))))) : null,
         blockTable(check),
         errorPlot(tools, check),
-        check.lines.length > 0 ? element("details", {}, element("summary", {}, "The report in words"), ...check.lines.slice(0, 200).map((line) => element("p", {}, shorten(oneLine(line), 500)))) : null,
+        check.lines.length > 0 ? element("details", {}, element("summary", {}, "Full report"), ...check.lines.slice(0, 200).map((line) => element("p", {}, shorten(oneLine(line), 500)))) : null,
       ));
     }
   },

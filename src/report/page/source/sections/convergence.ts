@@ -8,14 +8,14 @@ import type { Order, ReportData } from "../data.ts";
 import { settingKinds, type Row } from "../rows.ts";
 import { oneLine, shorten } from "../text.ts";
 
-/** From here on a fitted order is called off. */
+/** Largest accepted difference between the fitted and the claimed order. */
 export const mostOrderDifference = 0.2;
 
 export function isOff(order: Order, atFloor = false): boolean {
   return !atFloor && order.claimed !== null && order.observed !== null && order.claimed > 0 && Math.abs(order.claimed - order.observed) > mostOrderDifference;
 }
 
-/** Whether all that an order was fitted to is rounding, so that none is to be seen. */
+/** Whether all fitted errors are at the rounding floor, so that no order can be observed. */
 export function isAtFloor(order: Order, curve: Curve | undefined, floor: number | null): boolean {
   if (curve === undefined || floor === null || order.from === null || order.to === null) return false;
   const [low, high] = [Math.min(order.from, order.to) * 0.999, Math.max(order.from, order.to) * 1.001];
@@ -31,14 +31,14 @@ function experimentsOf(data: ReportData): Set<number> {
   return found;
 }
 
-/** Lines of slopes from the coarse end, as far down as the curves go. */
+/** Reference lines of given slopes from the coarse end down to the smallest error. */
 export function guidesOf(curves: readonly Curve[], slopes: readonly number[], name: (slope: number) => string): { x: number[]; y: number[]; label: string }[] {
   const points = curves.flatMap((curve) => curve.x.flatMap((x, i) => (x !== null && (curve.y[i] ?? null) !== null ? [{ x, y: curve.y[i] as number }] : [])));
   if (points.length < 2) return [];
   const coarse = Math.max(...points.map((point) => point.x));
   const fine = Math.min(...points.map((point) => point.x));
   const low = Math.min(...points.map((point) => point.y));
-  // from the upper end of what the coarsest settings give
+  // start at the largest error of the coarsest settings
   const top = Math.max(...points.filter((point) => point.x >= coarse / 4).map((point) => Math.min(point.y, 1)));
   if (!(coarse > fine) || !(top > low)) return [];
   return slopes.map((slope) => {
@@ -72,7 +72,7 @@ export const convergence: Section = {
     const { data, page } = tools;
     const experiments = experimentsOf(data);
     const set = (key: string) => (value: string): void => page.set({ [`convergence.${key}`]: value, "convergence.zoom": "" });
-    const kindChoice = new Choice("Against", set("kind"));
+    const kindChoice = new Choice("x axis", set("kind"));
     const measureChoice = new Choice("Error", set("error"));
     const experimentChoice = new Choice("Experiment", set("experiment"));
     const chart = new CurvePlot(tools, "convergence", "Convergence: error against step or tolerance", () => `convergence_${sceneName(tools, chosenScene(tools))}`);
@@ -80,7 +80,7 @@ export const convergence: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, `Beside each method stand the order it claims and the one fitted here; an exclamation mark where they differ by more than ${mostOrderDifference}, unless all the errors are rounding. Dotted lines show slopes to read the curves by.`),
+      element("p", { class: "explain" }, `The legend lists each method's claimed and fitted order. An exclamation mark flags a difference above ${mostOrderDifference}, unless all fitted errors are at the rounding floor. Dotted lines are reference slopes.`),
       element("div", { class: "choices" }, experimentChoice.root, kindChoice.root, measureChoice.root), message, chart.root, below,
     );
     const having = [...new Set([...data.orders.map((order) => order.scene), ...data.rows.scene.filter((_, i) => experiments.has(data.rows.experiment[i] ?? -1))])].sort((a, b) => a - b);
@@ -100,13 +100,13 @@ export const convergence: Section = {
       measureChoice.update(measures.map((one) => [one.key, one.title]), measure.key);
       const x = (row: Row): number | null => (row.setting !== null && row.setting > 0 ? row.setting : null);
       const y = (place: number): number | null => positive(data.rows[measure.key][place]);
-      const curves = curvesOf(tools, places.filter((place) => data.rows.setting_kind[place] === kind), x, y, (row) => hoverOf(tools, row, `${measure.title}: ${quantity(data.rows[measure.key][row.place], measure.unit) || "not known"}`))
+      const curves = curvesOf(tools, places.filter((place) => data.rows.setting_kind[place] === kind), x, y, (row) => hoverOf(tools, row, `${measure.title}: ${quantity(data.rows[measure.key][row.place], measure.unit) || "unknown"}`))
         .map((curve) => ({ ...curve, variant: curve.variant.split(", ").slice(1).join(", ") }));
       const ofKind = orders.filter((order) => order.setting_kind === kind);
       const floor = places.map((place) => data.rows.floor[place] ?? null).find((one) => one !== null && one > 0) ?? null;
       const atFloor = (order: Order): boolean => isAtFloor(order, curves.find((curve) => curve.method === order.method), floor);
       const byMethod = new Map(ofKind.map((order) => [order.method, order]));
-      if (curves.length === 0 && orders.length === 0) fill(message, otherScenes(tools, "Convergence results", having));
+      if (curves.length === 0 && orders.length === 0) fill(message, otherScenes(tools, "convergence results", having));
       else fill(message, standInNote(tools, chosen, scene));
       chart.root.hidden = curves.length === 0;
       if (curves.length > 0) {
@@ -124,7 +124,7 @@ export const convergence: Section = {
             const off = isOff(order, atFloor(order));
             return {
               text: `${order.claimed === null || order.claimed === 0 ? "–" : significant(order.claimed)} / ${order.observed === null ? "–" : order.observed.toFixed(2).replace(/^-0\.00$/, "0.00")}${off ? " !" : ""}`,
-              flag: off ? `claims ${significant(order.claimed)}, shows ${significant(order.observed)}` : "",
+              flag: off ? `claimed ${significant(order.claimed)}, fitted ${significant(order.observed)}` : "",
             };
           },
         });

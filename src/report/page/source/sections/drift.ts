@@ -10,7 +10,7 @@ import { measures as all, positive } from "./work_precision.ts";
 type Measure = "attitude" | "omega" | "energy" | "momentum" | "norm";
 const measures = all.filter((one) => one.key !== "attitude_final").map((one) => ({ ...one, key: one.key as Measure, title: one.title.replace("largest ", "") }));
 
-/** "1.01 ± 0.05", to the digits that the deviation leaves. */
+/** "1.01 ± 0.05", with the digits that the deviation permits. */
 export function exponentText(growth: readonly [number, number] | undefined): string {
   if (growth === undefined) return "";
   const [exponent, deviation] = growth;
@@ -39,7 +39,7 @@ function curvesOf(runs: readonly Drift[], measure: (typeof measures)[number], lo
         const i = kept[n] ?? 0;
         return [
           methodName(tools, run.method), run.setting === null ? "" : `setting ${settingOf(run)}`, `at ${duration(run.t[i])}`, `${measure.title}: ${quantity(run[measure.key][i], measure.unit)}`,
-          run.growth[measure.key] === undefined ? "" : `grows as t to the ${exponentText(run.growth[measure.key])}`,
+          run.growth[measure.key] === undefined ? "" : `grows as t^p, p = ${exponentText(run.growth[measure.key])}`,
         ].filter((line) => line !== "");
       },
     }];
@@ -61,7 +61,7 @@ export const drift: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, "How errors grow. Beside each method stands the exponent p of error ~ t^p and half the difference between the exponents of the first and second half of the run, where such a law holds: 1 is a steady drift, 2 one that feeds on itself, 0 none."),
+      element("p", { class: "explain" }, "Growth of errors over time. If a power law error ~ t^p fits, the legend lists the exponent p ± half the difference between the exponents of the first and second half of the run: 0 is no drift, 1 linear and 2 quadratic growth."),
       element("div", { class: "choices" }, experimentChoice.root, measureChoice.root, scaleChoice.root), message, chart.root, below,
     );
     const having = [...new Set(data.drift.map((run) => run.scene))].sort((a, b) => a - b);
@@ -78,11 +78,11 @@ export const drift: Section = {
       measureChoice.update(measures.map((one) => [one.key, one.title]), measure.key);
       scaleChoice.update([["", "logarithmic"], ["linear", "linear"]], log ? "" : "linear");
       const curves = curvesOf(runs, measure, log, tools);
-      if (runs.length === 0) fill(message, otherScenes(tools, "Errors over time", having));
-      else if (curves.length === 0) fill(message, element("p", { class: "note" }, "No run of this scene has this error."));
+      if (runs.length === 0) fill(message, otherScenes(tools, "errors over time", having));
+      else if (curves.length === 0) fill(message, element("p", { class: "note" }, "No run of this scene reports this error."));
       else {
         fill(message, standInNote(tools, chosen, scene),
-          runs.some((run) => run.thinned) ? element("p", { class: "faint" }, "Some runs are drawn with fewer points than the folder has.") : null);
+          runs.some((run) => run.thinned) ? element("p", { class: "faint" }, "Some runs are plotted with fewer points than the directory contains.") : null);
       }
       chart.root.hidden = curves.length === 0;
       if (curves.length > 0) {

@@ -8,7 +8,7 @@ import type { ReportData, Table } from "../data.ts";
 const leaderboards = (data: ReportData): Table[] => data.tables.filter((table) => /_leaderboard$/.test(table.name));
 const mechanismTables = (data: ReportData): Table[] => data.tables.filter((table) => /^(mechanism|jointed|mass_ratio)/.test(table.name));
 
-/** One of several tables, with the picture that its numbers allow. */
+/** A selected table with a dot plot of one of its columns. */
 function pictured(host: HTMLElement, tools: Tools, tables: readonly Table[], key: string, preferred: readonly RegExp[]): void {
   const choice = new Choice("Table", (value) => tools.page.set({ [key]: value }));
   const place = element("div", { class: "body" });
@@ -38,7 +38,7 @@ export const engines: Section = {
   title: "Engines",
   present: (data) => leaderboards(data).length > 0,
   render(host, tools) {
-    host.append(element("p", { class: "explain" }, "Physics engines in their order over all scenes. The table sorts by any column; the picture shows the column chosen."));
+    host.append(element("p", { class: "explain" }, "Physics engines, ranked over all scenes. Click a column header to sort the table; the plot shows the selected column."));
     pictured(host, tools, leaderboards(tools.data), "engines", [/^attitude_error$/, /error/]);
   },
 };
@@ -50,7 +50,7 @@ export const mechanisms: Section = {
   render(host, tools) {
     const order = (table: Table): number => (/margins/.test(table.name) ? 0 : /methods|orders/.test(table.name) ? 1 : 2);
     const tables = [...mechanismTables(tools.data)].sort((a, b) => order(a) - order(b));
-    host.append(element("p", { class: "explain" }, "Several bodies on joints. A ratio above 1 means that ours is faster."));
+    host.append(element("p", { class: "explain" }, "Several bodies connected by joints. A ratio above 1 means that polhode's method is faster."));
     pictured(host, tools, tables, "mechanisms", [/^(ratio|factor)$/, /joint_gap/, /error/, /seconds/]);
   },
 };

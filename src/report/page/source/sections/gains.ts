@@ -28,15 +28,15 @@ function one(host: HTMLElement, tools: Tools, table: Table): void {
     choice.update(scenes.map((name) => [name, shorten(oneLine(name), 48)]), scene);
     const rows = table.rows.filter((row) => textIn(row, place.scene) === scene);
     const texts = [...new Set(rows.map((row) => textIn(row, place.left)).filter((text) => text !== ""))];
-    left.textContent = texts.length > 0 ? `Left out: ${shorten(oneLine(texts.join("; ")), 300)}.` : "";
+    left.textContent = texts.length > 0 ? `Omitted: ${shorten(oneLine(texts.join("; ")), 300)}.` : "";
     const dots = rows.flatMap((row): Dot[] => {
       const value = numberIn(row, place.gain);
       if (value === null) return [];
       const kind = textIn(row, place.kind);
       return [{ label: textIn(row, place.method) + (kind === "" || kind === "step" ? "" : `, ${kind}`), value, low: 1, high: value, hover: [], method: methods.get(textIn(row, place.method)) ?? -1 }];
     });
-    plot.show(dots.sort((a, b) => b.value - a.value), "gain: run time as written / run time of what is left", true, false, "gain in run time");
-    if (dots.length === 0) left.textContent = `${left.textContent} No gain was measured on this scene.`;
+    plot.show(dots.sort((a, b) => b.value - a.value), "gain: run time of the full formulation / run time of the reduced formulation", true, false, "gain in run time");
+    if (dots.length === 0) left.textContent = `${left.textContent} No gain was measured for this scene.`;
   };
   tools.page.watch(["scene", key], show);
   show();
@@ -44,12 +44,12 @@ function one(host: HTMLElement, tools: Tools, table: Table): void {
 
 export const gains: Section = {
   name: "gains",
-  title: "Leave-out gains",
+  title: "Reduced formulation",
   present: (data) => gainTables(data).length > 0,
   render(host, tools) {
     for (const table of gainTables(tools.data)) {
       one(host, tools, table);
-      const view = element("details", { class: "numbers" }, element("summary", {}, "The table"));
+      const view = element("details", { class: "numbers" }, element("summary", {}, "Table"));
       let drawn = false;
       view.addEventListener("toggle", () => {
         if (!view.open || drawn) return;

@@ -8,7 +8,7 @@ import { oneLine, plotText, shorten } from "../text.ts";
 import type { ReportData, Table } from "../data.ts";
 import { positive } from "./work_precision.ts";
 
-// told apart by the colour-blind: after Okabe & Ito 2008, lighter on a dark ground
+// distinguishable with colour blindness: after Okabe & Ito 2008, lighter on a dark background
 export const palette: { light: string; dark: string }[] = [
   { light: "#0072b2", dark: "#56b4e9" }, { light: "#b04a00", dark: "#ff9d4d" }, { light: "#00795a", dark: "#3fd1a5" }, { light: "#1c2127", dark: "#e6e9ed" },
   { light: "#9c3f76", dark: "#e79ac6" }, { light: "#8a6d00", dark: "#e6c200" }, { light: "#7f4f24", dark: "#d9a676" }, { light: "#5b6570", dark: "#a0a8b2" },
@@ -31,9 +31,9 @@ export const inertia: Section = {
     const ways = [...new Set(table.rows.map((row) => textIn(row, place.way)))];
     const chosen = (): string => (shapes.includes(tools.page.get("inertia.shape")) ? tools.page.get("inertia.shape") : (shapes[0] ?? ""));
     const choice = new Choice("Shape", (value) => tools.page.set({ "inertia.shape": value, "inertia.zoom": "" }));
-    const plot = new Plot(tools.page, "Error of the moments of inertia against run time, by way", "inertia.zoom", () => fileName(tools.data.folder, "inertia", chosen()), 400);
+    const plot = new Plot(tools.page, "Error of the moments of inertia against run time, by method", "inertia.zoom", () => fileName(tools.data.folder, "inertia", chosen()), 400);
     const legend = element("ul", { class: "inline-legend" });
-    host.append(element("p", { class: "explain" }, "How exactly moments of inertia are got, in what time, a shape at a time."), element("div", { class: "choices" }, choice.root), legend, plot.root);
+    host.append(element("p", { class: "explain" }, "Error of the computed moments of inertia against run time, for the selected shape."), element("div", { class: "choices" }, choice.root), legend, plot.root);
     const show = (): void => {
       const shape = chosen();
       choice.update(shapes.map((one) => [one, shorten(oneLine(one), 40)]), shape);

@@ -11,7 +11,7 @@ export const motion: Section = {
     const failed = (fault: unknown): void => {
       place.replaceChildren(element("p", { class: "fault" }, `The motion cannot be shown here: ${fault instanceof Error ? fault.message : String(fault)}`));
     };
-    // run when wanted, and its failure harms nothing else
+    // loaded on demand; an error does not affect other sections
     import("../motion/motion.ts")
       .then((loaded) => {
         place.replaceChildren();

@@ -5,7 +5,7 @@ import { oneLine, shorten } from "../text.ts";
 import type { Experiment } from "../data.ts";
 import type { Section, Tools } from "../tools.ts";
 
-/** Facts that hold for more than half of the experiments, told once. */
+/** Facts shared by more than half of the experiments. */
 export function sharedFacts(experiments: readonly Experiment[]): [string, string][] {
   const held = new Map<string, Map<string, number>>();
   for (const { facts } of experiments) {
@@ -60,14 +60,14 @@ export const overview: Section = {
       data.tables.length > 0 ? counted(data.tables.length, "table") : "",
     ].filter((part) => part !== "");
     host.append(
-      element("p", { class: "lead" }, parts.length > 0 ? `${parts.join(", ")}.` : "The folder holds no results that this page knows how to show."),
+      element("p", { class: "lead" }, parts.length > 0 ? `${parts.join(", ")}.` : "The directory contains no results that this page can show."),
     );
     const counts = statusCounts(tools);
     if (counts !== null) host.append(counts);
     if (quick.length > 0) {
       host.append(
         element("p", { class: "warning" },
-          `${quick.length === data.experiments.length ? "These are quick runs" : `Quick runs: ${shorten(quick.map((one) => one.name).join(", "), 200)}`}: fewer scenes, settings and repeats; times are rough.`),
+          `${quick.length === data.experiments.length ? "These are quick runs" : `Quick runs: ${shorten(quick.map((one) => one.name).join(", "), 200)}`}: fewer scenes, settings and repeats; run times are approximate.`),
       );
     }
     if (data.findings.length > 0) {
@@ -84,7 +84,7 @@ export const overview: Section = {
     }
     if (data.experiments.length > 0) {
       const shared = sharedFacts(data.experiments);
-      host.append(element("h3", {}, "Where the numbers come from"));
+      host.append(element("h3", {}, "Provenance"));
       const facts = factList(shared);
       if (facts !== null) host.append(facts);
       const rows = new Map<number, number>();
@@ -107,7 +107,7 @@ export const overview: Section = {
       const told = data.experiments.some((one) => one.facts.some(([n, v]) => !shared.some((fact) => fact[0] === n && fact[1] === v)));
       host.append(
         data.experiments.length > 6
-          ? element("details", { class: "numbers" }, element("summary", {}, `${counted(data.experiments.length, "experiment")}${told ? ", some made otherwise" : ""}`), list)
+          ? element("details", { class: "numbers" }, element("summary", {}, `${counted(data.experiments.length, "experiment")}${told ? ", some with different provenance" : ""}`), list)
           : list,
       );
     }
@@ -115,7 +115,7 @@ export const overview: Section = {
       host.append(element("h3", {}, "Remarks"), element("ul", { class: "remarks" }, ...data.remarks.map((remark) => element("li", {}, shorten(oneLine(remark), 600)))));
     }
     host.append(
-      element("p", { class: "faint" }, `Made by polhode ${shorten(oneLine(data.version), 60)} on ${oneLine(data.made).slice(0, 40)}. The page asks nothing of any server; it may be sent on as it is.`),
+      element("p", { class: "faint" }, `Created by polhode ${shorten(oneLine(data.version), 60)} on ${oneLine(data.made).slice(0, 40)}. This page makes no network requests and can be shared as a single file.`),
     );
   },
 };

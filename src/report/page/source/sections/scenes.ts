@@ -5,7 +5,7 @@ import { chosenScene, methodLabel, named, type Section, type Tools } from "../to
 import type { Cell } from "../text.ts";
 import type { Scene } from "../data.ts";
 
-/** The runner-up's time over the fastest's. */
+/** Run time of the second fastest method over that of the fastest. */
 function factorOf(tools: Tools, entry: Scene["fastest"][number]): number | null {
   const seconds = tools.data.rows.seconds;
   const first = entry.row === null ? null : (seconds[entry.row] ?? null);
@@ -31,14 +31,14 @@ export const scenes: Section = {
       { name: "duration (s)", numeric: true },
       { name: "about", numeric: false },
     ];
-    // one more cell than columns: the scene that a row is of
+    // one cell more than columns: the index of the scene
     const rows = data.scenes.map((scene, s): Cell[] => [
       scene.name,
       ...errors.flatMap((error): Cell[] => {
         const entry = scene.fastest.find((one) => one.error === error);
         if (entry === undefined) return [null, null];
         const method = entry.row === null ? undefined : data.methods[data.rows.method[entry.row] ?? -1];
-        return [method?.name ?? "none reaches it", method === undefined ? null : factorOf(tools, entry)];
+        return [method?.name ?? "not reached", method === undefined ? null : factorOf(tools, entry)];
       }),
       scene.floor, scene.duration, scene.about, s,
     ]);
@@ -73,7 +73,7 @@ export const scenes: Section = {
         element("p", {}, [scene.about, scene.source === "" ? "" : `Source: ${scene.source}`].filter((part) => part !== "").map((part) => part.replace(/[^.!?]$/, "$&.")).join(" ").slice(0, 900)),
         element("p", { class: "faint" }, [
           scene.duration === null ? "" : `duration ${duration(scene.duration)}`,
-          scene.floor === null ? "" : `floor of binary64 ${significant(scene.floor)} rad (what rounding the start costs)`,
+          scene.floor === null ? "" : `binary64 floor ${significant(scene.floor)} rad (error caused by rounding the start)`,
         ].filter((part) => part !== "").join(" · ")),
       );
       for (const button of view.root.querySelectorAll<HTMLElement>("button.pick")) {
@@ -81,12 +81,12 @@ export const scenes: Section = {
       }
     };
     host.append(
-      element("p", { class: "explain" }, "The chosen scene is the one that all sections below show. The factor is by how much the fastest beats the runner-up; an empty one: nobody else gets there."),
+      element("p", { class: "explain" }, "All sections below show the selected scene. The factor is the run time of the second fastest method divided by that of the fastest; it is empty if no other method reaches the accuracy."),
       view.root, chosen,
     );
     page.watch(["scene"], show);
     show();
-    // the chosen one is in view, without moving the page
+    // scrolls the table, not the page, to the selected scene
     window.setTimeout(() => {
       const row = view.root.querySelector<HTMLElement>('button.pick[aria-pressed="true"]')?.closest("tr");
       const scroller = view.root.querySelector(".scroller");

@@ -5,16 +5,16 @@ import { fileName, methodLabel, methodName, type Section } from "../tools.ts";
 import { oneLine, shorten } from "../text.ts";
 import type { StabilityMap } from "../data.ts";
 
-/** From light to dark, as in the printed maps: told apart without colour as well. */
+/** From light to dark, as in the printed maps; distinguishable in greyscale. */
 const shades = ["#f4f4dc", "#b9e2e6", "#e8b04a", "#6ea3d8", "#b8702a", "#46669e", "#7d2a1e", "#1d1a33"];
 
-/** Spreads so many outcomes over the shades. */
+/** Shade of an outcome; the outcomes are spread over all shades. */
 export function shadeOf(outcome: number, outcomes: number): string {
   const last = shades.length - 1;
   return shades[outcomes < 2 ? 0 : Math.min(last, Math.round((outcome * last) / (outcomes - 1)))] ?? "#1d1a33";
 }
 
-/** The share of each outcome among the cells that were run. */
+/** Share of each outcome among the cells that were run. */
 export function sharesOf(map: StabilityMap): { run: number; shares: number[] } {
   const counts = map.outcomes.map(() => 0);
   let run = 0;
@@ -32,11 +32,11 @@ function percent(share: number): string {
 
 function inWords(map: StabilityMap): string {
   const { run, shares } = sharesOf(map);
-  if (run === 0) return "nothing was run";
+  if (run === 0) return "not run";
   return map.outcomes.flatMap((name, i) => ((shares[i] ?? 0) > 0 ? [`${percent(shares[i] ?? 0)} ${shorten(oneLine(name), 40)}`] : [])).join(", ");
 }
 
-/** One pixel a cell, enlarged by the style; y grows upward. */
+/** Canvas with one pixel per cell, enlarged by the style sheet; y points upward. */
 function cells(map: StabilityMap): HTMLCanvasElement {
   const canvas = element("canvas", { width: Math.max(1, map.x.length), height: Math.max(1, map.y.length), class: "cells" });
   const context = canvas.getContext("2d");
@@ -52,7 +52,7 @@ function cells(map: StabilityMap): HTMLCanvasElement {
   return canvas;
 }
 
-/** Places of a few labels along an axis: at powers of ten where there are some, else evenly. */
+/** Indices of the labels along an axis: at powers of ten if there are at least two, else evenly spaced. */
 export function tickPlaces(values: readonly number[], most: number): number[] {
   const { length } = values;
   const powers = values.flatMap((value, i) => (/^1(\.0)?e/.test(value.toExponential(1)) ? [i] : []));
@@ -71,7 +71,7 @@ function ticks(values: readonly number[], most: number, vertical: boolean): HTML
   );
 }
 
-/** The map as a drawing for a paper. */
+/** The map as SVG. */
 function svgText(map: StabilityMap, title: string): string {
   const size = 8;
   const [width, height] = [map.x.length * size, map.y.length * size];
@@ -116,7 +116,7 @@ export const stability: Section = {
     const below = element("div");
     let table: TableView | null = null;
     host.append(
-      element("p", { class: "explain" }, "What came of each pair of step and parameter, from light for the best to dark for the worst. Choose a map to enlarge and read it; the table has the shares."),
+      element("p", { class: "explain" }, "Outcome for each pair of step and parameter, from light (best) to dark (worst). Select a map to enlarge it and to read its cells. The table lists the share of each outcome."),
       element("div", { class: "choices" }, mapChoice.root, familyChoice.root), legend, element("div", { class: "maps" }, multiples, large), below,
     );
 
@@ -134,7 +134,7 @@ export const stability: Section = {
       const frame = element(
         "div",
         {
-          class: "frame", tabindex: 0, role: "group", "aria-label": `Stability of ${shorten(oneLine(methodName(tools, map.method)), 60)}: ${inWords(map)}. Arrow keys read cells.`,
+          class: "frame", tabindex: 0, role: "group", "aria-label": `Stability of ${shorten(oneLine(methodName(tools, map.method)), 60)}: ${inWords(map)}. Use the arrow keys to read cells.`,
           onkeydown: (event: KeyboardEvent) => {
             const move: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
             const by = move[event.key];
@@ -154,7 +154,7 @@ export const stability: Section = {
         canvas, cursor,
       );
       const save = element("button", {
-        type: "button", title: "Save as SVG, on white",
+        type: "button", title: "Save as SVG with a white background",
         onclick: () => {
           const address = URL.createObjectURL(new Blob([svgText(map, methodName(tools, map.method))], { type: "image/svg+xml" }));
           element("a", { href: address, download: `${fileName(data.folder, "stability", map.map, methodName(tools, map.method))}.svg` }).click();

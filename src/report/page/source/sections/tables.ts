@@ -9,7 +9,7 @@ import type { Section, Tools } from "../tools.ts";
 const shown = new Set(["seconds", "evaluations", "attitude", "energy", "momentum"]);
 const integral = new Set(["steps", "evaluations"]);
 
-/** The result rows as a table like any other. */
+/** The result rows as the content of a table. */
 export function resultContent(data: ReportData): Content {
   const rows = data.rows;
   const numbers = [...numbersOf(rows)].filter(([name]) => name !== "setting");

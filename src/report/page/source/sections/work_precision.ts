@@ -18,7 +18,7 @@ export const measures: { key: Measure; title: string; unit: string }[] = [
   { key: "norm", title: "quaternion norm error", unit: "" },
 ];
 
-/** A value that an axis of logarithms can show. Nought means below all rounding, and stands at the smallest double. */
+/** The value if a logarithmic axis can show it, else null. Zero is plotted at 2^-54. */
 export function positive(value: number | null | undefined): number | null {
   if (value === null || value === undefined || !Number.isFinite(value) || value < 0) return null;
   return value === 0 ? 2 ** -54 : value > 1e300 ? null : value;
@@ -36,7 +36,8 @@ export function hoverOf(tools: Tools, row: Row, error: string): string[] {
   ].filter((line) => line !== "");
 }
 
-/** Which methods to light: those no other beats, then each family's best, then the rest by how good they are. */
+/** Default selection: the Pareto front, the fastest methods of the scene, the best of each family, then all others by a
+ * score of time and error. */
 export function standardChoice(tools: Tools, scene: number, curves: readonly Curve[]): number[] {
   const x: number[] = [];
   const y: number[] = [];
@@ -64,7 +65,7 @@ export function standardChoice(tools: Tools, scene: number, curves: readonly Cur
   return [...new Set([...unbeaten, ...named, ...best, ...ranked, ...rest])].filter((method) => method >= 0);
 }
 
-/** The rows of a scene as curves: one for each method, kind of setting and formulation, from coarse to fine. */
+/** Groups rows of a scene into curves: one per method, kind of setting and formulation, from coarse to fine. */
 export function curvesOf(tools: Tools, places: Iterable<number>, x: (row: Row) => number | null, y: (place: number) => number | null, hover: (row: Row) => string[]): Curve[] {
   const groups = new Map<string, Row[]>();
   for (const place of places) {
@@ -99,7 +100,7 @@ export function curvesOf(tools: Tools, places: Iterable<number>, x: (row: Row) =
   });
 }
 
-/** Unsupported methods with the reason they give, several of one reason together. */
+/** Lists unsupported methods, grouped by reason. */
 export function unsupportedList(tools: Tools, places: Iterable<number>): HTMLElement | null {
   const reasons = new Map<string, Set<number>>();
   for (const place of places) {
@@ -132,15 +133,15 @@ export const workPrecision: Section = {
     const rows: Rows = data.rows;
     const set = (key: string) => (value: string): void => page.set({ [`work.${key}`]: value, "work.zoom": "" });
     const choices = {
-      error: new Choice("Error", set("error")), x: new Choice("Against", set("x")), experiment: new Choice("Experiment", set("experiment")),
+      error: new Choice("Error", set("error")), x: new Choice("x axis", set("x")), experiment: new Choice("Experiment", set("experiment")),
       family: new Choice("Family", set("family")), library: new Choice("Library", set("library")), precision: new Choice("Precision", set("precision")),
-      other: new Choice("Other folder", set("other")),
+      other: new Choice("Comparison", set("other")),
     };
     const chart = new CurvePlot(tools, "work", "Work-precision diagram: error against work", () => `work_precision_${sceneName(tools, chosenScene(tools))}`);
     const message = element("div", {});
     const below = element("div", {});
     host.append(
-      element("p", { class: "explain" }, "Each curve is one method, from its coarsest setting to its finest; lower and further left is better. A cross is a run that failed, at the edge where its error or its work is not known. Grey curves are lit by a click."),
+      element("p", { class: "explain" }, "Each curve is one method, from its coarsest to its finest setting; lower and further left is better. A cross marks a failed run, at the edge of the plot if its error or work is unknown. Click a grey curve to highlight it."),
       element("div", { class: "choices" }, ...Object.values(choices).map((choice) => choice.root)),
       message, chart.root, below,
     );
@@ -152,7 +153,7 @@ export const workPrecision: Section = {
       for (const place of ofScene) counts.set(rows.experiment[place] ?? -1, (counts.get(rows.experiment[place] ?? -1) ?? 0) + 1);
       const known = [...new Set([...experiments, ...counts.keys()])].filter((e) => counts.has(e));
       const asked = known.find((e) => data.experiments[e]?.name === page.get("work.experiment"));
-      // sweeps are made for this diagram; of several the largest
+      // prefer sweeps, which are intended for this diagram, then the experiment with the most rows
       const rank = (e: number): number => (isSweep(data, e) ? 1e9 : 0) + (counts.get(e) ?? 0);
       const experiment = asked ?? [...known].sort((a, b) => rank(b) - rank(a))[0] ?? -1;
       const measure = measures.find((one) => one.key === page.get("work.error")) ?? (measures[0] as (typeof measures)[number]);
@@ -160,7 +161,7 @@ export const workPrecision: Section = {
       const places = [...ofScene].filter((place) => rows.experiment[place] === experiment);
       const methods = [...new Set(places.map((place) => rows.method[place] ?? -1))].map((method) => data.methods[method]);
       choices.error.update(measures.map((one) => [one.key, one.title]), measure.key);
-      choices.x.update([["", "run time"], ["evaluations", "right-hand sides evaluated"]], byEvaluations ? "evaluations" : "");
+      choices.x.update([["", "run time"], ["evaluations", "right-hand-side evaluations"]], byEvaluations ? "evaluations" : "");
       choices.experiment.update(known.map((e) => [data.experiments[e]?.name ?? "", shorten(oneLine(data.experiments[e]?.name ?? ""), 40)]), data.experiments[experiment]?.name ?? "");
       choices.family.update([["", "all families"], ...[...new Set(methods.map((method) => method?.family ?? -1))].sort((a, b) => a - b).map((f): [string, string] => [data.families[f]?.name ?? "", shorten(oneLine(data.families[f]?.label ?? ""), 48)])], page.get("work.family"));
       choices.library.update(options(methods.map((method) => method?.library ?? ""), "all libraries"), page.get("work.library"));
@@ -177,27 +178,27 @@ export const workPrecision: Section = {
         return value !== null && value > 0 ? positive(value) : null;
       };
       const y = (place: number): number | null => positive(rows[measure.key][place]);
-      const hover = (row: Row): string[] => hoverOf(tools, row, `${measure.title}: ${quantity(rows[measure.key][row.place], measure.unit) || "not known"}`);
+      const hover = (row: Row): string[] => hoverOf(tools, row, `${measure.title}: ${quantity(rows[measure.key][row.place], measure.unit) || "unknown"}`);
       const curves = curvesOf(tools, kept, x, y, hover);
       if (canCompare && page.get("work.other") !== "hidden") overlay(tools, curves, kept);
       fill(message);
       if (curves.length === 0) {
         const others = data.scenes.flatMap((_, s) => (tools.index.ofScene(s).length > 0 && s !== scene ? [s] : []));
-        if (kept.length === 0 && places.length === 0) fill(message, otherScenes(tools, "Results", others));
-        else fill(message, element("p", { class: "note" }, places.length > 0 && kept.length === 0 ? "No method passes these filters." : "No run of this choice can be drawn."));
+        if (kept.length === 0 && places.length === 0) fill(message, otherScenes(tools, "results", others));
+        else fill(message, element("p", { class: "note" }, places.length > 0 && kept.length === 0 ? "No method matches these filters." : "No run of this selection can be plotted."));
       }
       chart.root.hidden = curves.length === 0;
       const attitude = measure.key === "attitude" || measure.key === "attitude_final";
       const floor = attitude ? (kept.map((place) => rows.floor[place] ?? null).find((one) => one !== null && one > 0) ?? null) : null;
       const floor32 = attitude && kept.some((place) => data.methods[rows.method[place] ?? -1]?.precision === "binary32") ? (kept.map((place) => rows.floor32[place] ?? null).find((one) => one !== null && one > 0) ?? null) : null;
       const bands = [
-        floor === null ? null : { from: floor / 10, to: floor, label: `floor: below what binary64's rounding of the start allows (${significant(floor)} rad)`, short: `floor of binary64 (${significant(floor)} rad)` },
-        floor32 === null ? null : { from: floor32 / 10, to: floor32, label: `floor of binary32 (${significant(floor32)} rad)`, short: `floor of binary32 (${significant(floor32)} rad)` },
+        floor === null ? null : { from: floor / 10, to: floor, label: `binary64 floor: error caused by rounding the start (${significant(floor)} rad)`, short: `binary64 floor (${significant(floor)} rad)` },
+        floor32 === null ? null : { from: floor32 / 10, to: floor32, label: `binary32 floor (${significant(floor32)} rad)`, short: `binary32 floor (${significant(floor32)} rad)` },
       ].filter((one) => one !== null);
       if (curves.length > 0) {
         chart.show({
           curves,
-          x: { title: byEvaluations ? "right-hand sides evaluated" : "run time (s)", log: true },
+          x: { title: byEvaluations ? "right-hand-side evaluations" : "run time (s)", log: true },
           y: { title: `${measure.title}${measure.unit === "" ? "" : ` (${measure.unit})`}`, log: true },
           bands, guides: [], standard: standardChoice(tools, scene, curves),
         });
@@ -209,7 +210,7 @@ export const workPrecision: Section = {
   },
 };
 
-/** The other folder's times and errors at the same settings. */
+/** Adds the other directory's times and errors at the same settings to the curves. */
 function overlay(tools: Tools, curves: Curve[], kept: readonly number[]): void {
   const comparison = tools.data.comparison;
   if (comparison === null) return;

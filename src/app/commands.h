@@ -86,8 +86,8 @@ void require_one_body(const Scene& scene, const std::string& option, const std::
 /// are of.
 void write_trajectory_output(const std::string& path, std::string text);
 
-/// Puts what the columns of trajectory files mean under the command's help.
-void tell_columns(CLI::App& command);
+/// Appends the columns of trajectory files, and then the text `further`, to the command's help.
+void tell_columns(CLI::App& command, std::string_view further);
 
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);

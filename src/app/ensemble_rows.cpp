@@ -126,8 +126,8 @@ std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& 
                                           const std::string& file) {
     if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids(), is_mechanism(scene));
     if (table.has_ids() && table.id_width() == 0)
-        throw InputError(file, "column id", "has ids of any length, and an .npy file has none for them",
-                         "leave the column out (rows are numbered), give an .npy table, or write CSV");
+        throw InputError(file, "column id", "has ids of variable length, which .npy output does not support",
+                         "remove the column (rows are numbered), give an .npy table, or write CSV");
     std::size_t longest_name = 0;
     for (const NamedBody& body : scene.bodies) longest_name = std::max(longest_name, body.name.size());
     return std::make_unique<NpyFormat>(table.id_width(), longest_name);

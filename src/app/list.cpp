@@ -51,7 +51,7 @@ std::vector<Entry> scenes() { return texts(builtin_scenes()); }
 std::vector<Entry> experiments() { return texts(builtin_experiments()); }
 
 std::vector<Entry> methods_with_auto() {
-    std::vector<Entry> entries{{"auto", "One of these, chosen for the scene: describe says which and why"}};
+    std::vector<Entry> entries{{"auto", "Selects a method for the scene; polhode describe SCENE prints which and why"}};
     for (const Method* method : methods())
         entries.push_back({std::string(method->name), first_sentence(method->documentation)});
     return entries;
@@ -199,17 +199,23 @@ void add_list(CLI::App& program, int&) {
     struct Options {
         std::string what, format = "text";
     };
-    CLI::App* command = program.add_subcommand("list", "Lists what there is, a line each.");
+    CLI::App* command =
+        program.add_subcommand("list", "Lists scenes, methods, experiments and other names, one per line.");
+    command->footer(
+        "Examples:\n"
+        "  polhode list scenes\n"
+        "  polhode list methods --format json\n");
     const auto options = std::make_shared<Options>();
     command
-        ->add_option("WHAT", options->what,
-                     "scenes, methods, experiments, metrics, keys (of scene and experiment files), columns (of "
-                     "trajectories), engines or constructs (elements and attributes of robot files)")
+        ->add_option(
+            "WHAT", options->what,
+            "scenes, methods, experiments, metrics (columns of results), keys (of scene and experiment files), "
+            "columns (of trajectories), engines, constructs (elements and attributes of robot files)")
         ->required()
         ->check(
             CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines", "constructs"}));
     engines_option(*command);
-    command->add_option("--format", options->format, "text, json or markdown")
+    command->add_option("--format", options->format, "Output format: text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
         ->capture_default_str();
     command->callback([options] {

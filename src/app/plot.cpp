@@ -134,8 +134,8 @@ Components components_of(const std::string& quantity, const Convention& conventi
 
 void require_rates(const PlottedFile& one, const std::string& quantity) {
     if (one.file.has_angular_velocity) return;
-    throw InputError(one.path, "", fmt::format("has no wx,wy,wz, which --of {} shows", quantity),
-                     "give them, or --of attitude");
+    throw InputError(one.path, "", fmt::format("has no wx,wy,wz, which --of {} requires", quantity),
+                     "add these columns, or use --of attitude");
 }
 
 Figure figure_of_components(const std::vector<PlottedFile>& files, const std::string& quantity,
@@ -215,7 +215,7 @@ PolhodeCurve polhode_of(const PlottedFile& one, const Scene& scene) {
     polhode.energy_of_start = polhode.energy > 0;
     if (!polhode.energy_of_start) polhode.energy = largest;
     if (!(polhode.energy > 0)) {
-        polhode.fault = "the body never turns";
+        polhode.fault = "the body does not rotate";
         return polhode;
     }
     for (int i = 0; i < 3; ++i) polhode.semi_axes[i] = std::sqrt(2 * polhode.energy / moments[i]);
@@ -246,16 +246,17 @@ int plot_polhode(const PlotOptions& options, const std::vector<PlottedFile>& fil
 void require_sense(const PlotOptions& options) {
     const bool svg = options.output.ends_with(".svg"), pdf = options.output.ends_with(".pdf");
     if (!options.output.empty() && !svg && !pdf)
-        throw UsageError(fmt::format("--output: {} ends neither in .svg nor in .pdf; give one that does",
-                                     one_line(options.output, 200)));
+        throw UsageError(
+            fmt::format("--output is {}; give a name that ends in .svg or .pdf", one_line(options.output, 200)));
     if (options.width != 0 && !options.output.empty())
-        throw UsageError("--width: is of pictures of characters; leave it out with --output");
+        throw UsageError("--width applies to character plots only; remove --width or --output");
     if (options.width != 0 && (options.width < 40 || options.width > 1000))
         throw UsageError(fmt::format("--width is {}; give 40 to 1000", options.width));
     if (options.scene.empty() && (options.of == "energy" || options.of == "momentum"))
-        throw UsageError(fmt::format("--of {}: is made of the body's inertia and loads; give --scene", options.of));
+        throw UsageError(
+            fmt::format("--of {} is computed from the body's inertia and loads; give --scene", options.of));
     if (!options.scene.empty() && options.of == "polhode" && options.files.size() > 1)
-        throw UsageError("--of polhode: draws one file on a scene's ellipsoid; give one file, or leave --scene out");
+        throw UsageError("--of polhode draws one file on a scene's ellipsoid; give one file, or remove --scene");
     require_output(options.output);
 }
 
@@ -294,26 +295,30 @@ int plot_command(const PlotOptions& options) {
 
 void add_plot(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
-        "plot", "Draws trajectory files, on the terminal or as SVG or PDF: what they say, or with --scene how wrong.");
-    tell_columns(*command);
+        "plot", "Plots trajectory files, or with --scene their errors, on the terminal or as SVG or PDF.");
+    tell_columns(*command,
+                 "Examples:\n"
+                 "  polhode plot mine.csv --of omega\n"
+                 "  polhode plot a.csv b.csv --scene lagrange_top --output errors.svg\n");
     const auto options = std::make_shared<PlotOptions>();
     command
         ->add_option("TRAJECTORY", options->files,
-                     "CSV files as polhode check reads them; a row with a cell that is NaN is a gap")
+                     "CSV files as read by polhode check. A row with NaN is drawn as a gap")
         ->required();
     command->add_option("--scene", options->scene,
-                        "Draw the errors against the truth of this scene, a built-in one or a file");
+                        "Draw the errors against the truth of this scene (built-in name or file)");
     command
         ->add_option("--of", options->of,
-                     "attitude, omega, energy (with --scene), momentum (with --scene) or polhode: the angular velocity "
-                     "in body axes, with --scene on the inertia ellipsoid")
+                     "Quantity: attitude, omega, energy or momentum (both only with --scene), or polhode: angular "
+                     "velocity in body axes, with --scene on the inertia ellipsoid")
         ->check(CLI::IsMember({"attitude", "omega", "energy", "momentum", "polhode"}))
         ->capture_default_str();
-    command->add_option("--convention", options->convention, "What the files are written in, as for polhode check");
-    command->add_option("--columns", options->columns, "Which columns hold what, as for polhode check");
-    command->add_option("--output", options->output, "F.svg or F.pdf, by gnuplot (default: characters on stdout)");
+    command->add_option("--convention", options->convention, "Convention of the files (see polhode check --help)");
+    command->add_option("--columns", options->columns, "Map of blocks to column names (see polhode check --help)");
+    command->add_option("--output", options->output,
+                        "Output file F.svg or F.pdf, drawn by gnuplot (default: characters on stdout)");
     command->add_option("--width", options->width,
-                        "Columns of the picture of characters (default: the terminal's, or 100)");
+                        "Width of the character plot, 40 to 1000 columns (default: the terminal's, or 100)");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = plot_command(*options); });
 }

@@ -110,7 +110,7 @@ Polyline simplified(const Polyline& line, const Vector3<double>& scale, double t
 PolhodeCurve polhode_curve(const Problem& problem) {
     PolhodeCurve polhode;
     if (!std::holds_alternative<OneBody>(problem.system)) {
-        polhode.fault = "a polhode is one body's";
+        polhode.fault = "a polhode requires a scene of one body";
         return polhode;
     }
     Settings settings;

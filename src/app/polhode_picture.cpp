@@ -203,12 +203,12 @@ class Script {
         for (int i = 0; i < 3; ++i)
             ellipsoid += fmt::format("{}I{}ω{}²", i > 0 ? " + " : "", subscripts[i], subscripts[i]);
         std::vector<std::string> notes{fmt::format("Ellipsoid {}, E = {:.4g} J {}", ellipsoid, polhode_.energy,
-                                                   polhode_.energy_of_start ? "at the start" : "at the most"),
+                                                   polhode_.energy_of_start ? "at the start" : "(largest)"),
                                        fmt::format("{} axes: I = ({:.4g}, {:.4g}, {:.4g}) kg m²",
                                                    polhode_.body_axes ? "Body" : "Principal", I[0], I[1], I[2]),
                                        fmt::format("0 to {:.4g} s{}. Pale: behind or inside.", polhode_.until,
-                                                   polhode_.closed ? ", once round" : "")};
-        if (!polhode_.free) notes.emplace_back("A torque or an impulse takes it off the ellipsoid.");
+                                                   polhode_.closed ? ", one period" : "")};
+        if (!polhode_.free) notes.emplace_back("A torque or an impulse moves it off the ellipsoid.");
         const double ratio = std::max({a[0], a[1], a[2]}) / std::min({a[0], a[1], a[2]});
         const V& d = view_.drawn();
         if (ratio > 1.001 * std::max({d[0], d[1], d[2]}) / std::min({d[0], d[1], d[2]}))

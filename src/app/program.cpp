@@ -66,11 +66,11 @@ void write_trajectory_output(const std::string& path, std::string text) {
     write_output(path, text);
 }
 
-void tell_columns(CLI::App& command) {
+void tell_columns(CLI::App& command, std::string_view further) {
     std::string text = "Columns:\n";
     for (const TrajectoryColumns& c : trajectory_columns())
         text += fmt::format("  {:<12} {}{}{}\n", c.names, c.unit, c.unit.empty() ? "" : ": ", c.meaning);
-    command.footer(text);
+    command.footer(text.append("\n").append(further));
 }
 
 Convention convention_option(const std::string& words) {
@@ -86,7 +86,7 @@ void write_output(const std::string& path, std::string_view text) {
         return;
     }
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-        throw std::runtime_error(fmt::format("stdout cannot be written: {}", std::strerror(errno)));
+        throw std::runtime_error(fmt::format("cannot write to stdout: {}", std::strerror(errno)));
 }
 
 void require_output(const std::string& path) {
@@ -130,10 +130,10 @@ namespace {
 
 int run_command(int argc, const char* const* argv, std::span<const AddCommand> commands) {
     CLI::App program{
-        "polhode: poses a rigid body's motion as a differential equation, solves it and measures how "
-        "wrong each method is for how much time.",
+        "polhode: simulates rigid bodies and mechanisms and measures the error and run time of each "
+        "integration method.",
         "polhode"};
-    program.set_version_flag("--version", versions, "Versions of the program and of the libraries in use");
+    program.set_version_flag("--version", versions, "Print the versions of the program and of the libraries in use");
     program.require_subcommand(1);
     program.failure_message(CLI::FailureMessage::simple);
     int exit_code = 0;

@@ -40,7 +40,7 @@ struct LoadName {
     const char* operator()(const Impulse&) const { return "impulse"; }
     const char* operator()(const Drag&) const { return "drag"; }
     const char* operator()(const Spring&) const { return "spring"; }
-    const char* operator()(const UserTorque&) const { return "torque of the user's own"; }
+    const char* operator()(const UserTorque&) const { return "user-defined torque"; }
     const char* operator()(const Motor&) const { return "motor"; }
     const char* operator()(const PointSpring&) const { return "spring between points"; }
 };

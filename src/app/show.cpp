@@ -10,7 +10,10 @@
 namespace polhode {
 
 void add_show(CLI::App& program, int& exit_code) {
-    CLI::App* command = program.add_subcommand("show", "A scene's JSON as it is written, comments and all.");
+    CLI::App* command = program.add_subcommand("show", "Prints the JSON of a scene verbatim, including comments.");
+    command->footer(
+        "Examples:\n"
+        "  polhode show lagrange_top > mine.json\n");
     const auto scene = std::make_shared<std::string>();
     command->add_option("SCENE", *scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     outside_option(*command);

@@ -161,7 +161,7 @@ TEST_F(EnsembleCommand, TheSameBytesInPiecesOfAnySizeByAnyThreads) {
         const Outcome outcome = run({"ensemble", scene(), "--initial", table, "--rows-at-once", rows, "--threads",
                                      threads, "--samples", samples, "--output", "out.csv"});
         EXPECT_EQ(outcome.exit_code, 1);
-        EXPECT_NE(outcome.err.find("refused  9 rows more"), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find("refused  9 more rows"), std::string::npos) << outcome.err;
         EXPECT_NE(outcome.err.find("refused  row 11: "), std::string::npos) << outcome.err;
         return read(directory / "out.csv");
     };

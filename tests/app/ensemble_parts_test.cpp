@@ -99,7 +99,7 @@ TEST_F(EnsembleParts, AreTheWhole) {
         solve("a" + ending, ending, {3, 1}, 3, {"--threads", "3"});
         EXPECT_TRUE(has_ensemble_parts(path("a" + ending)));
         EXPECT_FALSE(has_ensemble_parts(path("none")));
-        expect_fault({"a" + ending}, "merged." + ending, "lacks part 2 of 3; solve it: --shard 2/3");
+        expect_fault({"a" + ending}, "merged." + ending, "is missing part 2 of 3; solve it: --shard 2/3");
         solve("b" + ending, ending, {2, 3}, 3, {"--rows-at-once", "70"});
         for (int again = 0; again < 2; ++again) {
             const MergedEnsemble merged =
@@ -125,21 +125,21 @@ TEST_F(EnsembleParts, MorePartsThanRows) {
     EXPECT_EQ(read(merge_ensemble_parts({path("p")}, path("merged.csv")).output), read(directory / "out.csv"));
     std::ofstream(directory / "t.csv") << "mass\n-1\n-2\n";
     solve("q", "csv", {1, 2}, 2);
-    expect_fault({"q"}, "none.csv", "has no row that was solved");
+    expect_fault({"q"}, "none.csv", "has no solved row");
 }
 
 TEST_F(EnsembleParts, FaultsAreTold) {
     expect_fault({"none"}, "m.csv", "none: cannot be read: No such file or directory");
     fs::create_directory(directory / "empty");
-    expect_fault({"empty"}, "m.csv", "holds no part of an ensemble");
+    expect_fault({"empty"}, "m.csv", "contains no part of an ensemble");
     solve("a", "csv", {1}, 2);
-    expect_fault({"a"}, "m.npy", "is to hold the parts of out.csv");
+    expect_fault({"a"}, "m.npy", "differs in format from the parts of out.csv");
     solve("options", "csv", {2}, 2, {"--duration", "1"});
-    expect_fault({"a", "options"}, "m.csv", "of a scene with hash");
+    expect_fault({"a", "options"}, "m.csv", "has scene hash");
     solve("tolerance", "csv", {2}, 2, {"--tolerance", "1e-6"});
-    expect_fault({"a", "tolerance"}, "m.csv", "of options tolerance");
+    expect_fault({"a", "tolerance"}, "m.csv", "has options tolerance");
     solve("number", "csv", {2}, 3);
-    expect_fault({"a", "number"}, "m.csv", "of a number of parts, 3");
+    expect_fault({"a", "number"}, "m.csv", "has number of parts 3");
     solve("b", "csv", {2}, 2);
     EXPECT_EQ(fault_of({"a", "b"}, "m.csv"), "none");
     fs::remove(directory / "m.csv");
@@ -149,17 +149,17 @@ TEST_F(EnsembleParts, FaultsAreTold) {
     std::string other = text;
     other[300] = other[300] == '1' ? '2' : '1';
     std::ofstream(part) << other;
-    expect_fault({"a", "b"}, "m.csv", "is not what its .json says; solve it again: --shard 2/2");
+    expect_fault({"a", "b"}, "m.csv", "does not match its .json file; solve it again: --shard 2/2");
     std::ofstream(part) << text.substr(0, 200);
-    expect_fault({"a", "b"}, "m.csv", "is not what its .json says");
+    expect_fault({"a", "b"}, "m.csv", "does not match its .json file");
     fs::remove(part);
     expect_fault({"a", "b"}, "m.csv", "cannot be opened");
     std::ofstream(part) << text;
     std::string json = read(part.string() + ".json");
     for (const auto& [from, to, named] :
-         {std::tuple{"\"part\": 2", "\"part\": 3", "/part: is none of the parts"},
-          std::tuple{"\"kind\": \"part", "\"kind\": \"a part", "/kind: is something else"},
-          std::tuple{"\"output\": \"out.csv\"", "\"output\": \"../out.csv\"", "holds parts of "},
+         {std::tuple{"\"part\": 2", "\"part\": 3", "/part: is out of range"},
+          std::tuple{"\"kind\": \"part", "\"kind\": \"a part", "/kind: is a different kind"},
+          std::tuple{"\"output\": \"out.csv\"", "\"output\": \"../out.csv\"", "contains parts of "},
           std::tuple{"\"rows\": 501", "\"rows\": -501", "/rows: is -501"},
           std::tuple{"\"hash\"", "\"hush\"", "hash"}}) {
         std::string changed = json;
@@ -169,16 +169,16 @@ TEST_F(EnsembleParts, FaultsAreTold) {
         expect_fault({"a", "b"}, "m.csv", named);
     }
     // a name that leads out of the folder is none
-    expect_fault({"a"}, "m.csv", "lacks part 2 of 2");
+    expect_fault({"a"}, "m.csv", "is missing part 2 of 2");
     fs::create_directory(directory / "c");
     std::string changed = read(directory / "a/out.part-0001-of-0002.csv.json");
     changed.replace(changed.find("out.csv"), 7, "../x.csv");
     std::ofstream(directory / "c/out.part-0001-of-0002.csv.json") << changed;
-    expect_fault({"c"}, "m.csv", "/output: is no file's name");
+    expect_fault({"c"}, "m.csv", "/output: is not a file name");
     // another table, of as many rows
     std::ofstream(directory / "t.csv", std::ios::app) << "\n";
     solve("table", "csv", {2}, 2);
-    expect_fault({"a", "table"}, "m.csv", "of a table with hash");
+    expect_fault({"a", "table"}, "m.csv", "has table hash");
 }
 
 TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
@@ -215,10 +215,10 @@ TEST_F(EnsembleParts, RefusesBadUsage) {
         EXPECT_EQ(lines(outcome.err), 1) << outcome.err;
         EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
     };
-    refused({"--shard", "1/2"}, "--shard: parts are files; give --output");
-    refused({"--shard", "3/2", "--output", "o.csv"}, "--shard: 3/2 is not I/N");
+    refused({"--shard", "1/2"}, "--shard writes a file; give --output");
+    refused({"--shard", "3/2", "--output", "o.csv"}, "--shard is 3/2; give I/N");
     refused({"--shard", "1/2", "--output", "o.csv", "--initial", "/dev/stdin"}, "--initial");
-    refused({"--output", "o.npy"}, "t.csv: column id: has ids of any length, and an .npy file has none for them");
+    refused({"--output", "o.npy"}, "t.csv: column id: has ids of variable length, which .npy output does not support");
     EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 3);
 }
 

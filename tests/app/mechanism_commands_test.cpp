@@ -195,8 +195,9 @@ TEST_F(Mechanisms, CertifiedDigitsHaveALineForEachBody) {
 
 TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {
     expect_refused({"describe", resting, "--picture", "p.svg"}, "a polhode is drawn for one body");
-    expect_refused({"solve", resting, "--full"}, "--full: the full formulation is that of one body");
-    expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"}, "--reactions: there are no proven ones");
+    expect_refused({"solve", resting, "--full"}, "--full: the full formulation supports one body");
+    expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"},
+                   "--reactions: certified reactions are not available");
     const std::string experiment =
         write("e.json", R"({"name": "e", "about": "", "kind": "conservation", "methods": ["taylor"], "scenes": [")" +
                             resting + R"("], "settings": {"evaluations_per_revolution": [100]}})");
@@ -210,8 +211,8 @@ TEST_F(Mechanisms, DescribeDrawsTheTree) {
     for (const char* part : {"  world\n    shoulder: revolute about (0, 1, 0) -> upper, 1 kg; at 1.25 rad, 0.5 rad/s\n"
                              "      elbow: revolute about (0, 1, 0) -> lower, 2 kg; at -0.5 rad, 0 rad/s\n",
                              "degrees of freedom          2\n", "several bodies, 4 variables",
-                             "the third dimension         all stay in planes", "p and v of the base", "22 variables",
-                             "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
+                             "the third dimension         all bodies move in planes", "p and v of the base",
+                             "22 variables", "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
         EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
     EXPECT_EQ(text.find("angular momentum"), std::string::npos) << text;
 }
@@ -243,9 +244,11 @@ TEST_F(Mechanisms, DescribeTellsWhatIsKept) {
 TEST_F(Mechanisms, DescribeCountsWhatLoopsTake) {
     const Outcome outcome = run({"describe", "mechanisms/four_bar"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("5 conditions, of which 2 independent at the start and 3 redundant"), std::string::npos)
+    EXPECT_NE(outcome.out.find("5 conditions: 2 independent at the start, 3 redundant"), std::string::npos)
         << outcome.out;
-    EXPECT_NE(outcome.out.find("mobility                    1, the tree's 3 less 2"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("mobility                    1: 3 of the tree minus 2 independent loop conditions"),
+              std::string::npos)
+        << outcome.out;
 }
 
 // Two point masses on massless strings, and a rod fixed by a massless bracket: every command takes them.
@@ -265,7 +268,7 @@ TEST_F(Mechanisms, EveryCommandTakesPointMassesAndMasslessBodies) {
         "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})");
     const Outcome page = run({"describe", scene});
     ASSERT_EQ(page.exit_code, 0) << page.err;
-    for (const char* words : {"1.75 kg together", "0 kg", "kappa(T)"})
+    for (const char* words : {"total mass 1.75 kg", "0 kg", "kappa(T)"})
         EXPECT_NE(page.out.find(words), std::string::npos) << words << page.out;
     for (const char* not_a_number : {"nan", "inf,"}) EXPECT_EQ(page.out.find(not_a_number), std::string::npos);
     ASSERT_EQ(run({"truth", scene, "--samples", "4", "--output", "truth.csv"}).exit_code, 0);

@@ -123,7 +123,7 @@ TEST_F(Plot, RefusesWhatItCannotDraw) {
     refused({"plot", "a.csv", "--of", "momentum"}, "give --scene");
     refused({"plot", "a.csv", "--of", "speed"}, "--of");
     refused({"plot", "a.csv", "--width", "10"}, "give 40 to 1000");
-    refused({"plot", "a.csv", "--width", "80", "--output", "f.svg"}, "leave it out");
+    refused({"plot", "a.csv", "--width", "80", "--output", "f.svg"}, "remove --width or --output");
     refused({"plot", "a.csv", "--output", "f.png"}, ".svg");
     refused({"plot", "a.csv", "--output", "missing/f.svg"}, "missing");
     refused({"plot", "missing.csv"}, "missing.csv");

@@ -34,7 +34,7 @@ inline std::string read(const fs::path& path) {
 
 // What a command wrote to stderr, without the notice that `check` gives where its reference takes more than 2 s.
 inline std::string without_notice(std::string err) {
-    const std::string notice = "polhode: computing the reference; it is kept, so that the next check takes less\n";
+    const std::string notice = "polhode: computing the reference; it is cached, and the next check is faster\n";
     if (const auto place = err.find(notice); place != std::string::npos) err.erase(place, notice.size());
     return err;
 }

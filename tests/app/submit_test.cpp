@@ -140,7 +140,7 @@ TEST_F(Submit, BadUsageIsRefused) {
     refused({"run", e, "--measured", "x"}, "--measured");
     refused({"merge", "--output", "x"}, "DIR");
     refused({"merge", "nowhere", "--output", "x"}, "nowhere");
-    refused({"merge", ".", "--output", "e.json"}, "e.json is no directory");
+    refused({"merge", ".", "--output", "e.json"}, "--output is e.json, not a directory");
     EXPECT_FALSE(fs::exists(directory / "x"));
 }
 

@@ -128,7 +128,7 @@ int check_command(const CheckOptions& options) {
     }
     if (!drawn.empty())
         if (const std::string fault = draw(*all.front().picture, drawn); !fault.empty())
-            throw std::runtime_error("the picture was not drawn: " + fault);
+            throw std::runtime_error("cannot draw the picture: " + fault);
     if (options.format == "json")
         write_output("", check_json(scene, limits, all));
     else if (options.format == "junit")
@@ -155,7 +155,7 @@ void add_check(CLI::App& program, int& exit_code) {
                  "  y-up               the scene's (x, y, z) is (x, z, -y) in the file; z-up: no change\n"
                  "  left-handed        the scene's (x, y, z) is (x, z, y) with y-up, (x, -y, z) with z-up\n"
                  "  right-handed       axes are right-handed\n"
-                 "  degrees, radians   unit of Euler angles, and of w per second\n"
+                 "  degrees, radians   Euler angles in deg or rad, w in deg/s or rad/s\n"
                  "  body-rates         w in body axes\n"
                  "  world-rates        w in world axes\n"
                  "  scalar-first       the quaternion's columns are w,x,y,z in file order, whatever their names\n"
@@ -182,8 +182,10 @@ void add_check(CLI::App& program, int& exit_code) {
         command->add_option(
             name, options->limits[std::string(block.name)],
             fmt::format("Largest allowed error of the {}{}{} (default: the scene's \"tolerated\", otherwise {})",
-                        block.title, block.unit.empty() ? ", relative" : fmt::format(", in {}", block.unit),
-                        block.relative > 0 ? ", or relative to the motion's size such as 2%" : "",
+                        block.title, block.unit.empty() ? "" : fmt::format(", in {}", block.unit),
+                        block.unit.empty()   ? ", relative to its size, such as 0.02 or 2%"
+                        : block.relative > 0 ? " or relative to the motion's size such as 2%"
+                                             : "",
                         block.relative > 0 ? fmt::format("{:g} %", 100 * block.relative)
                                            : fmt::format("{:g} {}", block.absolute, block.unit)));
     }

@@ -147,8 +147,8 @@ void description::growth(Report& report, const Problem& problem, ConditioningBud
     const std::string until = k <= last         ? fmt::format("until t = {:.4g} s", found.times[k])
                               : found.available ? "for the whole run"
                                                 : "at least until " + end;
-    report.line("float engine", fmt::format("can be evaluated {}: its floor is within {} rad ({})", until,
-                                            number(allowed.value), allowed.from));
+    report.line("binary32 engine", fmt::format("can be evaluated {}: its floor is within {} rad ({})", until,
+                                               number(allowed.value), allowed.from));
     if (found.available) report.line("computed by", found.message);
 }
 

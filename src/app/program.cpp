@@ -86,7 +86,7 @@ void write_output(const std::string& path, std::string_view text) {
         return;
     }
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-        throw std::runtime_error(fmt::format("cannot write to stdout: {}", std::strerror(errno)));
+        throw std::runtime_error(fmt::format("stdout cannot be written: {}", std::strerror(errno)));
 }
 
 void require_output(const std::string& path) {

@@ -51,14 +51,14 @@ TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
     write("loose.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-4}, )" + sphere + "}");
     write("silent.json", R"({"name": "s", "duration": 400, )" + sphere + "}");
     const std::string tight_text = described("tight.json");
-    const std::string tight = said(tight_text, "float engine"), before = "can be evaluated until t = ";
+    const std::string tight = said(tight_text, "binary32 engine"), before = "can be evaluated until t = ";
     ASSERT_TRUE(tight.starts_with(before)) << tight;
     EXPECT_NEAR(std::stod(tight.substr(before.size())), 1e-5 * 0x1p24, 0.3);
     EXPECT_NE(tight.find("tolerated by the scene"), std::string::npos) << tight;
     const std::string loose_text = described("loose.json");
-    EXPECT_TRUE(said(loose_text, "float engine").starts_with("can be evaluated for the whole run"));
+    EXPECT_TRUE(said(loose_text, "binary32 engine").starts_with("can be evaluated for the whole run"));
     const std::string silent_text = described("silent.json");
-    const std::string silent = said(silent_text, "float engine");
+    const std::string silent = said(silent_text, "binary32 engine");
     EXPECT_NE(silent.find("0.05 rad (by default)"), std::string::npos) << silent;
 }
 
@@ -102,7 +102,7 @@ TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     EXPECT_NE(limit.find("stopped at the limit of"), std::string::npos) << limit;
     EXPECT_EQ(said(text, "kappa(T)"), "");
     EXPECT_GT(std::stod(said(text, "kappa(")), 1000);
-    EXPECT_TRUE(said(text, "float engine").starts_with("can be evaluated until t = "));
+    EXPECT_TRUE(said(text, "binary32 engine").starts_with("can be evaluated until t = "));
 }
 
 // A free body's closed form knows all of 10^7 s: the phase drifts by t times how its rate depends on w.

@@ -85,11 +85,11 @@ TEST_F(FullDisk, IsToldOfStandardOutput) {
         const Outcome on_full = run(command, full);
         SCOPED_TRACE(testing::PrintToString(command));
         EXPECT_EQ(on_full.exit_code, 1);
-        EXPECT_NE(on_full.err.find("cannot write to stdout: No space left on device"), std::string::npos)
+        EXPECT_NE(on_full.err.find("stdout cannot be written: No space left on device"), std::string::npos)
             << on_full.err;
         const Outcome on_closed = run(command, closed);
         EXPECT_EQ(on_closed.exit_code, 1) << on_closed.err;
-        EXPECT_NE(on_closed.err.find("cannot write to stdout"), std::string::npos) << on_closed.err;
+        EXPECT_NE(on_closed.err.find("stdout cannot be written"), std::string::npos) << on_closed.err;
     }
 }
 

@@ -21,10 +21,10 @@ name=@name@
 # requeue TASK REASON: requeues this task, at most five times
 requeue() {
     if ((${SLURM_RESTART_COUNT:-0} >= 5)); then
-        echo "$name: $2; not requeued: the limit is five times" >&2
+        echo "$name: $2; not queued again: the limit is five times" >&2
         return 1
     fi
-    echo "$name: $2; requeued" >&2
+    echo "$name: $2; queued again" >&2
     scontrol requeue "$1"
 }
 

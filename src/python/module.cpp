@@ -14,9 +14,9 @@ void bind_exceptions(py::module_& module) {
         type.attr("__doc__") = about;
     };
     named(py::register_exception<InputError>(module, "InputError", PyExc_ValueError),
-          "A scene, a file, a name or a setting is at fault: one line names place, fault and remedy.");
+          "Invalid scene, file, name or setting. The message is one line with place, fault and remedy.");
     named(py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError),
-          "There is no truth to judge by: the line says why.");
+          "The truth is not available. The message states the reason.");
     py::register_exception_translator(
         [](std::exception_ptr pointer) {  // NOLINT(performance-unnecessary-value-param): pybind11's signature
             try {

@@ -24,7 +24,7 @@ void read_state(const py::object& given, int n, double* y, const char* who) {
     const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
     if (!values || values.ndim() != 1 || values.size() != n) {
         PyErr_Clear();
-        throw py::value_error(fmt::format("{} gave {}; give {} numbers", who, std::string(py::repr(given)), n));
+        throw py::value_error(fmt::format("{} is {}; give {} numbers", who, std::string(py::repr(given)), n));
     }
     std::copy_n(values.data(), n, y);
 }
@@ -36,7 +36,7 @@ class RightHandSide {
     RightHandSide(int dimension, Function function) : dimension_(dimension), function_(std::move(function)) {}
 
     py::array_t<double> operator()(double t, const py::object& y) {
-        if (!function_) throw py::value_error("the run is over; call f within the step that it was given to");
+        if (!function_) throw py::value_error("f was called after its run; call f only within the step function");
         std::vector<double> state(static_cast<std::size_t>(dimension_)), rate(state.size());
         read_state(y, dimension_, state.data(), "f(t, y): y");
         ++evaluations;
@@ -76,7 +76,7 @@ class PythonStepper {
     void step(double t, double h) {
         const py::gil_scoped_acquire gil;
         const py::object next = (*step_)(rates_, t, array_of(y_.data(), system_.size()), h);
-        read_state(next, system_.size(), y_.data(), "the step");
+        read_state(next, system_.size(), y_.data(), "the result of the step function");
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const {
@@ -107,7 +107,7 @@ Trajectory by_steps(const py::function& step, const Problem& problem, const Sett
 
 // solve(scene text, times, step, tolerance) gives (rows of 13 numbers, steps, evaluations); see _methods.py.
 Trajectory by_function(const py::function& solve, const Problem& problem, const Settings& settings) {
-    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no file form to be handed over");
+    if (problem.needs.user_torque) return unsupported("user-defined torques cannot be passed to a solver as a file");
     Trajectory trajectory;
     const py::gil_scoped_acquire gil;
     const std::vector<double> times =
@@ -121,7 +121,7 @@ Trajectory by_function(const py::function& solve, const Problem& problem, const 
         const std::size_t bodies = std::max<std::size_t>(1, problem.scene.bodies.size());
         if (!rows || rows.ndim() != 2 || rows.shape(1) != 13 ||
             static_cast<std::size_t>(rows.shape(0)) != times.size() * bodies)
-            throw py::value_error("a method gave other numbers of rows than there are times and bodies");
+            throw py::value_error("the solver returned a wrong number of rows; return one row per time and body");
         trajectory.samples.clear();
         trajectory.bodies = static_cast<int>(bodies);
         const auto row = rows.unchecked<2>();
@@ -203,7 +203,7 @@ RaisingHere::RaisingHere() { Thrown::raises = true; }
 RaisingHere::~RaisingHere() { Thrown::raises = false; }
 
 void bind_own_methods(py::module_& module) {
-    py::class_<RightHandSide>(module, "RightHandSide", "The right-hand side of a scene's system.")
+    py::class_<RightHandSide>(module, "RightHandSide", "The right-hand side of the system of a scene.")
         .def("__call__", &RightHandSide::operator(), py::arg("t"), py::arg("y"), "dy/dt at time t (s) and state y.");
     module.def("add_method", &add_own_method, py::arg("name"), py::arg("documentation"), py::arg("source"),
                py::arg("order"), py::arg("conserves"), py::arg("control"), py::arg("identity"), py::kw_only(),

@@ -25,8 +25,8 @@ std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& f
         const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
         if (!values || values.size() != 3) {
             PyErr_Clear();
-            throw py::value_error("a torque gave " + std::string(py::repr(given)) +
-                                  "; give three numbers, N m in body axes");
+            throw py::value_error("a torque function returned " + std::string(py::repr(given)) +
+                                  "; return three numbers, N m in body axes");
         }
         return Vector3<double>(values.data()[0], values.data()[1], values.data()[2]);
     };
@@ -71,11 +71,11 @@ std::shared_ptr<const Problem> ReadScene::problem(Formulation formulation, bool 
 }
 
 void bind_scenes(py::module_& module) {
-    py::class_<LoadState>(module, "LoadState", "What a torque of one's own is told of the motion.")
+    py::class_<LoadState>(module, "LoadState", "The state that a user-defined torque is called with.")
         .def_readonly("t", &LoadState::t, "Time, s.")
         .def_property_readonly(
             "q", [](const LoadState& s) { return py::make_tuple(s.q.w, s.q.x, s.q.y, s.q.z); },
-            "Attitude (w, x, y, z), body to world, as the method has it (not normalised).")
+            "Attitude (w, x, y, z), body to world, as the method computed it (not normalised).")
         .def_property_readonly(
             "w_B", [](const LoadState& s) { return array_of(s.angular_velocity_B); },
             "Angular velocity, body axes, rad/s.")
@@ -97,8 +97,8 @@ void bind_scenes(py::module_& module) {
 
     module.def("scene_text", &scene_text);
     module.def("allow_outside_files", &allow_outside_files, py::arg("allowed"),
-               "Whether scene and experiment files may name files outside their own folders; they may not unless this "
-               "was called with True.");
+               "Allows or forbids scene and experiment files to name files outside their directories. The default is "
+               "to forbid it.");
     module.def("scene_names", &builtin_scene_names);
     module.def("experiment_names", &builtin_experiment_names);
     module.def("experiment_text", [](const std::string& name) {

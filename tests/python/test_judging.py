@@ -136,7 +136,7 @@ def test_ensembles_of_mechanisms_have_the_programs_bits(program, tmp_path):
 def test_ensembles_tell_what_is_wrong():
     bad = polhode.ensemble("free_asymmetric", inertia=[[1, 1, 1], [1, 1, 5], [1, 2, 2]])
     assert len(bad) == 3 and [row for row, _, _ in bad.failures] == [1] and not bad.ok
-    for wrong, words in [({"w": np.zeros((3, 2))}, "shape"), ({"x": [1]}, "there is no x"), ({}, "no arrays"),
+    for wrong, words in [({"w": np.zeros((3, 2))}, "shape"), ({"x": [1]}, "a body has no column x"), ({}, "no arrays"),
                          ({"w": np.zeros((3, 3)), "mass": [1]}, "rows")]:
         with pytest.raises(polhode.InputError, match=words):
             polhode.ensemble("free_asymmetric", wrong)

@@ -109,7 +109,7 @@ def check(
     if scene is None:
         first = all_given[0]
         if not isinstance(first, Solved):
-            raise _polhode.InputError("no scene; say what it is a trajectory of: check(trajectory, scene)")
+            raise _polhode.InputError("no scene; give the scene of the trajectory: check(trajectory, scene)")
         scene = first.scene
     texts = [_named_text(one, i + 1) for i, one in enumerate(all_given)]
     said = {block: str(limit) for block, limit in (limits or {}).items()}

@@ -46,7 +46,7 @@ class Ensemble:
     @cached_property
     def w(self) -> Array:
         """Angular velocities in world axes, rad/s; made when they are first asked for."""
-        assert self._native is not None, "of mechanisms it is there from the beginning"
+        assert self._native is not None, "the arrays of mechanisms include w"
         return self._native.w()
 
     @property
@@ -121,14 +121,14 @@ def ensemble(
         raise _polhode.InputError(f"no arrays; give at least one of {', '.join(_WIDTHS)}")
     lengths = {len(np.atleast_1d(values)) for values in given.values()}
     if len(lengths) > 1:
-        raise _polhode.InputError(f"the arrays have {sorted(lengths)} rows; give each as many")
+        raise _polhode.InputError(f"the arrays have {sorted(lengths)} rows; give arrays of equal length")
     settings = _polhode.EnsembleSettings(tolerance, threads, max_steps, max_seconds)
     read = posed._compiled()
     if read.bodies:
         return _mechanisms(read, given, samples, settings)
     for name, values in given.items():
         if name not in _WIDTHS:
-            raise _polhode.InputError(f"there is no {name} of a body; give {', '.join(_WIDTHS)}")
+            raise _polhode.InputError(f"a body has no column {name}; give {', '.join(_WIDTHS)}")
         rows = lengths.copy().pop()
         shapes: list[tuple[int, ...]] = [(rows, _WIDTHS[name])]
         if name == "inertia":

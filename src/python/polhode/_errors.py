@@ -46,7 +46,7 @@ class Errors:
         series = self.__dict__.get("series", {})
         if name in series:
             return series[name]  # type: ignore[no-any-return]
-        raise AttributeError(f"there is no error {name}; there are {', '.join(series)}")
+        raise AttributeError(f"there is no error {name}; the errors are {', '.join(series)}")
 
     def plot(self, **options: Any) -> Figure:
         """Draws the errors over time, on a logarithmic axis.
@@ -65,7 +65,7 @@ class Errors:
         return [[name, told(self.max[name]), told(self.final[name]), units[name]] for name in self.series]
 
     def __repr__(self) -> str:
-        return "<polhode.Errors, the largest: " + ", ".join(f"{row[0]} {row[1]}" for row in self._rows()) + ">"
+        return "<polhode.Errors, largest: " + ", ".join(f"{row[0]} {row[1]}" for row in self._rows()) + ">"
 
     def _repr_html_(self) -> str:
         return table_html(["error", "largest", "at the end", "unit"], self._rows(), caption=self.trajectory.method)
@@ -101,6 +101,6 @@ def errors(trajectory: Sampled, truth: Truth | None = None, *, digits: int = 25)
     """
     if truth is not None:
         if list(truth.t) != list(trajectory.t):
-            raise _polhode.InputError("truth and trajectory have other times; give truth(scene, trajectory.t)")
+            raise _polhode.InputError("truth and trajectory have different times; give truth(scene, trajectory.t)")
         digits = max(digits, 25 if truth.certified else truth.digits)
     return Errors(trajectory, _polhode.errors(trajectory._native, min(digits, 80), 3600.0))

@@ -72,7 +72,7 @@ class Results:
         """
         for name in (x, y):
             if name not in self.table:
-                raise _polhode.InputError(f"there is no column {name}; there are {', '.join(self.table)}")
+                raise _polhode.InputError(f"there is no column {name}; the columns are {', '.join(self.table)}")
         return plot_table(self.table, x, y, {one.name: one for one in methods()}, **options)
 
     def __repr__(self) -> str:
@@ -94,7 +94,7 @@ def _scene_files(scenes: Iterable[Any], folder: Path) -> list[str]:
         posed = make_scene(one)
         if posed._torques:
             raise _polhode.InputError(
-                f"{posed.name}: a torque of one's own has no truth, and an experiment measures errors; leave it out")
+                f"{posed.name}: a scene with a user-defined torque has no truth, which experiments require; remove it")
         path = folder / f"scene_{number}.json"
         path.write_text(_polhode.ReadScene(posed.json(), posed._file, posed._directory, []).canonical(), "utf-8")
         names.append(str(path))
@@ -145,7 +145,7 @@ def run(
     directory.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="polhode-scenes-") as folder:
         if isinstance(experiment, Mapping):
-            data: dict[str, Any] = {"name": "own", "about": "An experiment of one's own", **experiment}
+            data: dict[str, Any] = {"name": "own", "about": "A user-defined experiment", **experiment}
             given = data.get("scenes", [])
             scenes = [given] if isinstance(given, (str, os.PathLike, Mapping)) else list(given)
             data["scenes"] = _scene_files(scenes, Path(folder))

@@ -97,7 +97,7 @@ def methods() -> Methods:
 def _add(function: Callable[..., Any], name: str | None, order: int, control: str, source: str, conserves: str,
          **how: Any) -> None:
     called = name or function.__name__
-    about = inspect.getdoc(function) or "A method of one's own."
+    about = inspect.getdoc(function) or "A user-defined method."
     # a name for what is kept of its runs: another definition has other results
     identity = uuid.uuid4().hex
     _polhode.add_method(called, " ".join(about.split()), source or "own", order, conserves or "nothing", control,

@@ -25,7 +25,7 @@ def _plain(value: Any) -> Any:
         return value.item()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise TypeError(f"a scene holds a {type(value).__name__}; give numbers, words, lists, arrays or dicts")
+    raise TypeError(f"a scene contains a {type(value).__name__}; give numbers, strings, lists, arrays or dicts")
 
 
 class Changes:
@@ -109,7 +109,7 @@ class Block(dict):  # type: ignore[type-arg]
         try:
             return self[name]
         except KeyError:
-            raise AttributeError(f"there is no {name}; there are {', '.join(self)}") from None
+            raise AttributeError(f"there is no {name}; the keys are {', '.join(self)}") from None
 
     def __setattr__(self, name: str, value: Any) -> None:
         self[name] = value
@@ -186,7 +186,7 @@ class Scene(Block):
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._torques:
-            raise TypeError("a scene with a torque of one's own is not pickled; add the torque afterwards")
+            raise TypeError("a scene with a user-defined torque cannot be pickled; add the torque after unpickling")
         return (Scene, (json.loads(self.json()), self._file, self._directory))
 
     def copy(self, **changes: Any) -> Scene:
@@ -252,9 +252,8 @@ class Scene(Block):
         key = "bodies" if "bodies" in self else "import" if "import" in self else None
         if key is not None:
             raise _polhode.InputError(
-                f"{self._file}: /{key}: makes a scene of several bodies, and a user-defined torque needs a scene of one "
-                "body; append to \"loads\" a load of type \"torque\" or \"force\" with \"body\", or a \"motor\" with "
-                "\"joint\"")
+                f"{self._file}: /{key}: defines several bodies, and user-defined torques support one body; append a "
+                "load of type \"torque\" or \"force\" with \"body\", or a \"motor\" with \"joint\", to \"loads\"")
         self._changes.count += 1
         self._torques.append((function, name or getattr(function, "__name__", "torque"), start, until))
         return self
@@ -305,11 +304,11 @@ class Scene(Block):
         return read
 
     def __repr__(self) -> str:
-        return f"<polhode.Scene {self.get('name', 'without a name')}: {self.get('about', '')}>"
+        return f"<polhode.Scene {self.get('name', '(unnamed)')}: {self.get('about', '')}>"
 
     def _repr_html_(self) -> str:
         rows = [[key, json.dumps(value, default=_plain)] for key, value in self.items()]
-        rows += [["torque of one's own", name] for _, name, _, _ in self._torques]
+        rows += [["user-defined torque", name] for _, name, _, _ in self._torques]
         return table_html(["key", "value"], rows, caption=str(self.get("name", "")))
 
 

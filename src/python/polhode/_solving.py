@@ -95,7 +95,7 @@ class Trajectory:
         elif name == "reactions":
             value = self._native.reactions()
         else:
-            raise AttributeError(f"a trajectory has no {name}")
+            raise AttributeError(f"a trajectory has no attribute {name}")
         self.__dict__[name] = value
         return value
 
@@ -154,13 +154,13 @@ class Trajectory:
         asked = np.asarray(times, dtype=np.float64)
         if self._native.step > 0:
             raise _polhode.InputError(
-                f"{self.method} goes by a fixed step and has no values between; give the times to solve()"
+                f"{self.method} uses a fixed step and has no values between steps; pass the times to solve()"
             )
         ordered, places = np.unique(asked.ravel(), return_inverse=True)
         settings = _polhode.Settings(tolerance=self._native.tolerance, times=ordered, **self._limits)
         found = Trajectory(_polhode.solve(self._native.scene, self.method, settings, self._full, False), self.scene)
         if len(found.t) != len(ordered):
-            raise _polhode.InputError(f"no motion at these times: {found.message}")
+            raise _polhode.InputError(f"there is no motion at these times: {found.message}")
         shape = asked.shape
         return Motion(asked.copy(), *(a[places].reshape(shape + a.shape[1:]) for a in
                                       (found.q, found.w, found.p, found.v)))
@@ -304,7 +304,7 @@ def rows_of(q: npt.ArrayLike, *others: npt.ArrayLike | None) -> Array:
         blocks.append(np.zeros((len(blocks[0]), 3)) if block is None else
                       np.asarray(block, dtype=np.float64).reshape(-1, 3))
     if len({len(block) for block in blocks}) > 1:
-        raise _polhode.InputError("q, w, p and v are of different lengths; give a row of each for each time and body")
+        raise _polhode.InputError("q, w, p and v have different lengths; give one row of each per time and body")
     return np.hstack(blocks)
 
 
@@ -419,7 +419,7 @@ def solve_ivp(
     posed = make_scene(scene)
     if t_span is not None:
         if t_span[0] != 0:
-            raise _polhode.InputError(f"t_span begins at {t_span[0]}; a scene begins at 0: give (0, end)")
+            raise _polhode.InputError(f"t_span starts at {t_span[0]}, and scenes start at 0; give (0, end)")
         posed.duration = float(t_span[1])
     settings: dict[str, Any] = {}
     if rtol is not None:

@@ -100,7 +100,7 @@ class Truth:
             ("digits", f"{self.digits} proven" if self.certified else self.digits),
             ("bound", f"{self.bound:.2e}"),
             ("samples", len(self)),
-            ("made by", self.message),
+            ("computed by", self.message),
         ]
 
     def __repr__(self) -> str:

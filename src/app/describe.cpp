@@ -56,7 +56,7 @@ std::string told(const PlannedCurve& curve) {
     if (curve.kind == SettingKind::none) return std::string(curve.method->name);
     const auto [low, high] = std::ranges::minmax(curve.settings);
     return fmt::format("{}, {}s {:.4g} to {:.4g} ({})", curve.method->name,
-                       curve.calibrated ? "evaluations a revolution by " + std::string(name_of(curve.kind))
+                       curve.calibrated ? "evaluations per revolution by " + std::string(name_of(curve.kind))
                                         : std::string(name_of(curve.kind)),
                        high, low, curve.settings.size());
 }
@@ -134,7 +134,7 @@ int draw(const std::string& name, const std::string& path) {
     if (fault.empty() && polhode.energy == 0) fault = "the body does not rotate";
     if (fault.empty()) fault = draw_polhode(polhode, one_line(scene.name, 60), path);
     if (fault.empty()) return 0;
-    std::fputs(fmt::format("polhode: no picture: {}\n", one_line(fault, 500)).c_str(), stderr);
+    std::fputs(fmt::format("polhode: cannot draw the picture: {}\n", one_line(fault, 500)).c_str(), stderr);
     return 1;
 }
 

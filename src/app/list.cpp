@@ -129,8 +129,7 @@ std::vector<Entry> construct_entries() {
 std::string construct_tables() {
     std::string text;
     for (const RobotFormat& format : robot_formats()) {
-        Table table{{"element", "attribute", "verdict", "what it is read as, why it does not matter, or its heading"},
-                    {}};
+        Table table{{"element", "attribute", "verdict", "how it is read, why it is irrelevant, or its heading"}, {}};
         for (const RobotConstruct& one : format.constructs())
             table.rows.push_back({fmt::format("`{}`", element_of(one)), std::string(one.attribute),
                                   std::string(name_of(one.verdict)), std::string(one.note)});
@@ -186,7 +185,7 @@ std::string as_markdown(const std::string& what, const std::vector<Entry>& entri
     }
     std::string text = markdown(table);
     if (what == "methods") {
-        text += "\nConsidered and left out:\n\n";
+        text += "\nConsidered and omitted:\n\n";
         for (const MethodLeftOut& method : methods_left_out())
             text += fmt::format("- `{}`: {}\n", method.name, method.reason);
     }

@@ -231,11 +231,11 @@ int complain(const std::string& fault) {
 int plot_polhode(const PlotOptions& options, const std::vector<PlottedFile>& files, const Scene& scene) {
     require_rates(files.front(), "polhode");
     const PolhodeCurve polhode = polhode_of(files.front(), scene);
-    if (!polhode.fault.empty()) return complain("no picture: " + polhode.fault);
+    if (!polhode.fault.empty()) return complain("cannot draw the picture: " + polhode.fault);
     const std::string title = fmt::format("{} on {}", files.front().name, scene.name);
     if (!options.output.empty()) {
         const std::string fault = draw_polhode(polhode, title, options.output);
-        return fault.empty() ? 0 : complain("no picture: " + fault);
+        return fault.empty() ? 0 : complain("cannot draw the picture: " + fault);
     }
     std::string text = title + "\n";
     for (const std::string& line : polhode_text(polhode)) text += line + "\n";
@@ -286,7 +286,7 @@ int plot_command(const PlotOptions& options) {
     }
     const std::string terminal = options.output.substr(options.output.size() - 3);
     const GnuplotRun run = gnuplot_picture(gnuplot_script(figure, terminal, ""), terminal, std::chrono::seconds(60));
-    if (!run.fault.empty()) return complain("no picture: " + run.fault);
+    if (!run.fault.empty()) return complain("cannot draw the picture: " + run.fault);
     write_output(options.output, run.output);
     return 0;
 }

@@ -1,4 +1,4 @@
-// What `describe` says of a scene's conditioning.
+// The conditioning of a scene as printed by `describe`.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 class Describe : public Program {
   protected:
-    /// The lines on conditioning of a scene's description.
+    /// Returns the section on conditioning of a scene's description.
     std::string described(const std::string& scene) const {
         const Outcome outcome = run({"describe", scene});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -22,7 +22,7 @@ class Describe : public Program {
         const std::size_t begin = outcome.out.find("\nConditioning\n") + 1;
         return outcome.out.substr(begin, outcome.out.find("\nPolhode", begin) - begin);
     }
-    /// What stands there behind the first line that begins with `name`.
+    /// Returns the value in the first line that begins with `name`.
     static std::string said(const std::string& description, const std::string& name) {
         std::istringstream text(description);
         std::string line;
@@ -39,7 +39,7 @@ TEST_F(Describe, TellsKappaAndTheFloors) {
     EXPECT_NEAR(std::stod(said(text, "kappa(T)")) / c.state[0], 1, 1e-3);
     EXPECT_NEAR(std::stod(said(text, "floor in binary64")) / c.floor(0, float64_roundoff), 1, 0.05);
     EXPECT_NEAR(std::stod(said(text, "floor in binary32")) / c.floor(0, float32_roundoff), 1, 0.05);
-    // the peak lies within the run, in the flip at 45 s
+    // the peak occurs during the flip at 45 s
     EXPECT_NE(said(text, "largest kappa").find("at t = 45"), std::string::npos);
 }
 
@@ -62,7 +62,7 @@ TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
     EXPECT_NE(silent.find("0.05 rad (by default)"), std::string::npos) << silent;
 }
 
-// A chain of 24 links: the page comes at once, with what a fixed number of steps reaches and how to get the rest.
+// A chain of 24 links: the output appears at once, for a fixed number of steps, and states how to compute the rest.
 TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
     std::string bodies, joints;
     for (int i = 0; i < 24; ++i) {
@@ -87,12 +87,12 @@ TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
     EXPECT_EQ(whole.out.find("only until t = "), std::string::npos) << whole.out;
     EXPECT_NE(whole.out.find("kappa(T)"), std::string::npos) << whole.out;
     EXPECT_EQ(whole.out.find("--conditioning"), std::string::npos);
-    // what both know is the same, but for what follows
+    // both outputs agree up to the section on conditioning
     EXPECT_EQ(brief.out.substr(0, brief.out.find("\nConditioning")),
               whole.out.substr(0, whole.out.find("\nConditioning")));
 }
 
-// 10^7 s on a spring are too much for a description: it says how far it looked, and what it found there.
+// 10^7 s on a spring take too long for a description: it reports the time reached and the results up to it.
 TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     write("long.json", R"({"name": "long", "duration": 1e7, "tolerated": {"attitude": 1e-5},
                            "loads": [{"type": "spring", "stiffness": 1}],
@@ -105,7 +105,7 @@ TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     EXPECT_TRUE(said(text, "binary32 engine").starts_with("can be evaluated until t = "));
 }
 
-// A free body's closed form knows all of 10^7 s: the phase drifts by t times how its rate depends on w.
+// The closed form of a free body covers all of 10^7 s: the phase drifts by t times the derivative of its rate by w.
 TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
     write("long.json", R"({"name": "long", "duration": 1e7,
                            "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
@@ -131,7 +131,7 @@ TEST_F(Describe, TellsWhatAnExperimentWillRun) {
         "settings": {"steps": [0.1, 0.01, 0.001], "tolerances": [1e-4, 1e-8]}})");
     const Outcome told = run({"describe", "mine.json"});
     EXPECT_EQ(told.exit_code, 0) << told.err;
-    // as many as the command that lists them finds
+    // as many cases as `run --dry-run` lists
     const long cases = lines(run({"run", "mine.json", "--dry-run", "--quiet"}).out);
     for (const std::string& part : {"  cases    " + std::to_string(cases) + ",", std::string("Two by two"),
                                     std::string("gyroscopic_explicit, steps 0.1 to 0.001 (3)"),

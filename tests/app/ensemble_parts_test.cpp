@@ -1,4 +1,4 @@
-// An ensemble in parts, by the program, and the parts put together: the same bytes as one run.
+// An ensemble solved in parts by the program and merged has the same bytes as one run.
 #include "app/ensemble_parts.h"
 
 #include <random>
@@ -33,7 +33,7 @@ class EnsembleParts : public Program {
     }
 
     std::string path(const std::string& name) const { return (directory / name).string(); }
-    // Solves some parts of so many of a table into out.csv or out.npy in a folder.
+    // Solves parts of a table, out of `of` parts, into out.csv or out.npy in a directory.
     void solve(const std::string& folder, const std::string& ending, std::initializer_list<int> parts, int of,
                const std::vector<std::string>& more = {}) const {
         fs::create_directory(directory / folder);
@@ -54,7 +54,7 @@ class EnsembleParts : public Program {
         try {
             merge_ensemble_parts(dirs, path(output));
         } catch (const InputError& error) {
-            EXPECT_FALSE(fs::exists(path(output))) << "something was written";
+            EXPECT_FALSE(fs::exists(path(output))) << "a file was written";
             return error.what();
         }
         return "none";
@@ -95,7 +95,7 @@ TEST_F(EnsembleParts, AreTheWhole) {
         const std::string out = "out." + ending;
         const Outcome whole = run({"ensemble", "flight.json", "--initial", "t." + ending, "--output", out});
         EXPECT_EQ(whole.exit_code, ending == "npy" ? 0 : 1) << whole.err;
-        // in any order, in several folders, one part twice, by other threads and pieces
+        // in any order, in several directories, one part twice, with other numbers of threads and rows per piece
         solve("a" + ending, ending, {3, 1}, 3, {"--threads", "3"});
         EXPECT_TRUE(has_ensemble_parts(path("a" + ending)));
         EXPECT_FALSE(has_ensemble_parts(path("none")));
@@ -110,7 +110,7 @@ TEST_F(EnsembleParts, AreTheWhole) {
             EXPECT_EQ(merged.refused, ending == "npy" ? 0u : 20u);
             EXPECT_EQ(read(merged.output), read(directory / out));
         }
-        // into a folder, beside the parts
+        // into the directory of the parts
         EXPECT_EQ(read(merge_ensemble_parts({path("b" + ending), path("a" + ending)}, path("b" + ending)).output),
                   read(directory / out));
     }
@@ -143,7 +143,7 @@ TEST_F(EnsembleParts, FaultsAreTold) {
     solve("b", "csv", {2}, 2);
     EXPECT_EQ(fault_of({"a", "b"}, "m.csv"), "none");
     fs::remove(directory / "m.csv");
-    // a byte that changed, and a copy that is another
+    // a changed byte, and two different copies of a part
     const fs::path part = directory / "b/out.part-0002-of-0002.csv";
     const std::string text = read(part);
     std::string other = text;
@@ -168,21 +168,21 @@ TEST_F(EnsembleParts, FaultsAreTold) {
         std::ofstream(part.string() + ".json") << changed;
         expect_fault({"a", "b"}, "m.csv", named);
     }
-    // a name that leads out of the folder is none
+    // a name outside the directory is refused
     expect_fault({"a"}, "m.csv", "is missing part 2 of 2");
     fs::create_directory(directory / "c");
     std::string changed = read(directory / "a/out.part-0001-of-0002.csv.json");
     changed.replace(changed.find("out.csv"), 7, "../x.csv");
     std::ofstream(directory / "c/out.part-0001-of-0002.csv.json") << changed;
     expect_fault({"c"}, "m.csv", "/output: is not a file name");
-    // another table, of as many rows
+    // a different table with the same number of rows
     std::ofstream(directory / "t.csv", std::ios::app) << "\n";
     solve("table", "csv", {2}, 2);
     expect_fault({"a", "table"}, "m.csv", "has table hash");
 }
 
 TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
-    // 70 MiB of rows of zeros, which the disk need not hold
+    // 70 MiB of zeros in a sparse file
     constexpr std::uint64_t many = 3'000'000;
     const std::string header = write_npy_header({{"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, many);
     const std::string table = path("long.npy");
@@ -194,7 +194,7 @@ TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
     EXPECT_EQ(identity.rows, many);
     EXPECT_EQ(identity.bytes, bytes);
     EXPECT_EQ(identity_of(table, scene).hash, identity.hash);
-    // the first and the last rows are among what is read, and rows all over the table
+    // the blocks that are read include the first rows, the last rows and rows throughout the table
     for (const std::uint64_t at : {std::uint64_t{header.size()}, bytes / 1023 * 500, bytes - 8}) {
         std::fstream file(table, std::ios::binary | std::ios::in | std::ios::out);
         file.seekp(static_cast<std::streamoff>(at));

@@ -1,4 +1,4 @@
-"""Truths, errors, checks, ensembles, experiments, methods of one's own, pictures."""
+"""Truths, errors, checks, ensembles, experiments, user-defined methods, figures."""
 
 import json
 
@@ -160,7 +160,7 @@ def test_a_method_of_ones_own_is_a_row_like_any_other(tmp_path):
     assert polhode.methods()["midpoint_here"].documentation == "The explicit midpoint rule."
     for x in ("seconds_median", "rhs_evaluations"):
         assert len(found.plot(x).axes[0].lines) >= 2
-    # on every system: a turn about one axis, 13 variables, several bodies
+    # on every system: rotation about one axis, 13 variables, several bodies
     for scene in ("lagrange_top", "every_load", "mechanisms/double_pendulum"):
         motion = polhode.solve(scene, midpoint, step=1e-3, duration=1, samples=4)
         assert motion.status == "ok" and motion.errors().max["attitude"] < 0.05, scene

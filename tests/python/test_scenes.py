@@ -1,4 +1,4 @@
-"""Scenes as dicts and by attributes; what is wrong with one is told in one line."""
+"""Scenes as dicts and by attributes; errors are reported in one line."""
 
 import copy
 import functools

@@ -157,7 +157,7 @@ TEST_F(Check, EveryBlockIsJudged) {
     file = good;
     for (TrajectoryRow& row : file.rows) row.angular_velocity_W = (30 / std::acos(-1.0)) * row.angular_velocity_W;
     expect(file, "angular velocity off by", "wx,wy,wz are in revolutions per minute");
-    // a correct file passes, and the report lists the blocks that it does not have
+    // and the good one passes, and says what is not in it
     file = good;
     file.has_position = file.has_velocity = false;
     write("part.csv", write_trajectory(file));

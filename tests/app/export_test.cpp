@@ -180,7 +180,7 @@ TEST_F(Export, TheComparisonNamesTheBlock) {
         if (floats) arguments.emplace_back("--floats");
         EXPECT_EQ(run(arguments).exit_code, 0);
     };
-    // the truth passes; a rotation by 0.3 about the first axis and a velocity error of 3 do not
+    // the truth passes; half a turn by 0.3 about the first axis and a velocity that is off by 3 do not
     const std::string told = "attitude off by 0.3 at t = 4 s, 0.01 allowed; velocity off by 3 at t = 4 s";
     for (const bool floats : {false, true}) {
         const std::string real = floats ? "float" : "double";

@@ -158,7 +158,7 @@ TEST_F(Report, FitsManyRowsIntoAPage) {
     EXPECT_EQ(page["rows"]["total"], rows);
     EXPECT_GE(page["rows"]["count"], 60'000);
     EXPECT_NE(page["remarks"][0].get<std::string>().find("Of 120000 result rows"), std::string::npos);
-    // all curves are present
+    // all curves are there
     EXPECT_EQ(page["methods"].size(), 40u);
 }
 

@@ -81,7 +81,7 @@ def memory() -> list[list[str]]:
 
 
 def callables() -> list[list[str]]:
-    """A torque and a user-defined step, beside the same by polhode."""
+    """A torque and a step of one's own, beside the same by polhode."""
 
     @polhode.method(name="rk4_in_python", order=4)
     def rk4(f, t, y, h):  # type: ignore[no-untyped-def]

@@ -173,7 +173,7 @@ void add_run(CLI::App& program, int& exit_code) {
                         "Threads for truths and errors (default: all cores). Timed runs run one at a time");
     command
         ->add_option("--shard", options->shard,
-                     "I/N: run part I of N. Shards may share a directory or use one each (see polhode merge)")
+                     "I/N: run part I of N. Shards may share a directory or use separate ones (see polhode merge)")
         ->capture_default_str();
     command->add_option("--plan", options->plan,
                         "With --dry-run: write all cases and their expected seconds to this CSV file. "

@@ -1,4 +1,5 @@
-// polhode check: trajectories of anyone's making against the truth.
+// polhode check: compares trajectories from any program with the truth. Parses the options, computes or reads the
+// reference through check_files(), and prints the verdicts as text, JSON or JUnit.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,11 +32,11 @@ namespace {
 struct CheckOptions {
     std::string scene, format = "text", convention, columns, length_unit, angle_unit, picture;
     std::vector<std::string> trajectories;
-    std::map<std::string, std::string> limits;  // by block, as they were given
+    std::map<std::string, std::string> limits;  // by block, as given
     bool report_only = false, explain = false;
 };
 
-// The files, and of each folder its CSV files by name.
+// Returns the files; directories are replaced by their CSV files, sorted by name.
 std::vector<std::string> files_of(const std::vector<std::string>& paths) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
@@ -55,7 +56,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
     return files;
 }
 
-// Units are words of a convention.
+// Adds the words of --length-unit and --angle-unit to the convention.
 Convention convention_of(const CheckOptions& options) {
     std::string words = options.convention;
     const auto add = [&](std::string_view word) { words += (words.empty() ? "" : ",") + std::string(word); };
@@ -64,7 +65,7 @@ Convention convention_of(const CheckOptions& options) {
     return convention_option(words);
 }
 
-// Says on stderr what takes so long, where it takes more than two seconds.
+// Prints a text to stderr unless it is destroyed within two seconds.
 class Notice {
   public:
     explicit Notice(std::string text) {
@@ -75,7 +76,7 @@ class Notice {
                     std::fputs(said.c_str(), stderr);
             });
         } catch (const std::system_error&) {
-            // where the system gives no thread, nothing is said
+            // without a thread the notice is not printed
         }
     }
     Notice(const Notice&) = delete;
@@ -93,7 +94,7 @@ class Notice {
     std::mutex mutex_;
     std::condition_variable ended_;
     bool has_ended_ = false;
-    std::thread thread_;  // the last: it uses the others
+    std::thread thread_;  // last member: the thread uses the others
 };
 
 int check_command(const CheckOptions& options) {

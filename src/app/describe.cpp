@@ -1,4 +1,4 @@
-// polhode describe: all there is to know about a scene or a method.
+// polhode describe: prints a description of a scene, a method or an experiment.
 #include "app/describe.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ const char* control_text(Control control) {
     return "a fixed step (--step, --steps) or a tolerance (--tolerance)";
 }
 
-// Whether a name or a file is an experiment's. Of a file that cannot be read, the reader of scenes says why.
+// Returns whether a name or file is an experiment. Errors of unreadable files are reported by the reader of scenes.
 bool is_experiment(const std::string& name) {
     if (!builtin_experiment_text(name).empty()) return true;
     if (std::error_code none; !std::filesystem::is_regular_file(name, none)) return false;
@@ -61,7 +61,7 @@ std::string told(const PlannedCurve& curve) {
                        high, low, curve.settings.size());
 }
 
-// What an experiment will run, and where to.
+// Describes the cases of an experiment and where its results go.
 std::string describe_experiment(const std::string& name) {
     const Plan plan = make_plan(find_experiment(name), name, false);
     const Experiment& e = plan.experiment;
@@ -86,7 +86,7 @@ std::string describe_experiment(const std::string& name) {
            fmt::format("  command  polhode run {}: writes tables and figures to build/results/{}*\n", name, e.name);
 }
 
-// A method like any other, and who it is.
+// Describes an engine: the method, the version of the engine, and its settings.
 std::string describe_engine(const EngineMethod& engine) {
     std::string text = describe_method(*engine.method);
     const EngineReport report = engine.inspect(nullptr);
@@ -108,8 +108,8 @@ std::string describe(const std::string& name, description::ConditioningBudget bu
     try {
         return describe_scene(find_scene(name), budget);
     } catch (const InputError&) {
-        // a slip in a method's name is no scene file, and a file's fault is not one in a name
-        // also a link that leads nowhere or in a circle
+        // if a file or link of this name exists (also a dangling or circular link), report its error
+        // otherwise the name may be a misspelt method
         if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name, none))) throw;
         const std::string meant = did_you_mean(name, method_names());
         if (meant.empty() || !did_you_mean(name, builtin_scene_names()).empty()) throw;
@@ -117,10 +117,10 @@ std::string describe(const std::string& name, description::ConditioningBudget bu
     }
 }
 
-// an empty value is a slip of a script's, not a wish for the default
+// an empty value is an error in a script, not a request for the default
 std::string not_empty(const std::string& value) { return value.empty() ? "is empty" : ""; }
 
-// The scene's polhode to a file. Returns the exit code.
+// Draws the scene's polhode to a file. Returns the exit code.
 int draw(const std::string& name, const std::string& path) {
     if (!path.ends_with(".svg") && !path.ends_with(".pdf"))
         throw UsageError(fmt::format("--picture is {}; give a name that ends in .svg or .pdf", path));
@@ -138,7 +138,7 @@ int draw(const std::string& name, const std::string& path) {
     return 1;
 }
 
-// How far a step may reach by linear theory, or why there is none.
+// Returns the longest stable steps by linear theory, or why linear theory does not apply.
 std::string linear_stability(const Method& method) {
     if (!method.growth && !method.pendulum_growth)
         return takes_step(method) ? "linear theory does not apply: a step is not a linear map of the state"

@@ -1,4 +1,5 @@
-// What there is to say about a scene of several bodies before it is solved.
+// The description of a scene of several bodies: overview, the tree of joints as an indented list, loops, initial state,
+// loads, the system posed and omitted variables. Description blocks shared with one body are in description.cpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +21,7 @@ namespace {
 
 using namespace description;
 
-// what rounding leaves of nothing is nothing
+// values below 1e-15 are rounding errors of zero
 std::string brief(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-15 ? 0 : value); }
 std::string brief(const Vector3<double>& v) {
     return fmt::format("({}, {}, {})", brief(v[0] + 0.0), brief(v[1] + 0.0), brief(v[2] + 0.0));
@@ -46,7 +47,7 @@ std::string kinds_of(const Parts& parts) {
     return fmt::format("{}: {}", parts.size(), fmt::join(words, ", "));
 }
 
-// Where a joint stands at t = 0, and what acts in it.
+// Returns the coordinates and rates of a joint at t = 0, its spring and its damper.
 std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j, const std::vector<double>& y) {
     const Joint& joint = scene.joints[j];
     const int last = tree.links().link_of_joint[j];
@@ -95,7 +96,7 @@ std::string axis_of(const Joint& joint) {
     return "fixed";
 }
 
-// The tree, each child below its parent. Long chains are cut.
+// Prints the tree, each child below its parent. Long trees are truncated.
 class Drawing {
   public:
     Drawing(Report& report, const Problem& problem)
@@ -122,7 +123,7 @@ class Drawing {
     }
 
   private:
-    // a thousand links are no page
+    // limits of the output for large trees
     static constexpr std::size_t most_lines = 60, most_indent = 24;
 
     Report& report_;
@@ -143,7 +144,7 @@ class Drawing {
         report_.line(indent + words);
     }
     void below(std::size_t root) {
-        // (joint, depth), the next one last: a long chain asks for no deep recursion
+        // stack of (joint, depth), so that long chains do not recurse deeply
         std::vector<std::pair<std::size_t, std::size_t>> still;
         const auto push = [&](std::size_t body, std::size_t depth) {
             for (std::size_t k = children_[body].size(); k-- > 0;) still.emplace_back(children_[body][k], depth);
@@ -269,7 +270,7 @@ void left_out(Report& report, const Problem& problem) {
     if (full <= taken && all_free && redundant == 0) report.line("nothing");
 }
 
-// What the import of a robot did not model, and what it took without finding it in the file.
+// Lists the constructs that the import of a robot does not model, and the values that it assumed.
 void import_notes(Report& report, const Scene& scene) {
     const auto list = [&](const char* title, const std::vector<std::string>& phrases) {
         if (phrases.empty()) return;

@@ -1,4 +1,4 @@
-// What there is to say about a scene before it is solved.
+// The description of a scene of one body, and describe_scene().
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ std::string made_of(const MadeOf& source) {
     return one_line(std::visit(Words{}, source), 200);
 }
 
-// how far the momentum is from the rate it belongs to
+// angle between the angular velocity and the angular momentum
 void momentum_direction(Report& report, const Problem& problem) {
     const Vector3<double>& w = problem.body.angular_velocity_B;
     const double aside = angle_between(w, problem.body.inertia_B * w);
@@ -103,7 +103,7 @@ std::string equations(SystemKind system) {
     return "J dw/dt = tau(t, q, w, p, v) - w x Jw, full tensor;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F / m";
 }
 
-// What tau consists of on the segment.
+// Lists the terms of tau on the segment.
 std::string torque_terms(const Forcing<double>& f) {
     std::vector<std::string> terms;
     if (!f.body_points.empty()) terms.push_back("forces constant in the world at body points");

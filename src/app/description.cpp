@@ -48,7 +48,7 @@ struct LoadText {
     }
 };
 
-// of several, the one that a load acts on
+// the body that a load acts on, in scenes of several bodies
 std::string on_body(const Load& load) {
     const std::string name = load_body(load);
     return name.empty() ? "" : fmt::format(", on body \"{}\"", name);
@@ -98,11 +98,11 @@ void description::invariants(Report& report, const Problem& problem) {
     }
 }
 
-// How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
+// Prints how small changes of the initial state grow, and until when an engine's error can be attributed to the engine.
 void description::growth(Report& report, const Problem& problem, ConditioningBudget budget) {
     report.title("Conditioning");
     const double T = problem.scene.duration;
-    // evenly, and of one body 50 a decade from T / 10^8 on: a run that is cut short is known to its end all the same
+    // equally spaced; for one body also 50 per decade from T / 10^8, so that a run that stops early is resolved
     constexpr long intervals = 2000, of_several_bodies = 200, decades = 8, a_decade = 50;
     const bool several = is_mechanism(problem.scene);
     std::vector<double> times = sample_times(T, several ? of_several_bodies : intervals);
@@ -119,7 +119,7 @@ void description::growth(Report& report, const Problem& problem, ConditioningBud
         if (budget == ConditioningBudget::brief && found.budget_spent)
             report.line("", "`polhode describe --conditioning` computes it for the whole run");
     };
-    // the start alone says nothing
+    // the initial time alone gives no information
     if (found.times.empty() || (!found.available && found.times.back() == 0)) {
         report.line("not available: " + found.message);
         how_to_get_it();

@@ -1,4 +1,8 @@
-// polhode ensemble: one scene, many bodies or starts of a mechanism, one per row of a table.
+// polhode ensemble: solves one scene for many bodies or initial states of a mechanism, one per row of a table.
+//
+// The table is read in pieces of some thousand rows. Each piece is solved by one thread, pieces in parallel, and
+// written in the order of the table (work_in_order()), so that memory does not depend on the length of the table. With
+// --shard a run solves a contiguous part of the rows and writes a .json file that identifies it; see ensemble_parts.h.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,12 +45,12 @@ struct EnsembleOptions {
     std::string shard;
 };
 
-constexpr std::size_t most_refusals = 100;  // in the summary
-// of rows for stdout, bytes
+constexpr std::size_t most_refusals = 100;  // listed in the summary
+// bytes of rows buffered for stdout
 constexpr std::size_t most_held = std::size_t{8} << 20;
 
-// Where rows go: a file that is there whole or not at all, or stdout, which begins once all rows are there or more of
-// them than are held.
+// The destination of rows: a file, which is complete or does not appear, or stdout. Output to stdout starts when all
+// rows are available or the buffer is full.
 class RowSink {
   public:
     explicit RowSink(const std::string& path) {
@@ -84,7 +88,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// One table, piece by piece.
+// Solves one table, piece by piece.
 class EnsembleRun {
   public:
     EnsembleRun(const Scene& scene, const EnsembleSettings& settings, const EnsembleOptions& options)
@@ -93,7 +97,7 @@ class EnsembleRun {
           options_(options),
           table_(open_ensemble(options.initial, scene)),
           format_(format_of(options.output, scene, *table_, options.initial)) {
-        // each piece by one thread, and all pieces side by side
+        // one thread per piece; pieces run in parallel
         EnsembleSettings alone = settings;
         alone.threads = 1;
         if (is_mechanism(scene))
@@ -141,8 +145,8 @@ class EnsembleRun {
     }
 
   private:
-    // Solves the next rows of the table, `rows` at most, into a file; `hash`, where there is one, is of the bytes
-    // behind its header.
+    // Solves at most the next `rows` rows of the table into a file. Adds the bytes after the header to `hash` unless it
+    // is null.
     void solve(const std::string& path, std::size_t rows, ContentHash* hash) {
         const auto start = std::chrono::steady_clock::now();
         RowSink sink(path);
@@ -170,7 +174,7 @@ class EnsembleRun {
         in_all_ += seconds_since(start);
     }
 
-    // The next rows, at most `left`.
+    // Reads the next rows, at most `left`.
     SolvedPiece read(std::size_t left) {
         const auto start = std::chrono::steady_clock::now();
         SolvedPiece piece;
@@ -198,7 +202,7 @@ class EnsembleRun {
         sink.write(std::move(piece.text));
         solving_ += piece.solving;
         writing_ += piece.formatting + seconds_since(start);
-        // short ones cost their hand-over, long ones let the other threads wait at the end
+        // short pieces have overhead; long pieces let other threads idle at the end
         if (piece.solving < 0.002) piece_rows_ = std::min(2 * piece_rows_.load(), largest_piece_);
     }
 
@@ -226,7 +230,7 @@ class EnsembleRun {
                std::ranges::all_of(count_, [](const auto& status) { return status.first == Status::ok; });
     }
 
-    // What the run did, for people: a line each.
+    // Returns the summary of the run, one topic per line.
     std::string summary() const {
         const double solving = solving_ / settings_.threads;
         std::string text = fmt::format(
@@ -252,16 +256,16 @@ class EnsembleRun {
     const EnsembleOptions& options_;
     std::unique_ptr<EnsembleStream> table_;
     std::unique_ptr<EnsembleFormat> format_;
-    std::vector<EnsembleSolver> solvers_;               // of one body: one for each sample
-    std::optional<MechanismEnsembleSolver> mechanism_;  // of several bodies
+    std::vector<EnsembleSolver> solvers_;               // one body: one solver per sample
+    std::optional<MechanismEnsembleSolver> mechanism_;  // several bodies
     std::size_t largest_piece_ = 0;                     // rows
-    std::atomic<std::size_t> piece_rows_{0};            // of the next piece; at most the largest
-    double reading_ = 0, solving_ = 0, writing_ = 0;    // s, of all threads together
+    std::atomic<std::size_t> piece_rows_{0};            // of the next piece, at most largest_piece_
+    double reading_ = 0, solving_ = 0, writing_ = 0;    // s, sum over all threads
     double in_all_ = 0;                                 // s
     std::map<Status, std::size_t> count_;
     std::size_t rows_ = 0, refused_ = 0;
-    std::uint64_t bytes_ = 0;           // behind the header
-    std::string first_failure_;         // a line, or empty
+    std::uint64_t bytes_ = 0;           // after the header
+    std::string first_failure_;         // one line, or empty
     std::vector<RefusedRow> refusals_;  // the first ones
 };
 

@@ -28,13 +28,13 @@ namespace fs = std::filesystem;
 constexpr std::size_t most_parts = 1'000'000, block = std::size_t{1} << 20, largest_json = std::size_t{1} << 16;
 constexpr const char* kind = "part of an ensemble";
 
-// All bytes from where `input` stands, at most a block at a time.
+// Calls `use` with all bytes from the current position of `input`, at most one block at a time.
 void for_each_block(InputFile& input, const std::function<void(std::string_view)>& use) {
     std::vector<char> bytes(block);
     while (const std::size_t count = input.read(bytes.data(), bytes.size())) use({bytes.data(), count});
 }
 
-// A part's file and what stands beside it.
+// A part's file and its .json file.
 struct FoundPart {
     EnsemblePart part;
     std::string json, path;
@@ -63,7 +63,7 @@ std::vector<FoundPart> parts_in(const std::vector<std::string>& dirs) {
     return found;
 }
 
-// Keeps the parts of one ensemble: of the one that is called so, or the only one that there is.
+// Keeps the parts of one ensemble: the one with the given output name, or the only one.
 void choose(std::vector<FoundPart>& found, const std::string& dir, const std::string& name) {
     std::vector<std::string> names;
     for (const FoundPart& part : found)
@@ -76,7 +76,7 @@ void choose(std::vector<FoundPart>& found, const std::string& dir, const std::st
     std::erase_if(found, [&](const FoundPart& part) { return part.part.output != name; });
 }
 
-// Throws InputError unless both are parts of the same.
+// Throws InputError unless both are parts of the same ensemble.
 void require_same(const FoundPart& a, const FoundPart& b) {
     const auto differ = [&](const char* what, const std::string& x, const std::string& y) {
         if (x == y) return;
@@ -94,7 +94,7 @@ void require_same(const FoundPart& a, const FoundPart& b) {
     differ("program key", p.program, q.program);
 }
 
-// The file behind its header, block by block, after it was seen to be what its JSON says.
+// Reads a part after its header, block by block, and verifies its size and hash against its .json file.
 class PartReader {
   public:
     PartReader(const FoundPart& found, bool npy)
@@ -114,7 +114,7 @@ class PartReader {
     }
 
     const NpyHeader& npy() const { return npy_; }
-    // A CSV file's first line.
+    // The first line of a CSV file.
     const std::string& header() const { return header_; }
 
     void read(const std::function<void(std::string_view)>& use) {
@@ -145,7 +145,7 @@ class PartReader {
     std::size_t header_size_ = 0;
 };
 
-// The parts in their order, each with its copies. Throws InputError where one is missing or differs from its copy.
+// Returns the parts in order, without copies. Throws InputError if a part is missing or differs from its copy.
 std::vector<const FoundPart*> in_order(const std::vector<FoundPart>& found, bool npy) {
     const std::size_t parts = found.front().part.shard.parts;
     std::map<std::size_t, const FoundPart*> first;
@@ -193,7 +193,7 @@ Shard parse_shard(const std::string& text) {
 }
 
 std::pair<std::size_t, std::size_t> rows_of_shard(std::size_t rows, const Shard& shard) {
-    // the first rows % parts have one row more: no product that could overflow
+    // the first (rows % parts) parts have one more row; no product can overflow
     const std::size_t least = rows / shard.parts, longer = rows % shard.parts;
     const auto begin_of = [&](std::size_t i) { return i * least + std::min(i, longer); };
     return {begin_of(shard.part - 1), begin_of(shard.part)};
@@ -213,8 +213,9 @@ TableIdentity identity_of(const std::string& path, const Scene& scene) {
     InputFile input(path, path, "a table that is a regular file, because --shard reads it several times",
                     FileKinds::regular);
     identity.bytes = *input.size();
-    // The rows of an .npy file are found without reading those before them: a part that read all would take longer for
-    // that than for its own rows. The blocks lie alike in every file of that length, the first and the last among them.
+    // Rows of an .npy file are found without reading earlier rows. Reading the whole file would take longer than
+    // solving the rows of a part. The sampled blocks are at the same places in all files of this length and include
+    // both ends.
     constexpr std::size_t sampled_from = std::size_t{64} << 20, samples = 1024, length = 4096;
     if (path.ends_with(".npy") && identity.bytes > sampled_from) {
         const std::size_t stride = (identity.bytes - length) / (samples - 1);

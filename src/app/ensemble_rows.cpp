@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-// Appends a comma and the number, or only the comma where it is not finite.
+// Appends a comma and the number, or only the comma if the number is not finite.
 void append_number(std::string& text, double value) {
     text += ',';
     if (!std::isfinite(value)) return;
@@ -66,7 +66,7 @@ class CsvFormat : public EnsembleFormat {
     bool has_ids_, has_bodies_;
 };
 
-// Records: row, status, the numbers, and then texts filled up with zeros, the body's name and the id.
+// Records: row, status, the numbers, then the body's name and the id, both padded with zeros.
 class NpyFormat : public EnsembleFormat {
   public:
     NpyFormat(std::size_t id_width, std::size_t body_width) : id_width_(id_width), body_width_(body_width) {}
@@ -138,7 +138,7 @@ std::string rows_of(const SolvedPiece& piece, const Scene& scene, const Ensemble
     const std::vector<std::size_t> numbers = table.row_numbers(piece.first_row);
     std::string text;
     auto refused = table.refused.begin();
-    // a refused row is in front of the next row that was solved; the last ones have none behind them
+    // refused rows are written before the next solved row; the remaining ones at the end
     const auto refuse_before = [&](std::size_t number) {
         for (; refused != table.refused.end() && refused->row < number; ++refused)
             format.append(text, {refused->row, nullptr, Status::failed, nullptr, "", refused->fault});

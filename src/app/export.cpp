@@ -1,4 +1,4 @@
-// polhode export: a scene's truth as golden data for an engine's own unit tests.
+// polhode export: exports the truth of a scene as golden data for the unit tests of an engine.
 #include <fmt/format.h>
 
 #include <cstdio>

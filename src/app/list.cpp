@@ -1,4 +1,5 @@
-// polhode list: what there is, a line each.
+// polhode list: lists scenes, methods, experiments, metrics, keys, columns, engines and constructs as text, JSON or
+// Markdown. The Markdown tables are the generated parts of the READMEs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ struct Entry {
     std::string name, about;
 };
 
-// up to the first full stop that ends a sentence
+// the text up to the first full stop that ends a sentence
 std::string first_sentence(std::string_view text) {
     const std::size_t stop = text.find(". ");
     std::string sentence(text.substr(0, stop == text.npos ? text.size() : stop));
@@ -64,7 +65,7 @@ std::vector<Entry> engine_entries() {
     return entries;
 }
 
-// the columns of the result table that measure something
+// the columns of the result table that are measures
 std::vector<Entry> metrics() {
     std::vector<Entry> entries;
     for (const bool is_error : {true, false})
@@ -74,7 +75,7 @@ std::vector<Entry> metrics() {
     return entries;
 }
 
-// The keys of scene and experiment files, and the columns of trajectories.
+// The keys of scene and experiment files.
 std::vector<FileKey> file_keys() {
     std::vector<FileKey> all(scene_keys().begin(), scene_keys().end());
     all.insert(all.end(), experiment_keys().begin(), experiment_keys().end());
@@ -107,7 +108,7 @@ std::string key_table() {
     return markdown(table);
 }
 
-// What the importer of robot files does with each element and attribute of a format.
+// How the importer of robot files treats each element and attribute of a format.
 const char* name_of(RobotVerdict verdict) {
     return verdict == RobotVerdict::modelled     ? "modelled"
            : verdict == RobotVerdict::irrelevant ? "irrelevant"
@@ -167,7 +168,7 @@ const char* name_of(Control control) {
     return "step or tolerance";
 }
 
-// README's table of methods, the catalogue's of scenes; the others have no more than name and about
+// Tables with all columns for methods, scenes, keys and constructs; otherwise name and about.
 std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
     if (what == "scenes") return scene_index();
     if (what == "keys") return key_table();

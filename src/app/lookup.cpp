@@ -17,7 +17,7 @@
 namespace polhode {
 namespace {
 
-// Names that other libraries have for schemes, and what is like them here.
+// Names of schemes in other libraries, and the nearest methods of polhode.
 constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
     {"rk45", "odeint_dopri5, or dop853 of higher order"},
     {"RK45", "odeint_dopri5, or dop853 of higher order"},

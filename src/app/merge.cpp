@@ -1,4 +1,4 @@
-// polhode merge: what several folders hold of one experiment, as one.
+// polhode merge: merges the results of shards from several directories.
 #include "experiment/run/merge.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ struct MergeOptions {
     bool quiet = false;
 };
 
-// Parts of ensembles, where the folders hold such. 0, or 1 where not all of their bodies ended well.
+// Merges parts of ensembles. Returns 0, or 1 if any row failed.
 int merge_ensembles(const MergeOptions& options, const std::vector<std::string>& directories) {
     const MergedEnsemble merged = merge_ensemble_parts(directories, options.output);
     if (!options.quiet)

@@ -1,4 +1,5 @@
-// polhode plot: pictures of trajectories, on the terminal or as files.
+// polhode plot: plots trajectories on the terminal or as files. Without a scene it plots components over time, with
+// --scene errors against the truth, or the polhode on the inertia ellipsoid. gnuplot draws SVG and PDF files.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,17 +35,17 @@ struct PlotOptions {
     int width = 0;
 };
 
-/// A file as it was read.
+/// A trajectory file to plot.
 struct PlottedFile {
-    std::string name;  ///< in the legend
+    std::string name;  ///< label in the legend
     std::string path;
     TrajectoryFile file;
-    std::vector<std::size_t> gaps;  ///< the times before which some are not a number
+    std::vector<std::size_t> gaps;  ///< indices of times that follow rows with NaN
 
     std::size_t moments() const { return file.rows.size() / file.bodies_at_once(); }
 };
 
-// Their last parts, if these tell them apart.
+// Returns the file names if they are distinct, otherwise the paths.
 std::vector<std::string> names_of(const std::vector<std::string>& paths) {
     std::vector<std::string> names;
     for (const std::string& path : paths) names.push_back(std::filesystem::path(path).filename().string());
@@ -70,7 +71,7 @@ std::vector<PlottedFile> read_files(const PlotOptions& options, const Scene* sce
     return files;
 }
 
-// A curve over time in pieces between gaps, thinned to what a picture so wide shows.
+// Adds a curve over time in pieces between gaps, thinned to `columns` columns.
 void add_pieces(Panel& panel, const Curve& whole, const std::vector<std::size_t>& gaps, std::size_t columns) {
     std::vector<std::size_t> edges = gaps;
     edges.push_back(whole.x.size());
@@ -92,7 +93,7 @@ void add_pieces(Panel& panel, const Curve& whole, const std::vector<std::size_t>
 Curve curve_named_as(const std::string& label, std::size_t place) {
     Curve curve;
     curve.label = label, curve.points = false;
-    // where files agree each shows through the next
+    // dashes differ, so that curves remain visible where files agree
     curve.dash = static_cast<int>(place % 5);
     set_style(curve, plain_style(static_cast<int>(place)));
     return curve;
@@ -105,7 +106,7 @@ Panel panel_over_time(const std::string& title, const std::string& y_label, bool
     return panel;
 }
 
-/// What a picture without a scene shows.
+/// The components that are plotted without a scene.
 struct Components {
     std::string title;
     std::string y_label;
@@ -184,7 +185,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
         if (!errors.fault.empty()) throw NoTruth(one.path + ": " + errors.fault);
         Curve curve = curve_named_as(one.name, i);
         curve.x = errors.t, curve.y = errors.error;
-        // errors may be of fewer times than the file has
+        // there may be errors at fewer times than in the file
         std::vector<std::size_t> gaps;
         for (const std::size_t gap : one.gaps) {
             const double after = one.file.rows[gap * one.file.bodies_at_once()].t;
@@ -195,7 +196,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
     return figure;
 }
 
-// The file's rates on the inertia ellipsoid of its own start.
+// The angular velocities of the file on the inertia ellipsoid of their initial energy.
 PolhodeCurve polhode_of(const PlottedFile& one, const Scene& scene) {
     const Problem problem = pose(scene);
     PolhodeCurve polhode;
@@ -270,7 +271,7 @@ int plot_command(const PlotOptions& options) {
     if (scene && options.of == "polhode") return plot_polhode(options, files, *scene);
 
     const int width = options.width != 0 ? options.width : std::max(40, terminal_width(1, 100));
-    // a panel of a printed picture is some 200 points wide, and a printer has eight dots a point
+    // a panel of a printed figure is about 200 points wide, and a printer resolves eight dots per point
     const std::size_t columns = options.output.empty() ? 2 * static_cast<std::size_t>(width) : 1600;
     Figure figure;
     try {

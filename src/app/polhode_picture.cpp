@@ -17,10 +17,11 @@ namespace {
 
 using V = Vector3<double>;
 
-// points (1/72 inch): a column of a paper
+// in points (1/72 inch): one column of a paper
 constexpr double page_width = 250, largest_plot_height = 230, title_height = 16, line_height = 10;
 constexpr double text_size = 7, title_size = 8;
-constexpr double azimuth = 52, elevation = 27;  // of the viewer, degrees, from axis 1 and from the plane of 1 and 2
+constexpr double azimuth = 52,
+                 elevation = 27;  // of the viewer in degrees, from axis 1 and from the plane of axes 1 and 2
 
 struct Style {
     const char* color;
@@ -66,7 +67,7 @@ class Script {
     }
     static V right() { return {-std::sin(radians(azimuth)), std::cos(radians(azimuth)), 0}; }
 
-    // From the pole of an axis outward to where its arrow ends.
+    // The pole of an axis on the ellipsoid, and the tip of its arrow.
     V pole(int i) const {
         V w;
         w[i] = polhode_.semi_axes[i];
@@ -89,7 +90,7 @@ class Script {
         for (const Polyline& line : polhode_.curve)
             for (const V& w : line) include(view_.at(w));
         for (int i = 0; i < 3; ++i) include(view_.at(tip(i)));
-        // beside it stand the axes' names, above and below some air
+        // margins for the names of the axes, and above and below
         const double room_x = page_width - 92, air = 24;
         scale_ = std::min(room_x / (high.x - low.x), (largest_plot_height - air) / (high.y - low.y));
         plot_height_ = scale_ * (high.y - low.y) + air;
@@ -109,7 +110,7 @@ class Script {
         return fmt::format("linewidth {:g} dashtype {} linecolor \"{}\"", terminal_.line_width(style.width), style.dash,
                            style.color);
     }
-    // Lines, each ended by an empty line as gnuplot wants it.
+    // Adds lines, each followed by an empty line, as gnuplot requires.
     void lines(const std::vector<std::vector<PagePoint>>& parts, const Style& style) {
         if (parts.empty()) return;
         data_ += fmt::format("$data{} << END\n", count_);
@@ -130,7 +131,7 @@ class Script {
         return all;
     }
 
-    // From behind to the front.
+    // Draws from back to front.
     void layers() {
         const SeenLine wires = seen(view_.wires()), separatrix = seen(polhode_.separatrix),
                        curve = seen(polhode_.curve);
@@ -164,7 +165,7 @@ class Script {
                                 : way.x > 0 ? "left"
                                             : "right",
                                 terminal_.font(text_size));
-            // the pole's tick, and its value where the axis does not run
+            // the tick at the pole, and its value beside the axis
             const PagePoint tick{-2 * way.y, 2 * way.x};
             text += fmt::format("set arrow from {:.2f},{:.2f} to {:.2f},{:.2f} nohead front {}\n", from.x - tick.x,
                                 from.y - tick.y, from.x + tick.x, from.y + tick.y, pen(axis_line));

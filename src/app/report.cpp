@@ -1,4 +1,4 @@
-// polhode report: a folder of results as one page.
+// polhode report: writes a result directory as one HTML page.
 #include "report/report.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// polhode run: experiments into tables and pictures.
+// polhode run: runs experiments and writes tables and figures.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct RunCommandOptions {
     bool quick = false, dry_run = false, quiet = false;
 };
 
-// The first Ctrl-C stops after the case at hand; the second ends the program as usual.
+// The first Ctrl-C stops after the current case; the second ends the program.
 extern "C" void on_interrupt(int) {
     interrupt_sweep();
     std::signal(SIGINT, SIG_DFL);
@@ -94,7 +94,7 @@ std::string command_line(const RunCommandOptions& options) {
     return line;
 }
 
-// On standard output what would run, one line each.
+// Lists the pending cases on standard output, one per line.
 void list_pending(const Plan& plan, const RunOptions& options) {
     double total = 0;
     long known = 0;
@@ -124,7 +124,7 @@ void tell_costs(const Table& costs, const std::string& path) {
 
 int run_command(const RunCommandOptions& options) {
     const RunOptions checked_options = checked(options);
-    // all are read before any is run: a slip in the last must not cost the time of the first
+    // read all experiments before running one, so that an error in the last is found at once
     std::vector<Plan> plans;
     for (const std::string& name : options.experiments)
         plans.push_back(make_plan(find_experiment(name), name, options.quick));
@@ -143,7 +143,7 @@ int run_command(const RunCommandOptions& options) {
         if (options.dry_run)
             list_pending(plan, checked_options);
         else if (!run_experiment(plan, checked_options, command_line(options)))
-            return 128 + SIGINT;  // as a shell says of a program that Ctrl-C ended
+            return 128 + SIGINT;  // the exit code of a shell for a program ended by Ctrl-C
     }
     return 0;
 }

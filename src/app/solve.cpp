@@ -1,4 +1,4 @@
-// polhode solve: one trajectory.
+// polhode solve: computes one trajectory.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -54,7 +54,7 @@ Choice chosen(const SolveOptions& options, const Problem& problem, const Setting
 
 std::string plural(long count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
-// How far the joints of several bodies were from closed, in the trajectory itself.
+// Returns the largest violations of joints and loops in the trajectory (several bodies).
 std::string joint_errors(const Scene& scene, const Trajectory& trajectory) {
     if (trajectory.samples.empty() || (scene.joints.empty() && scene.loops.empty())) return "";
     const MechanismMeasure<double> measure(scene);
@@ -74,7 +74,7 @@ std::string joint_errors(const Scene& scene, const Trajectory& trajectory) {
                        where(most.gap_joint), most.turn, where(most.turn_joint));
 }
 
-// What the run did, for people: a line each.
+// Returns the summary of the run, one topic per line.
 std::string summary(const SolveOptions& options, const Problem& problem, const Choice& choice, const Settings& settings,
                     const Trajectory& trajectory) {
     const double T = problem.scene.duration;
@@ -128,7 +128,7 @@ int solve_command(const SolveOptions& options) {
     const Choice choice = chosen(options, problem, settings);
     settings = with_defaults(problem, *choice.method, settings);
     const Trajectory trajectory = solve(problem, *choice.method, settings);
-    // what was reached is kept: it tells how far the method came
+    // an incomplete trajectory is also written: it shows how far the method got
     if (!trajectory.samples.empty())
         write_trajectory_output(options.output, trajectory_csv(trajectory, body_names(scene)));
     const bool no_reactions = trajectory.status == Status::ok && problem.reactions && trajectory.reactions.empty();

@@ -1,4 +1,4 @@
-// polhode submit: an experiment in shards, as text for the engines that run such.
+// polhode submit: writes scripts that run an experiment in shards with a workflow engine.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ std::string own_path() {
     return none ? "polhode" : path.string();
 }
 
-// What the dearest shard is expected to take, s.
+// Returns the expected time of the longest shard, s.
 double dearest_shard(const Plan& plan, const Costs& costs, int shards) {
     std::vector<double> seconds(static_cast<std::size_t>(shards), 0.0);
     const std::vector<std::vector<int>> dealt = deal_out(plan, costs, shards);
@@ -82,7 +82,7 @@ int submit_command(const SubmitOptions& options) {
     submission.shards = options.shards, submission.jobs = options.jobs;
     const Table costs = costs_of_work(plan, options.measured.empty() ? output : options.measured);
     double whole = 0;
-    // what is made as a whole is the first shard's
+    // an experiment that is computed as a whole runs in the first shard
     if (costs.rows.size() == 1) whole = std::get<double>(costs.rows.front()[costs.rows.front().size() - 2]);
     const double dearest =
         std::max(whole, dearest_shard(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));

@@ -1,4 +1,5 @@
-// polhode truth: the reference trajectory, in decimals.
+// polhode truth: writes the reference trajectory in decimals, as CSV or JSON. Numbers are strings, because binary64
+// does not hold their digits. Without --certified all rows share one bound; with it each number has a proven radius.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -79,7 +80,7 @@ std::string json(const Scene& scene, const TruthOptions& options, const DecimalR
 
 constexpr const char* reaction_names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 
-// The forces and torques of joints, then of loops, at each time.
+// Returns the reactions of joints, then of loops, at each time.
 std::string reactions_csv_of(const Scene& scene, const DecimalReference& truth) {
     const std::vector<std::string> joints = joint_names(scene);
     std::string text = "t,joint";
@@ -109,7 +110,7 @@ std::string reactions_json(const Scene& scene, const DecimalReference& truth) {
     return text + "\n]}\n";
 }
 
-// `bound` is the largest radius of the line's own numbers.
+// The column `bound` is the largest radius of the numbers in the row.
 std::string csv(const Scene& scene, const CertifiedReference& truth) {
     std::string text =
         fmt::format("# {}: {}; proven to {} digits\nt", one_line(scene.name, 100), truth.message, truth.digits);

@@ -1,4 +1,4 @@
-// The extension module of the Python package: numbers and texts; src/python/polhode makes them comfortable.
+// The extension module _polhode: numbers and texts. src/python/polhode is the public package.
 #include "app/commands.h"
 #include "check/check_files.h"
 #include "python/bindings.h"
@@ -7,7 +7,7 @@
 namespace polhode::python {
 namespace {
 
-// Exceptions carry the program's own lines.
+// Exceptions have the messages of the program.
 void bind_exceptions(py::module_& module) {
     const auto named = [](py::handle type, const char* about) {
         type.attr("__module__") = "polhode";

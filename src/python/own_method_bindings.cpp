@@ -1,5 +1,5 @@
-// Methods written in Python: a step function, or a function that gives a whole trajectory. They stand in the registry
-// behind polhode's own, so that tables have them like any other.
+// Methods written in Python: a step function, or a function that computes a whole trajectory. They are registered after
+// polhode's methods, and experiments treat them like all others. Python code runs with the GIL held.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 py::array_t<double> array_of(const double* y, int n) { return py::array_t<double>(n, y); }
 
-// The state that a Python function gave, of n numbers.
+// Reads a state of n numbers that a Python function returned.
 void read_state(const py::object& given, int n, double* y, const char* who) {
     const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
     if (!values || values.ndim() != 1 || values.size() != n) {
@@ -29,7 +29,7 @@ void read_state(const py::object& given, int n, double* y, const char* who) {
     std::copy_n(values.data(), n, y);
 }
 
-// The right-hand side f(t, y) of the system at hand, for the duration of a run.
+// The right-hand side f(t, y) of the current system, valid during a run.
 class RightHandSide {
   public:
     using Function = std::function<void(double t, const double* y, double* rate)>;
@@ -52,7 +52,7 @@ class RightHandSide {
     Function function_;
 };
 
-// A scheme y(t + h) = step(f, t, y, h) on the scene's system.
+// Steps y(t + h) = step(f, t, y, h) on the scene's system.
 template <class SystemType>
 class PythonStepper {
   public:
@@ -60,7 +60,7 @@ class PythonStepper {
         : system_(problem), y_(system_.size()), step_(step), rates_(make_rates()) {
         restart();
     }
-    ~PythonStepper() {  // NOLINT(bugprone-exception-escape): where Python gives no thread a state, nothing goes on
+    ~PythonStepper() {  // NOLINT(bugprone-exception-escape): without a thread state Python cannot continue
         const py::gil_scoped_acquire gil;
         native_->end();
         rates_ = py::object();
@@ -105,7 +105,8 @@ Trajectory by_steps(const py::function& step, const Problem& problem, const Sett
                        [&]<class SystemType>() { return march<PythonStepper<SystemType>>(problem, settings, &step); });
 }
 
-// solve(scene text, times, step, tolerance) gives (rows of 13 numbers, steps, evaluations); see _methods.py.
+// Calls solve(scene text, directory, times, step, tolerance, time limit), which returns (rows of 13 numbers, steps,
+// evaluations); see _methods.py.
 Trajectory by_function(const py::function& solve, const Problem& problem, const Settings& settings) {
     if (problem.needs.user_torque) return unsupported("user-defined torques cannot be passed to a solver as a file");
     Trajectory trajectory;
@@ -137,7 +138,7 @@ Trajectory by_function(const py::function& solve, const Problem& problem, const 
     return trajectory;
 }
 
-// An exception of a method's own is a failed row in tables and an exception where the user solves.
+// An exception in a user-defined method fails its row in experiments, and is rethrown by polhode.solve().
 class Thrown {
   public:
     static Trajectory solve(const std::function<Trajectory()>& run) {
@@ -192,7 +193,7 @@ py::dict entry_of(const Method& method) {
     entry["planes"] = method.planes;
     const MethodStyle style = method_style(method);
     entry["color"] = color_of(style.color), entry["mark"] = mark_name(style.mark);
-    // its samples lie beside its steps, which do not know of them
+    // whether samples are computed between steps, without affecting the steps
     entry["dense"] = method.control != Control::fixed_step && method.family != Family::engine;
     return entry;
 }

@@ -1,4 +1,4 @@
-// Scenes: their texts, and what is read from them once.
+// Scenes: their texts, and parsed scenes.
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -14,10 +14,10 @@
 namespace polhode::python {
 namespace {
 
-// What a user's own torque is shown of the motion: arrays are made only of what it asks for.
+// Arrays of the state that a user-defined torque accesses; they are created on access.
 py::array_t<double> array_of(const Vector3<double>& v) { return py::array_t<double>(3, v.component.data()); }
 
-// A Python function as a torque. It outlives the GIL's release: called, copied and destroyed by any thread.
+// Wraps a Python function as a torque that any thread may call, copy and destroy without holding the GIL.
 std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& function) {
     return [torque = kept(function)](const LoadState& now) {
         const py::gil_scoped_acquire gil;
@@ -32,15 +32,15 @@ std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& f
     };
 }
 
-// Strict JSON in place of JSON with comments, keys in the order in which they stand.
+// Converts JSON with comments to strict JSON and keeps the order of keys.
 std::string without_comments(std::string_view text, const std::string& file) {
-    const JsonDocument checked(text, file);  // says where and what is wrong
+    const JsonDocument checked(text, file);  // throws InputError with place and fault
     return nlohmann::ordered_json::parse(text, nullptr, true, true).dump();
 }
 
-// A scene's text, and the directory that the files it names are relative to.
+// Returns the text of a scene, and the directory to which the files named in it are relative.
 std::pair<std::string, std::string> scene_text(const std::string& name) {
-    const Scene scene = find_scene(name);  // throws where there is none, or it is at fault
+    const Scene scene = find_scene(name);  // throws if it does not exist or is invalid
     const std::string_view text = builtin_scene_text(name);
     return {without_comments(text.empty() ? read_text(name) : std::string(text), name), scene.directory};
 }

@@ -1,4 +1,4 @@
-// Solving: trajectories as arrays over the samples' own memory.
+// Solving: trajectories as arrays that are views of the samples.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ static_assert(sizeof(Sample) == 14 * sizeof(double), "arrays are views of the sa
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-// A block of `length` numbers of every sample, from where `first` points to in the first one.
+// Returns a view of `length` numbers of every sample; `first` points to these numbers in the first sample.
 py::array block(const SolvedScene& solved, const double* first, py::ssize_t length, const py::object& owner) {
     const py::ssize_t bodies = solved.trajectory.bodies;
     const auto moments = static_cast<py::ssize_t>(solved.trajectory.moments());
@@ -29,13 +29,13 @@ py::array block(const SolvedScene& solved, const double* first, py::ssize_t leng
     return view(first, std::move(shape), std::move(strides), owner);
 }
 
-// What an empty trajectory has in place of its first sample.
+// The first sample of an empty trajectory.
 const Sample nothing{};
 const Sample& first_of(const SolvedScene& solved) {
     return solved.trajectory.samples.empty() ? nothing : solved.trajectory.samples.front();
 }
 
-// Angular velocities in world axes: the samples have the body's.
+// Returns angular velocities in world axes, computed from those in body axes.
 py::array world_rates(const SolvedScene& solved) {
     std::vector<double> rates;
     rates.reserve(3 * solved.trajectory.samples.size());
@@ -49,7 +49,7 @@ py::array world_rates(const SolvedScene& solved) {
     return take(std::move(rates), std::move(shape));
 }
 
-// The forces and torques of joints and loops, (n, joints, 6); nothing where the method gave none.
+// Returns the reactions of joints and loops, (n, joints, 6), or None if the method did not compute them.
 py::object reactions(const SolvedScene& solved, const py::object& owner) {
     const std::vector<Reaction<double>>& all = solved.trajectory.reactions;
     if (all.empty()) return py::none();
@@ -92,7 +92,7 @@ std::shared_ptr<SolvedScene> solve_scene(const std::shared_ptr<ReadScene>& scene
     return solved;
 }
 
-// A trajectory of anyone's making: rows of 13 numbers, q, w in world axes, p, v.
+// Makes a trajectory from rows of 13 numbers: q, w in world axes, p, v.
 std::shared_ptr<SolvedScene> trajectory_of(const std::shared_ptr<ReadScene>& scene, const std::string& made_by,
                                            const Array& times, const Array& rows) {
     auto solved = std::make_shared<SolvedScene>();

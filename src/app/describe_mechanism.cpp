@@ -144,7 +144,7 @@ class Drawing {
         report_.line(indent + words);
     }
     void below(std::size_t root) {
-        // stack of (joint, depth), so that long chains do not recurse deeply
+        // explicit stack of (joint, depth): recursion would be deep for long chains
         std::vector<std::pair<std::size_t, std::size_t>> still;
         const auto push = [&](std::size_t body, std::size_t depth) {
             for (std::size_t k = children_[body].size(); k-- > 0;) still.emplace_back(children_[body][k], depth);

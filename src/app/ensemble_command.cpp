@@ -259,7 +259,7 @@ class EnsembleRun {
     std::vector<EnsembleSolver> solvers_;               // one body: one solver per sample
     std::optional<MechanismEnsembleSolver> mechanism_;  // several bodies
     std::size_t largest_piece_ = 0;                     // rows
-    std::atomic<std::size_t> piece_rows_{0};            // of the next piece, at most largest_piece_
+    std::atomic<std::size_t> piece_rows_{0};            // rows of the next piece, at most largest_piece_
     double reading_ = 0, solving_ = 0, writing_ = 0;    // s, sum over all threads
     double in_all_ = 0;                                 // s
     std::map<Status, std::size_t> count_;

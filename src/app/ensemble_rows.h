@@ -30,7 +30,7 @@ struct SolvedPiece {
 struct EnsembleRecord {
     std::size_t row;             ///< row number in the table
     const std::string* id;       ///< null if the table has no ids, and for refused rows
-    Status status;               ///< of the run until this time, or of a row that ended early
+    Status status;               ///< status of the run until this time, or of a row that ended early
     const Sample* sample;        ///< the motion; null if there is none
     std::string_view body;       ///< name of the body (several bodies)
     const std::string& message;  ///< the reason if status is not ok

@@ -297,7 +297,7 @@ def solve(
 
 
 def rows_of(q: npt.ArrayLike, *others: npt.ArrayLike | None) -> Array:
-    """Returns rows of 13 numbers: q, w, p, v. Blocks that are None are zero."""
+    """Returns rows of 13 numbers: q, w, p, v. Missing blocks (None) are zero."""
     blocks = [np.asarray(q, dtype=np.float64).reshape(-1, 4)]
     for block in others:
         blocks.append(np.zeros((len(blocks[0]), 3)) if block is None else

@@ -20,8 +20,7 @@ using V = Vector3<double>;
 // in points (1/72 inch): one column of a paper
 constexpr double page_width = 250, largest_plot_height = 230, title_height = 16, line_height = 10;
 constexpr double text_size = 7, title_size = 8;
-constexpr double azimuth = 52,
-                 elevation = 27;  // viewing direction, degrees from axis 1 and from the plane of axes 1 and 2
+constexpr double azimuth = 52, elevation = 27;  // viewing direction, degrees from axis 1 and from the plane of 1 and 2
 
 struct Style {
     const char* color;

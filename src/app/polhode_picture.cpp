@@ -1,3 +1,5 @@
+// Draws a polhode on its ellipsoid as a gnuplot script in page coordinates. PolhodeView projects all lines and splits
+// them into visible and hidden parts, which are drawn in layers from back to front.
 #include "app/polhode_picture.h"
 
 #include <fmt/format.h>

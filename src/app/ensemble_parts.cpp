@@ -1,5 +1,5 @@
 // Writes and merges parts of an ensemble. Each part has a .json file that identifies the table, scene, options and
-// program and has the size and hash of the part. The merge verifies these and concatenates the parts behind one header.
+// program and has the size and hash of the part. The merge verifies these and concatenates the parts after one header.
 #include "app/ensemble_parts.h"
 
 #include <fmt/format.h>

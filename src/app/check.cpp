@@ -1,4 +1,5 @@
-// polhode check: trajectories of anyone's making against the truth.
+// polhode check: compares trajectories from any program with the truth. Parses the options, computes or reads the
+// reference through check_files(), and prints the verdicts as text, JSON or JUnit.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,11 +32,11 @@ namespace {
 struct CheckOptions {
     std::string scene, format = "text", convention, columns, length_unit, angle_unit, picture;
     std::vector<std::string> trajectories;
-    std::map<std::string, std::string> limits;  // by block, as they were given
+    std::map<std::string, std::string> limits;  // by block, as given
     bool report_only = false, explain = false;
 };
 
-// The files, and of each folder its CSV files by name.
+// Returns the files; directories are replaced by their CSV files, sorted by name.
 std::vector<std::string> files_of(const std::vector<std::string>& paths) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
@@ -48,14 +49,14 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
         std::vector<std::string> found;
         for (const auto& entry : fs::directory_iterator(path))
             if (entry.path().extension() == ".csv") found.push_back(entry.path().string());
-        if (found.empty()) throw InputError(path, "", "is a folder without a .csv file", "give trajectory files");
+        if (found.empty()) throw InputError(path, "", "is a directory without .csv files", "give trajectory files");
         std::ranges::sort(found);
         files.insert(files.end(), found.begin(), found.end());
     }
     return files;
 }
 
-// Units are words of a convention.
+// Adds the words of --length-unit and --angle-unit to the convention.
 Convention convention_of(const CheckOptions& options) {
     std::string words = options.convention;
     const auto add = [&](std::string_view word) { words += (words.empty() ? "" : ",") + std::string(word); };
@@ -64,7 +65,7 @@ Convention convention_of(const CheckOptions& options) {
     return convention_option(words);
 }
 
-// Says on stderr what takes so long, where it takes more than two seconds.
+// Prints a text to stderr unless it is destroyed within two seconds.
 class Notice {
   public:
     explicit Notice(std::string text) {
@@ -75,7 +76,7 @@ class Notice {
                     std::fputs(said.c_str(), stderr);
             });
         } catch (const std::system_error&) {
-            // where the system gives no thread, nothing is said
+            // without a thread the notice is not printed
         }
     }
     Notice(const Notice&) = delete;
@@ -93,7 +94,7 @@ class Notice {
     std::mutex mutex_;
     std::condition_variable ended_;
     bool has_ended_ = false;
-    std::thread thread_;  // the last: it uses the others
+    std::thread thread_;  // last member: the thread uses the others
 };
 
 int check_command(const CheckOptions& options) {
@@ -103,7 +104,7 @@ int check_command(const CheckOptions& options) {
     columns.degrees = convention.degrees;
     std::string drawn = options.picture;
     if (!drawn.empty()) {
-        if (!drawn.ends_with(".svg")) throw UsageError("--picture: is no name of an SVG file; give NAME.svg");
+        if (!drawn.ends_with(".svg")) throw UsageError("--picture must end in .svg; give NAME.svg");
         drawn.resize(drawn.size() - 4);
         require_output(options.picture);
     }
@@ -112,15 +113,15 @@ int check_command(const CheckOptions& options) {
     limits.report_only = options.report_only;
     for (const auto& [block, text] : options.limits)
         if (!text.empty() && is_of_joints(block) && !is_mechanism(scene))
-            throw UsageError(fmt::format("--max-{}: is of joints, and the scene is of one body; leave it out",
+            throw UsageError(fmt::format("--max-{} applies to joints, and the scene has one body; remove the option",
                                          block == "joint_gap" ? "joint-gap" : "joint-turn"));
         else if (!text.empty())
             as_usage([&, name = block, value = text] { limits.set(name, value); });
     const std::vector<std::string> files = files_of(options.trajectories);
-    if (!drawn.empty() && files.size() > 1) throw UsageError("--picture: draws one trajectory; give one file");
+    if (!drawn.empty() && files.size() > 1) throw UsageError("--picture draws one trajectory; give one file");
     std::vector<CheckedFile> all;
     try {
-        const Notice notice("polhode: computing the reference; it is kept, so that the next check takes less\n");
+        const Notice notice("polhode: computing the reference; it is cached, and the next check is faster\n");
         all = check_files(scene, files, convention, columns, limits, options.explain, !drawn.empty());
     } catch (const NoTruth& fault) {
         std::fputs(("polhode: " + one_line(fault.what(), 500) + "\n").c_str(), stderr);
@@ -128,7 +129,7 @@ int check_command(const CheckOptions& options) {
     }
     if (!drawn.empty())
         if (const std::string fault = draw(*all.front().picture, drawn); !fault.empty())
-            throw std::runtime_error("the picture was not drawn: " + fault);
+            throw std::runtime_error("cannot draw the picture: " + fault);
     if (options.format == "json")
         write_output("", check_json(scene, limits, all));
     else if (options.format == "junit")
@@ -142,60 +143,74 @@ int check_command(const CheckOptions& options) {
 
 void add_check(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand("check",
-                                               "Judges trajectory files against the truth and says what is wrong where "
-                                               "the fault is known; exit code 1 where an error is too large: of the "
-                                               "attitude, or of any other block that the file has.");
-    tell_columns(*command);
+                                               "Compares trajectory files with the truth and diagnoses known faults. "
+                                               "The exit code is 1 if the error of any block exceeds its limit.");
+    tell_columns(*command,
+                 "Blocks of --columns (BLOCK=COLUMN or BLOCK=COLUMN:COLUMN:..):\n"
+                 "  time=T  body=NAME  angular_velocity=X:Y:Z  position=X:Y:Z  origin=X:Y:Z  velocity=X:Y:Z\n"
+                 "  rotation=X:Y:Z:W   quaternion, or a rotation matrix by nine columns, row by row\n"
+                 "  matrix_by_columns= rotation matrix by nine columns, column by column\n"
+                 "  euler_zyx=A:B:C    Euler angles of any sequence, intrinsic rotations in this order\n"
+                 "\n"
+                 "Words of --convention (default: z-up, right-handed, radians, world-rates, metres, columns by name):\n"
+                 "  y-up               the scene's (x, y, z) is (x, z, -y) in the file; z-up: no change\n"
+                 "  left-handed        the scene's (x, y, z) is (x, z, y) with y-up, (x, -y, z) with z-up\n"
+                 "  right-handed       axes are right-handed\n"
+                 "  degrees, radians   Euler angles in deg or rad, w in deg/s or rad/s\n"
+                 "  body-rates         w in body axes\n"
+                 "  world-rates        w in world axes\n"
+                 "  scalar-first       the quaternion's columns are w,x,y,z in file order, whatever their names\n"
+                 "  scalar-last        the quaternion's columns are x,y,z,w in file order, whatever their names\n"
+                 "  metres, centimetres, millimetres, inches, feet   unit of positions and velocities\n"
+                 "  unity              y-up,left-handed\n"
+                 "  unreal             z-up,left-handed,centimetres\n"
+                 "  godot, three, bullet   y-up,right-handed\n"
+                 "\n"
+                 "Examples:\n"
+                 "  polhode check lagrange_top mine.csv --max-attitude 1e-6\n"
+                 "  polhode check t_handle engine.csv --convention unity,degrees --explain\n"
+                 "  polhode check t_handle log.csv --columns time=Time,rotation=a:b:c:d --format junit\n");
     const auto options = std::make_shared<CheckOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("TRAJECTORY", options->trajectories,
-                     "CSV files with the columns t,qw,qx,qy,qz and, where they are known, wx,wy,wz, px,py,pz (or the "
-                     "body's origin ox,oy,oz) and vx,vy,vz; of a folder all that end in .csv")
+                     "CSV files, or directories of .csv files. Required columns: t,qw,qx,qy,qz. Optional columns: "
+                     "wx,wy,wz, px,py,pz (or the body's origin ox,oy,oz), vx,vy,vz")
         ->required();
     for (const JudgedBlock& block : judged_blocks()) {
         std::string name = "--max-" + std::string(block.name);
         std::ranges::replace(name, '_', '-');
         command->add_option(
             name, options->limits[std::string(block.name)],
-            fmt::format("The largest error of the {} allowed{}{} (default: what the scene tolerates, or else {})",
-                        block.title, block.unit.empty() ? "" : fmt::format(", {}", block.unit),
-                        block.relative > 0 ? ", or a part of the motion's size such as 2%" : "",
+            fmt::format("Largest allowed error of the {}{}{} (default: the scene's \"tolerated\", otherwise {})",
+                        block.title, block.unit.empty() ? "" : fmt::format(", in {}", block.unit),
+                        block.unit.empty()   ? ", relative to its size, such as 0.02 or 2%"
+                        : block.relative > 0 ? " or relative to the motion's size such as 2%"
+                                             : "",
                         block.relative > 0 ? fmt::format("{:g} %", 100 * block.relative)
                                            : fmt::format("{:g} {}", block.absolute, block.unit)));
     }
     command->add_option(
         "--columns", options->columns,
-        "Which columns hold what, where names are not ours: time=T,rotation=X:Y:Z:W (or the nine of a "
-        "matrix, row by row),body=NAME (of scenes of several "
-        "bodies),angular_velocity=X:Y:Z,position=..,origin=..,velocity=..; others are "
-        "ignored; in place of rotation also matrix_by_columns= and Euler angles, euler_zyx=yaw:pitch:roll "
-        "(any sequence, each turn about the axes that those before have brought). "
-        "Names in common use are known without it");
+        "Map of blocks to column names, such as time=T,rotation=X:Y:Z:W,position=A:B:C (blocks: below). "
+        "Other columns are ignored. Common names are recognised without this option");
     std::vector<std::string> lengths;
     for (const auto& [name, word] : length_units()) lengths.push_back(name);
-    command->add_option("--length-unit", options->length_unit, "Unit of positions and velocities in the files")
+    command
+        ->add_option("--length-unit", options->length_unit, "Unit of positions and velocities in the files (default m)")
         ->check(CLI::IsMember(lengths));
-    command->add_option("--angle-unit", options->angle_unit, "Unit of w and of Euler angles in the files")
+    command->add_option("--angle-unit", options->angle_unit, "Unit of w and Euler angles in the files (default rad)")
         ->check(CLI::IsMember({"rad", "deg"}));
     command->add_option("--picture", options->picture,
-                        "F.svg (and F.pdf): the error of each block over time, beside what is allowed, the floors and "
-                        "the update of the catalogue that is nearest");
-    command->add_flag("--report-only", options->report_only,
-                      "Tell the errors; the exit code is 0 however large they are");
-    command->add_flag("--explain", options->explain, "List the faults that were tried and what each leaves");
+                        "Draw to F.svg and F.pdf: each block's error over time, its limit, the floors and the nearest "
+                        "update of the catalogue");
+    command->add_flag("--report-only", options->report_only, "Report errors of any size with exit code 0");
+    command->add_flag("--explain", options->explain, "List the faults that were tried and the error that each leaves");
     command->add_option(
         "--convention", options->convention,
-        "What the files are written in, words joined by commas: y-up or z-up (y-up: the scene's (x, y, z) is (x, z, "
-        "-y) "
-        "there, and (x, z, y) where left-handed), left-handed or right-handed (z-up, left-handed: (x, -y, z)), degrees "
-        "(w in degrees per second), body-rates (w in body axes), centimetres, millimetres, inches or feet, "
-        "scalar-first or scalar-last (the four columns of the quaternion hold w,x,y,z or "
-        "x,y,z,w in the order in which they stand, whatever their names); or unity (y-up,left-handed), unreal "
-        "(left-handed,centimetres), godot, three or bullet (y-up). "
-        "The "
-        "body is taken to be built in the same axes. Default: z-up, right-handed, radians, columns by name");
-    command->add_option("--format", options->format, "text, json or junit")
+        "Convention of the files: words joined by commas, such as y-up,left-handed,degrees, or a program: unity, "
+        "unreal, godot, three, bullet (words and default: below). The body is assumed to use the same axes");
+    command->add_option("--format", options->format, "Output format: text, json or junit")
         ->check(CLI::IsMember({"text", "json", "junit"}))
         ->capture_default_str();
     outside_option(*command);

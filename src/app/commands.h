@@ -1,4 +1,5 @@
-// The program's commands, one file each. Adding one is one file, its declaration here and its name in main.cpp.
+// The commands of the program, one file per command. To add one, write the file, declare it here and list it in
+// run_laboratory().
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,44 +13,44 @@
 
 namespace polhode {
 
-/// Adds a command to the program. Its callback runs when the command is given, and sets `exit_code`: 0 done, 1 the run
-/// ended in a named failure. Bad usage or input is thrown: UsageError, InputError.
+/// Adds a command to the program. Its callback runs the command and sets `exit_code`: 0 done, 1 the run ended in a
+/// named failure. It throws UsageError or InputError for bad usage or input.
 using AddCommand = void (*)(CLI::App& program, int& exit_code);
 
-/// One trajectory (solve.cpp).
+/// Computes one trajectory (solve.cpp).
 void add_solve(CLI::App& program, int& exit_code);
-/// All that is known of a scene or a method before solving (describe.cpp).
+/// Describes a scene, a method or an experiment (describe.cpp).
 void add_describe(CLI::App& program, int& exit_code);
-/// Experiments into tables and pictures (run.cpp).
+/// Runs experiments and writes tables and figures (run.cpp).
 void add_run(CLI::App& program, int& exit_code);
-/// What several folders hold of one experiment, as one (merge.cpp).
+/// Merges the results of shards from several directories (merge.cpp).
 void add_merge(CLI::App& program, int& exit_code);
-/// Text for the engines that run shards (submit.cpp).
+/// Writes scripts for workflow engines that run shards (submit.cpp).
 void add_submit(CLI::App& program, int& exit_code);
-/// The reference trajectory (truth.cpp).
+/// Computes the reference trajectory (truth.cpp).
 void add_truth(CLI::App& program, int& exit_code);
-/// Trajectories of anyone's making against the truth (check.cpp).
+/// Compares trajectories from any program with the truth (check.cpp).
 void add_check(CLI::App& program, int& exit_code);
-/// Pictures of trajectories (plot.cpp).
+/// Plots trajectories (plot.cpp).
 void add_plot(CLI::App& program, int& exit_code);
-/// A scene as it is written (show.cpp).
+/// Prints the JSON of a scene (show.cpp).
 void add_show(CLI::App& program, int& exit_code);
-/// What there is (list.cpp).
+/// Lists scenes, methods, experiments and other names (list.cpp).
 void add_list(CLI::App& program, int& exit_code);
-/// Golden data for an engine's unit tests (export.cpp).
+/// Exports golden data for the unit tests of an engine (export.cpp).
 void add_export(CLI::App& program, int& exit_code);
-/// A scene for many bodies (ensemble_command.cpp).
+/// Solves a scene for many bodies or initial states (ensemble_command.cpp).
 void add_ensemble(CLI::App& program, int& exit_code);
-/// A folder of results as one page (report.cpp).
+/// Writes a result directory as one HTML page (report.cpp).
 void add_report(CLI::App& program, int& exit_code);
 
-/// Bad usage: one line on stderr, exit code 2.
+/// Bad usage, reported in one line on stderr with exit code 2.
 class UsageError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
-/// f(), whose std::invalid_argument is bad usage: thrown as UsageError, `before` in front of its words.
+/// Returns f(). Rethrows its std::invalid_argument as UsageError, with `before` prepended to the message.
 template <class F>
 auto as_usage(const F& f, std::string_view before = "") {
     try {
@@ -60,45 +61,43 @@ auto as_usage(const F& f, std::string_view before = "") {
 }
 
 /// Parses the command line, runs the command given and turns every exception into one line on stderr and an exit code:
-/// 2 for bad usage or input, 1 for whatever else went wrong.
+/// 2 for bad usage or input, 1 for all other errors.
 int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands);
 
-/// Writes data to stdout, or atomically to `path` where it is not empty. Throws std::runtime_error.
+/// Writes data to stdout, or atomically to `path` if it is not empty. Throws std::runtime_error.
 void write_output(const std::string& path, std::string_view text);
 
-/// Throws UsageError where write_output could not write to `path`.
+/// Throws UsageError if write_output() could not write to `path`.
 void require_output(const std::string& path);
 
-/// Throws UsageError unless `value` is finite and positive; `option` is named in the message.
+/// Throws UsageError, naming `option`, unless `value` is finite and positive.
 void require_positive(const char* option, double value);
 
-/// What --convention says; ours where it is empty. Throws UsageError.
+/// Parses the value of --convention. An empty value is polhode's convention. Throws UsageError.
 Convention convention_option(const std::string& words);
 
-/// Throws UsageError where a scene has no joints whose reactions could go to `path`, or `path` is that of another
-/// output.
+/// Throws UsageError if the scene has neither joints nor loops, or if `path`, for their reactions, equals `other`.
 void require_joints(const Scene& scene, const std::string& path, const std::string& other);
 
 /// Throws UsageError if the scene has several bodies. `option` needs a scene of one body; `reason` says why.
 void require_one_body(const Scene& scene, const std::string& option, const std::string& reason);
 
-/// As write_output, of a table of trajectories: a file also says in a comment which frames and which point its columns
-/// are of.
+/// Writes a trajectory table like write_output(). In files, a comment states the frames and points of the columns.
 void write_trajectory_output(const std::string& path, std::string text);
 
-/// Puts what the columns of trajectory files mean under the command's help.
-void tell_columns(CLI::App& command);
+/// Appends the columns of trajectory files, and then the text `further`, to the command's help.
+void tell_columns(CLI::App& command, std::string_view further);
 
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);
 
-/// Adds --allow-outside: scene and experiment files may name files outside their own folders.
+/// Adds --allow-outside, which allows scene and experiment files to name files outside their directories.
 void outside_option(CLI::App& command);
 
-/// Throws UsageError where samples times bodies are more than a program holds in memory.
+/// Throws UsageError if samples times bodies exceeds the limit of states in memory.
 void require_states(const Scene& scene, long samples);
 
-/// Adds --engines FILE: engines of the user's own beside those that come with the program.
+/// Adds --engines FILE, a list of user-defined engines.
 void engines_option(CLI::App& command);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// polhode describe: all there is to know about a scene or a method.
+// polhode describe: prints a description of a scene, a method or an experiment.
 #include "app/describe.h"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ namespace {
 const char* control_text(Control control) {
     switch (control) {
         case Control::none:
-            return "neither a step nor a tolerance";
+            return "none: takes neither a step nor a tolerance";
         case Control::fixed_step:
             return "a fixed step (--step, --steps)";
         case Control::tolerance:
@@ -37,7 +37,7 @@ const char* control_text(Control control) {
     return "a fixed step (--step, --steps) or a tolerance (--tolerance)";
 }
 
-// Whether a name or a file is an experiment's. Of a file that cannot be read, the reader of scenes says why.
+// Returns whether a name or file is an experiment. Errors of unreadable files are reported by the reader of scenes.
 bool is_experiment(const std::string& name) {
     if (!builtin_experiment_text(name).empty()) return true;
     if (std::error_code none; !std::filesystem::is_regular_file(name, none)) return false;
@@ -56,12 +56,12 @@ std::string told(const PlannedCurve& curve) {
     if (curve.kind == SettingKind::none) return std::string(curve.method->name);
     const auto [low, high] = std::ranges::minmax(curve.settings);
     return fmt::format("{}, {}s {:.4g} to {:.4g} ({})", curve.method->name,
-                       curve.calibrated ? "evaluations a revolution by " + std::string(name_of(curve.kind))
+                       curve.calibrated ? "evaluations per revolution by " + std::string(name_of(curve.kind))
                                         : std::string(name_of(curve.kind)),
                        high, low, curve.settings.size());
 }
 
-// What an experiment will run, and where to.
+// Describes the cases of an experiment and where its results go.
 std::string describe_experiment(const std::string& name) {
     const Plan plan = make_plan(find_experiment(name), name, false);
     const Experiment& e = plan.experiment;
@@ -80,34 +80,36 @@ std::string describe_experiment(const std::string& name) {
     list("scenes", scenes);
     list("methods", methods);
     if (!e.kind->make)
-        text += fmt::format("  cases    {}, each up to {} times and for {:.4g} s at the most\n", cases, e.repeats,
-                            e.seconds_per_run);
-    return text + fmt::format("  run it   polhode run {}: tables and pictures into build/results/{}*\n", name, e.name);
+        text += fmt::format("  cases    {}, each repeated at most {} times, at most {:.4g} s per run\n", cases,
+                            e.repeats, e.seconds_per_run);
+    return text +
+           fmt::format("  command  polhode run {}: writes tables and figures to build/results/{}*\n", name, e.name);
 }
 
-// A method like any other, and who it is.
+// Describes an engine: the method, the version of the engine, and its settings.
 std::string describe_engine(const EngineMethod& engine) {
     std::string text = describe_method(*engine.method);
     const EngineReport report = engine.inspect(nullptr);
     text += fmt::format("  engine   {}\n", report.fault.empty() ? engine.engine + " " + report.hello.version
-                                                                : "not here: " + report.fault);
+                                                                : "not available: " + report.fault);
     for (const auto& [setting, what] : report.hello.settings)
         text += fmt::format("  {:<8} {}{}\n", setting, what, setting == engine.setting ? " (this one)" : "");
     return text;
 }
 
 std::string describe(const std::string& name, description::ConditioningBudget budget) {
-    if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
+    if (name == "auto")
+        return "auto\n\n  Selects a method for the scene; polhode describe SCENE prints which and why.\n";
     if (const Method* method = find_method(name)) return describe_method(*method);
     if (const EngineMethod* engine = find_engine(name)) return describe_engine(*engine);
     for (const MethodLeftOut& method : methods_left_out())
-        if (method.name == name) return fmt::format("{}\n\n  Left out. {}\n", method.name, method.reason);
+        if (method.name == name) return fmt::format("{}\n\n  Not included. {}\n", method.name, method.reason);
     if (is_experiment(name)) return describe_experiment(name);
     try {
         return describe_scene(find_scene(name), budget);
     } catch (const InputError&) {
-        // a slip in a method's name is no scene file, and a file's fault is not one in a name
-        // also a link that leads nowhere or in a circle
+        // if a file or link of this name exists (also a dangling or circular link), report its error
+        // otherwise the name may be a misspelt method
         if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(name, none))) throw;
         const std::string meant = did_you_mean(name, method_names());
         if (meant.empty() || !did_you_mean(name, builtin_scene_names()).empty()) throw;
@@ -115,32 +117,32 @@ std::string describe(const std::string& name, description::ConditioningBudget bu
     }
 }
 
-// an empty value is a slip of a script's, not a wish for the default
+// an empty value is an error in a script, not a request for the default
 std::string not_empty(const std::string& value) { return value.empty() ? "is empty" : ""; }
 
-// The scene's polhode to a file. Returns the exit code.
+// Draws the scene's polhode to a file. Returns the exit code.
 int draw(const std::string& name, const std::string& path) {
     if (!path.ends_with(".svg") && !path.ends_with(".pdf"))
-        throw UsageError(fmt::format("--picture: {} ends neither in .svg nor in .pdf; give one that does", path));
+        throw UsageError(fmt::format("--picture is {}; give a name that ends in .svg or .pdf", path));
     if (name == "auto" || find_method(name) || find_engine(name))
-        throw UsageError(fmt::format("--picture: {} is a method; give a scene", name));
+        throw UsageError(fmt::format("--picture draws scenes, and {} is a method; give a scene", name));
     require_output(path);
     const Scene scene = find_scene(name);
     require_one_body(scene, "--picture", "a polhode is drawn for one body");
     const PolhodeCurve polhode = polhode_curve(pose(scene));
     std::string fault = polhode.fault;
-    if (fault.empty() && polhode.energy == 0) fault = "the body never turns";
+    if (fault.empty() && polhode.energy == 0) fault = "the body does not rotate";
     if (fault.empty()) fault = draw_polhode(polhode, one_line(scene.name, 60), path);
     if (fault.empty()) return 0;
-    std::fputs(fmt::format("polhode: no picture: {}\n", one_line(fault, 500)).c_str(), stderr);
+    std::fputs(fmt::format("polhode: cannot draw the picture: {}\n", one_line(fault, 500)).c_str(), stderr);
     return 1;
 }
 
-// How far a step may reach by linear theory, or why there is none.
+// Returns the longest stable steps by linear theory, or why linear theory does not apply.
 std::string linear_stability(const Method& method) {
     if (!method.growth && !method.pendulum_growth)
-        return takes_step(method) ? "no linear theory: a step of it is no linear map of the state"
-                                  : "no linear theory: it chooses its steps, and often its order, by itself";
+        return takes_step(method) ? "linear theory does not apply: a step is not a linear map of the state"
+                                  : "linear theory does not apply: the method adapts its steps, and often its order";
     const auto words = [](std::optional<double> length) {
         return *length == 0 ? "never" : std::isinf(*length) ? "always" : fmt::format("up to {:.7g}", *length);
     };
@@ -156,7 +158,7 @@ std::string describe_method(const Method& method) {
         if (!value.empty()) description += fmt::format("  {:<10}  {}\n", name, value);
     };
     line("control", control_text(method.control));
-    line("order", method.order > 0 ? std::to_string(method.order) : "variable, or none");
+    line("order", method.order > 0 ? std::to_string(method.order) : "variable, or not defined");
     if (!method.described_as.empty()) line("described as", method.described_as);
     line("conserves", method.conserves);
     line("stable", linear_stability(method));
@@ -169,24 +171,29 @@ void add_describe(CLI::App& program, int& exit_code) {
         std::string name, output, picture;
         bool conditioning = false;
     };
-    CLI::App* command = program.add_subcommand(
-        "describe",
-        "Describes a scene (mass properties, of several bodies their tree and loops, system posed, what was left out, "
-        "invariants, conditioning, polhode), a method, or an experiment (what it will run).");
+    CLI::App* command = program.add_subcommand("describe",
+                                               "Describes a scene (mass properties, joints, system posed, omitted "
+                                               "terms, invariants, conditioning, polhode), a "
+                                               "method, or an experiment (its cases).");
+    command->footer(
+        "Examples:\n"
+        "  polhode describe lagrange_top\n"
+        "  polhode describe free_asymmetric --picture polhode.svg\n"
+        "  polhode describe cvode_adams\n");
     const auto options = std::make_shared<Options>();
-    command->add_option("NAME", options->name, "A built-in scene or experiment, a file of one, or a method")
+    command->add_option("NAME", options->name, "A scene or experiment (built-in name or file), or a method")
         ->required();
     engines_option(*command);
     outside_option(*command);
-    command->add_option("--output", options->output, "File to write, in place of stdout")->check(not_empty, "");
+    command->add_option("--output", options->output, "Output file (default: stdout)")->check(not_empty, "");
     command
         ->add_option("--picture", options->picture,
-                     "Draws a scene's polhode on its inertia ellipsoid, in 3D by gnuplot, to this .svg or .pdf file; "
-                     "no page is printed unless --output is given too")
+                     "Draw the scene's polhode on its inertia ellipsoid with gnuplot to this .svg or .pdf file. "
+                     "The text is then written only with --output")
         ->check(not_empty, "");
     command->add_flag("--conditioning", options->conditioning,
-                      "Computes a scene's conditioning over the whole run. Without this option a fixed number of steps "
-                      "is made, which takes a fraction of a second, and the page prints how far they reached");
+                      "Compute the scene's conditioning over the whole run. By default it is computed for a fixed "
+                      "number of steps, and the time reached is printed");
     command->callback([options, &exit_code] {
         if (!options->picture.empty()) exit_code = draw(options->name, options->picture);
         if (options->picture.empty() || !options->output.empty())

@@ -1,4 +1,4 @@
-// What `polhode describe` prints.
+// The texts of `polhode describe`.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace polhode {
 
-/// Mass properties, start, loads, the system posed, what was left out and why, invariants, conditioning at T,
-/// and the polhode drawn in characters.
+/// Returns mass properties, initial state, loads, the system posed, omitted terms with reasons, invariants,
+/// conditioning at T, and the polhode drawn in characters.
 std::string describe_scene(const Scene& scene,
                            description::ConditioningBudget budget = description::ConditioningBudget::brief);
 
-/// Name, documentation, control, order, what it conserves, source.
+/// Returns name, documentation, accepted settings, order, conserved quantities, stability and source.
 std::string describe_method(const Method& method);
 
 }  // namespace polhode

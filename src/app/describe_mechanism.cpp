@@ -1,4 +1,5 @@
-// What there is to say about a scene of several bodies before it is solved.
+// The description of a scene of several bodies: overview, the tree of joints as an indented list, loops, initial state,
+// loads, the system posed and omitted variables. Description blocks shared with one body are in description.cpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +21,7 @@ namespace {
 
 using namespace description;
 
-// what rounding leaves of nothing is nothing
+// values below 1e-15 are rounding errors of zero
 std::string brief(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-15 ? 0 : value); }
 std::string brief(const Vector3<double>& v) {
     return fmt::format("({}, {}, {})", brief(v[0] + 0.0), brief(v[1] + 0.0), brief(v[2] + 0.0));
@@ -46,7 +47,7 @@ std::string kinds_of(const Parts& parts) {
     return fmt::format("{}: {}", parts.size(), fmt::join(words, ", "));
 }
 
-// Where a joint stands at t = 0, and what acts in it.
+// Returns the coordinates and rates of a joint at t = 0, its spring and its damper.
 std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j, const std::vector<double>& y) {
     const Joint& joint = scene.joints[j];
     const int last = tree.links().link_of_joint[j];
@@ -65,7 +66,7 @@ std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j
                                at(link(last).coordinate), at(link(last - 1).rate), at(link(last).rate));
             break;
         case JointType::spherical:
-            text = fmt::format("turning by {} rad/s, child axes", brief(joint.angular_velocity));
+            text = fmt::format("rotating at {} rad/s, child axes", brief(joint.angular_velocity));
             break;
         case JointType::fixed:
             break;
@@ -75,7 +76,7 @@ std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j
     };
     if (joint.stiffness[0] != 0 || joint.stiffness[1] != 0) text += "; spring " + both(joint.stiffness);
     if (joint.damping[0] != 0 || joint.damping[1] != 0) text += "; damping " + both(joint.damping);
-    if (joint.dependent) text += "; moved until the loops close";
+    if (joint.dependent) text += "; adjusted until the loops close";
     return text;
 }
 
@@ -95,7 +96,7 @@ std::string axis_of(const Joint& joint) {
     return "fixed";
 }
 
-// The tree, each child below its parent. Long chains are cut.
+// Prints the tree, each child below its parent. Long trees are truncated.
 class Drawing {
   public:
     Drawing(Report& report, const Problem& problem)
@@ -122,7 +123,7 @@ class Drawing {
     }
 
   private:
-    // a thousand links are no page
+    // limits of the output for large trees
     static constexpr std::size_t most_lines = 60, most_indent = 24;
 
     Report& report_;
@@ -143,7 +144,7 @@ class Drawing {
         report_.line(indent + words);
     }
     void below(std::size_t root) {
-        // (joint, depth), the next one last: a long chain asks for no deep recursion
+        // explicit stack of (joint, depth): recursion would be deep for long chains
         std::vector<std::pair<std::size_t, std::size_t>> still;
         const auto push = [&](std::size_t body, std::size_t depth) {
             for (std::size_t k = children_[body].size(); k-- > 0;) still.emplace_back(children_[body][k], depth);
@@ -172,14 +173,14 @@ void overview(Report& report, const Problem& problem) {
     double mass = 0;
     for (const NamedBody& body : scene.bodies) mass += body.body.mass;
     report.title("Mechanism");
-    report.line("bodies", fmt::format("{}, {} kg together", scene.bodies.size(), number(mass)));
+    report.line("bodies", fmt::format("{}, total mass {} kg", scene.bodies.size(), number(mass)));
     report.line("joints", kinds_of(scene.joints));
     report.line("loops", kinds_of(scene.loops));
     const std::size_t rates = static_cast<std::size_t>(tree.links().rates);
     report.line("degrees of freedom", scene.loops.empty()
                                           ? std::to_string(rates)
-                                          : fmt::format("{}: {} of the tree, less {} that the loops take",
-                                                        mobility(tree), rates, tree.independent_loop_rows()));
+                                          : fmt::format("{}: {} of the tree minus {} removed by loops", mobility(tree),
+                                                        rates, tree.independent_loop_rows()));
 }
 
 void loops(Report& report, const Problem& problem) {
@@ -195,13 +196,14 @@ void loops(Report& report, const Problem& problem) {
             std::ranges::count_if(tree.chosen_rows(), [&](int row) { return row >= begin && row < begin + rows; });
         begin += rows;
         report.line(one_line(loop.name, 26),
-                    fmt::format("{}, {} - {}: {}, {} taken", name_of(loop.type), loop.first, loop.second,
+                    fmt::format("{}, {} - {}: {}, {} used", name_of(loop.type), loop.first, loop.second,
                                 counted(static_cast<std::size_t>(rows), "condition"), chosen));
     }
     const std::size_t all = tree.loop_rows(), independent = tree.independent_loop_rows();
-    report.line("together", fmt::format("{}, of which {} independent at the start and {} redundant",
-                                        counted(all, "condition"), independent, all - independent));
-    report.line("mobility", fmt::format("{}, the tree's {} less {}", mobility(tree), tree.links().rates, independent));
+    report.line("all loops", fmt::format("{}: {} independent at the start, {} redundant", counted(all, "condition"),
+                                         independent, all - independent));
+    report.line("mobility", fmt::format("{}: {} of the tree minus {} independent loop conditions", mobility(tree),
+                                        tree.links().rates, independent));
 }
 
 void start(Report& report, const Problem& problem) {
@@ -229,45 +231,46 @@ void system_of(Report& report, const Problem& problem) {
                                       counted(static_cast<std::size_t>(tree.links().rates), "rate")));
     report.line("equations", "articulated-body recursion (Featherstone 2008) in joint coordinates");
     if (tree.has_loops())
-        report.line("", "loops by multipliers on accelerations, places and rates projected after each step");
+        report.line("", "loops: multipliers on accelerations; positions and rates are projected after each step");
     std::vector<std::string> events;
     for (std::size_t k = 1; k < problem.segments.size(); ++k) events.push_back(number(problem.segments[k].begin));
-    if (!events.empty())
-        report.line("events at", fmt::format("{} s: loads change there, or impulses act", listed(events)));
+    if (!events.empty()) report.line("events at", fmt::format("{} s: loads change or impulses act", listed(events)));
 }
 
 void left_out(Report& report, const Problem& problem) {
     const Scene& scene = problem.scene;
     const Links<double>& links = mechanism_of(problem).tree().links();
-    report.title("Left out, and why");
+    report.title("Omitted, and why");
     const std::size_t full = 13 * scene.bodies.size(), taken = static_cast<std::size_t>(problem.needs.dimension);
     if (full > taken)
         report.line(counted(full - taken, "variable"),
-                    fmt::format("of the {} of all bodies on their own: joints leave no others", full));
+                    fmt::format("eliminated by joints, of the {} of free bodies", full));
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         if (links.carrier[b] < 0) continue;
         const Joint& joint = scene.joints[static_cast<std::size_t>(links.carrier[b])];
         if (links.bodies[b].link == world_link)
-            report.line(one_line(joint.child, 26), "does not move: it is fixed to the world");
+            report.line(one_line(joint.child, 26), "does not move: fixed to the world");
         else if (joint.type == JointType::fixed)
-            report.line(one_line(joint.child, 26), fmt::format("no body of its own: fixed joint {} holds it to {}",
-                                                               one_line(joint.name, 60), one_line(joint.parent, 60)));
+            report.line(one_line(joint.child, 26), fmt::format("merged with {} by the fixed joint {}",
+                                                               one_line(joint.parent, 60), one_line(joint.name, 60)));
     }
     const bool free_base = std::ranges::any_of(links.carrier, [](int joint) { return joint < 0; });
-    if (!free_base) report.line("p and v of the base", "joints hold it: its place follows from their coordinates");
+    if (!free_base)
+        report.line("p and v of the base",
+                    "the base is jointed to the world: joint coordinates determine its position");
     if (const auto normal = plane_of_motion(problem))
         report.line("the third dimension",
-                    fmt::format("all stay in planes across {}: what is zero there drops out of taylor's recorded "
-                                "right-hand side",
+                    fmt::format("all bodies move in planes normal to {}: taylor's recorded right-hand side omits the "
+                                "terms that are zero",
                                 brief(*normal)));
     const Tree<double>& tree = mechanism_of(problem).tree();
     const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows();
-    if (redundant > 0) report.line(counted(redundant, "loop condition"), "the others imply what they say");
+    if (redundant > 0) report.line(counted(redundant, "loop condition"), "implied by the other conditions");
     const bool all_free = std::ranges::all_of(links.carrier, [](int joint) { return joint < 0; });
     if (full <= taken && all_free && redundant == 0) report.line("nothing");
 }
 
-// What the import of a robot did not model, and what it took without finding it in the file.
+// Lists the constructs that the import of a robot does not model, and the values that it assumed.
 void import_notes(Report& report, const Scene& scene) {
     const auto list = [&](const char* title, const std::vector<std::string>& phrases) {
         if (phrases.empty()) return;
@@ -291,8 +294,9 @@ void description::mechanism(Report& report, const Problem& problem) {
     import_notes(report, problem.scene);
     choice(report, problem);
     report.title("Truth");
-    report.line("by", std::string(truth_method(problem)) +
-                          " in joint coordinates and, separately written, in maximal coordinates with multipliers");
+    report.line("computed by", std::string(truth_method(problem)) +
+                                   " in joint coordinates and, by independent code, in maximal coordinates with "
+                                   "multipliers");
     invariants(report, problem);
 }
 

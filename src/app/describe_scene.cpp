@@ -1,4 +1,4 @@
-// What there is to say about a scene before it is solved.
+// The description of a scene of one body, and describe_scene().
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,13 +29,13 @@ constexpr double heavy_mesh = 1e5;  // kg
 
 std::string made_of(const MadeOf& source) {
     struct Words {
-        std::string operator()(const GivenBody&) const { return "numbers"; }
+        std::string operator()(const GivenBody&) const { return "mass and inertia"; }
         std::string operator()(const ShapedBody& b) const {
             return fmt::format("a {} of uniform density", name_of(b.shape));
         }
         std::string operator()(const PointsBody& b) const { return fmt::format("{} point masses", b.points.size()); }
         std::string operator()(const MeshBody& b) const {
-            return fmt::format("what {} encloses with {} triangles", b.file, b.mesh.triangles.size());
+            return fmt::format("the volume enclosed by {}, {} triangles", b.file, b.mesh.triangles.size());
         }
         std::string operator()(const PartsBody& b) const { return fmt::format("{} parts", b.parts.size()); }
         std::string operator()(const ImportedBody& b) const { return fmt::format("the link {} of {}", b.link, b.file); }
@@ -43,7 +43,7 @@ std::string made_of(const MadeOf& source) {
     return one_line(std::visit(Words{}, source), 200);
 }
 
-// how far the momentum is from the rate it belongs to
+// angle between the angular velocity and the angular momentum
 void momentum_direction(Report& report, const Problem& problem) {
     const Vector3<double>& w = problem.body.angular_velocity_B;
     const double aside = angle_between(w, problem.body.inertia_B * w);
@@ -53,7 +53,7 @@ void momentum_direction(Report& report, const Problem& problem) {
 void mass_properties(Report& report, const Problem& problem) {
     const Body& body = problem.scene.body;
     report.title("Mass properties");
-    if (body.source) report.line("made of", made_of(body.source->made_of));
+    if (body.source) report.line("defined by", made_of(body.source->made_of));
     report.line("mass", number(body.mass) + " kg");
     if (body.source && std::holds_alternative<MeshBody>(body.source->made_of) && body.mass > heavy_mesh)
         report.line("", "heavier than 1e5 kg: if the file's coordinates are in millimetres, give \"scale\": 0.001");
@@ -68,7 +68,7 @@ void mass_properties(Report& report, const Problem& problem) {
                                                                            : "asymmetric: all three differ";
     report.line("principal moments", text(problem.body.principal.moments) + " kg m^2; " + symmetry);
     report.line("principal axes", problem.body.principal.q_BP == Quaternion<double>{}
-                                      ? "the body's own"
+                                      ? "body axes"
                                       : "q " + text(problem.body.principal.q_BP) + ", principal to body");
     momentum_direction(report, problem);
 }
@@ -81,8 +81,8 @@ void planes(Report& report, const Problem& problem) {
             "{} . x > {} m, restitution {}, {}", text(plane.normal_W), number(plane.offset), number(plane.restitution),
             plane.friction > 0 ? "Coulomb friction " + number(plane.friction) : "without friction"));
     const std::size_t pieces = problem.body.geometry->pieces.size();
-    report.line("hull", fmt::format("of {} point{}, balls or discs, none further than {} m from the centre of mass",
-                                    pieces, pieces == 1 ? "" : "s", number(problem.body.geometry->reach)));
+    report.line("hull", fmt::format("{} piece{} (points, balls or discs), at most {} m from the centre of mass", pieces,
+                                    pieces == 1 ? "" : "s", number(problem.body.geometry->reach)));
 }
 
 std::string equations(SystemKind system) {
@@ -103,7 +103,7 @@ std::string equations(SystemKind system) {
     return "J dw/dt = tau(t, q, w, p, v) - w x Jw, full tensor;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F / m";
 }
 
-// What tau consists of on the segment.
+// Lists the terms of tau on the segment.
 std::string torque_terms(const Forcing<double>& f) {
     std::vector<std::string> terms;
     if (!f.body_points.empty()) terms.push_back("forces constant in the world at body points");
@@ -112,7 +112,7 @@ std::string torque_terms(const Forcing<double>& f) {
     if (f.has_damping) terms.push_back("drag");
     if (!f.springs.empty()) terms.push_back("springs");
     if (!f.world_points.empty()) terms.push_back("forces at world points");
-    if (!f.user_torques.empty()) terms.push_back("the user's torque");
+    if (!f.user_torques.empty()) terms.push_back("a user-defined torque");
     return terms.empty() ? "no torque" : listed(terms);
 }
 
@@ -121,9 +121,9 @@ void system_posed(Report& report, const Problem& problem) {
     report.title("System posed");
     report.line("system", fmt::format("{}, {} variables", name_of(needs.system), needs.dimension));
     report.line("equations", equations(needs.system));
-    report.line("axes", problem.body.q_BP == Quaternion<double>{} ? "the body's own" : "the principal ones");
+    report.line("axes", problem.body.q_BP == Quaternion<double>{} ? "body axes" : "principal axes");
     report.line("about", problem.body.pivoted ? "the pivot" : "the centre of mass");
-    const char* translation = needs.translation == Translation::fixed         ? "none of its own"
+    const char* translation = needs.translation == Translation::fixed         ? "none"
                               : needs.translation == Translation::closed_form ? "closed form"
                                                                               : "integrated";
     report.line("translation", translation);
@@ -136,7 +136,7 @@ void system_posed(Report& report, const Problem& problem) {
                                segment.impulses.size() == 1 ? "" : "s", acts);
         report.line(fmt::format("{} s to {} s", number(segment.begin), number(segment.end)), acts);
     }
-    report.title("Left out, and why");
+    report.title("Omitted, and why");
     if (needs.left_out.empty()) report.line("nothing");
     for (const LeftOut& one : needs.left_out) report.line(one.what, one.why);
 }
@@ -145,24 +145,24 @@ void polhode_drawing(Report& report, const Problem& problem) {
     report.title("Polhode: the angular velocity in principal axes");
     const PolhodeCurve polhode = polhode_curve(problem);
     if (!polhode.fault.empty()) {
-        report.line("not drawn: " + polhode.fault);
+        report.line("not available: " + polhode.fault);
         return;
     }
     if (polhode.energy == 0) {
-        report.line("none: the body never turns");
+        report.line("none: the body does not rotate");
         return;
     }
     const auto rounded = [](const Vector3<double>& v) {
         return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
     };
     report.line("ellipsoid", fmt::format("2 E = I1 w1^2 + I2 w2^2 + I3 w3^2, E = {:.6g} J{}", polhode.energy,
-                                         polhode.energy_of_start ? " at t = 0" : ", the largest"));
-    report.line("its semi-axes", rounded(polhode.semi_axes) + " rad/s");
+                                         polhode.energy_of_start ? " at t = 0" : ", the largest of the run"));
+    report.line("semi-axes", rounded(polhode.semi_axes) + " rad/s");
     report.line("shown", fmt::format("0 s to {:.4g} s{}", polhode.until,
-                                     polhode.closed  ? ", once round"
-                                     : !polhode.free ? "; off the ellipsoid where a torque or an impulse takes it"
+                                     polhode.closed  ? ", one period of the curve"
+                                     : !polhode.free ? "; a torque or an impulse moves the curve off the ellipsoid"
                                                      : ""));
-    report.line("signs", "solid in front, dotted behind; sparse the ellipsoid's outline; o the start");
+    report.line("symbols", "solid: in front; dotted: behind; sparse: outline of the ellipsoid; o: start");
     for (const std::string& line : polhode_text(polhode)) report.line(line);
 }
 
@@ -184,8 +184,8 @@ std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     report.title("Start");
     report.line("attitude", text(problem.body.q) + ", body to world");
     report.line("angular velocity", text(problem.body.angular_velocity_B) + " rad/s, body axes");
-    report.line("centre of mass at", text(problem.body.position_W) + " m, world axes");
-    report.line("its velocity", text(problem.body.velocity_W) + " m/s, world axes");
+    report.line("position", text(problem.body.position_W) + " m, centre of mass, world axes");
+    report.line("velocity", text(problem.body.velocity_W) + " m/s, centre of mass, world axes");
     loads(report, problem.scene);
     planes(report, problem);
     system_posed(report, problem);

@@ -37,18 +37,18 @@ struct LoadText {
         return fmt::format("torsional spring {} N m, at rest at {}", number(load.stiffness),
                            text(load.rest_orientation));
     }
-    std::string operator()(const UserTorque& load) const { return "torque of the user's own: " + load.name; }
+    std::string operator()(const UserTorque& load) const { return "user-defined torque: " + load.name; }
     std::string operator()(const Motor& load) const {
-        return fmt::format("motor of joint \"{}\", {} N m (N) along its axis", load.joint, number(load.force));
+        return fmt::format("motor of joint \"{}\", {} N m (or N) along its axis", load.joint, number(load.force));
     }
     std::string operator()(const PointSpring& load) const {
-        return fmt::format("spring {} N/m from {} m in {} to {} m in {}, {} m long at rest", number(load.stiffness),
+        return fmt::format("spring {} N/m from {} m in {} to {} m in {}, rest length {} m", number(load.stiffness),
                            text(load.first_point), load.first, text(load.second_point), load.second,
                            number(load.rest_length));
     }
 };
 
-// of several, the one that a load acts on
+// the body that a load acts on, in scenes of several bodies
 std::string on_body(const Load& load) {
     const std::string name = load_body(load);
     return name.empty() ? "" : fmt::format(", on body \"{}\"", name);
@@ -69,21 +69,21 @@ void description::loads(Report& report, const Scene& scene) {
 }
 
 void description::choice(Report& report, const Problem& problem) {
-    report.title("What auto takes");
+    report.title("Method selected by auto");
     const Choice taken = choose_method(problem);
     report.line(std::string(taken.method->name), std::string(taken.why));
     const Stiffness found = stiffness(problem);
     if (found.decays > 0)
         report.line(found.stiff() ? "stiff" : "not stiff",
-                    fmt::format("{:.3g} decay times of what decays fastest, while the body turns by {:.3g} rad",
-                                found.decays, found.turning));
+                    fmt::format("{:.3g} time constants of the fastest decay, {:.3g} rad of rotation", found.decays,
+                                found.turning));
 }
 
 void description::invariants(Report& report, const Problem& problem) {
     report.title("Invariants, with their values at t = 0");
     const std::vector<Conserved> all = conserved(problem);
     if (all.empty())
-        report.line(is_mechanism(problem.scene) ? "none known: loads, joints or time change energy and momenta"
+        report.line(is_mechanism(problem.scene) ? "none known: loads or joints change energy and momenta"
                                                 : "none: the loads change energy and every component of momentum");
     for (const Conserved& one : all) {
         const bool vector = one.value.size() == 3;
@@ -98,11 +98,11 @@ void description::invariants(Report& report, const Problem& problem) {
     }
 }
 
-// How small changes of the start grow, and so from when on an engine's error says nothing about the engine.
+// Prints how small changes of the initial state grow, and until when an engine's error can be attributed to the engine.
 void description::growth(Report& report, const Problem& problem, ConditioningBudget budget) {
     report.title("Conditioning");
     const double T = problem.scene.duration;
-    // evenly, and of one body 50 a decade from T / 10^8 on: a run that is cut short is known to its end all the same
+    // equally spaced; for one body also 50 per decade from T / 10^8, so that a run that stops early is resolved
     constexpr long intervals = 2000, of_several_bodies = 200, decades = 8, a_decade = 50;
     const bool several = is_mechanism(problem.scene);
     std::vector<double> times = sample_times(T, several ? of_several_bodies : intervals);
@@ -119,9 +119,9 @@ void description::growth(Report& report, const Problem& problem, ConditioningBud
         if (budget == ConditioningBudget::brief && found.budget_spent)
             report.line("", "`polhode describe --conditioning` computes it for the whole run");
     };
-    // the start alone says nothing
+    // the initial time alone gives no information
     if (found.times.empty() || (!found.available && found.times.back() == 0)) {
-        report.line("not known: " + found.message);
+        report.line("not available: " + found.message);
         how_to_get_it();
         return;
     }
@@ -131,24 +131,25 @@ void description::growth(Report& report, const Problem& problem, ConditioningBud
     if (!found.available) report.line("only until " + end, found.message), how_to_get_it();
     report.line(fmt::format("kappa({})", found.available ? "T" : fmt::format("{:.4g} s", found.times[last])),
                 fmt::format("{:.4g} = ||d state / d state(0)||, each block in units of its scale", found.state[last]));
-    report.line("its peak", fmt::format("{:.4g}, at t = {:.4g} s", state.value, state.time));
-    report.line("of it the attitude",
-                fmt::format("{:.4g} rad at {} for each relative change of the start; at most "
+    report.line("largest kappa", fmt::format("{:.4g}, at t = {:.4g} s", state.value, state.time));
+    report.line("attitude part of kappa",
+                fmt::format("{:.4g} rad at {} per relative change of the initial state; at most "
                             "{:.4g} rad, at t = {:.4g} s",
                             found.attitude[last], end, found.attitude_peak().value, found.attitude_peak().time));
     for (const auto& [name, roundoff] :
          {std::pair("floor in binary64", float64_roundoff), std::pair("floor in binary32", float32_roundoff)})
-        report.line(name, fmt::format("{:.2g} rad at {}, {:.2g} rad at worst: by rounding the start alone",
-                                      found.floor(last, roundoff), end, found.floor_peak(roundoff).value));
+        report.line(name,
+                    fmt::format("{:.2g} rad at {}, at most {:.2g} rad: error caused by rounding the initial state",
+                                found.floor(last, roundoff), end, found.floor_peak(roundoff).value));
     const ErrorLimit allowed = ErrorLimits(problem.scene)["attitude"];
     std::size_t k = 0;
     while (k <= last && !(found.floor(k, float32_roundoff) > allowed.value)) ++k;
     const std::string until = k <= last         ? fmt::format("until t = {:.4g} s", found.times[k])
-                              : found.available ? "the whole run"
+                              : found.available ? "for the whole run"
                                                 : "at least until " + end;
-    report.line("a float engine", fmt::format("can be judged {}: so long its floor is within {} rad ({})", until,
-                                              number(allowed.value), allowed.from));
-    if (found.available) report.line("by", found.message);
+    report.line("binary32 engine", fmt::format("can be evaluated {}: its floor is within {} rad ({})", until,
+                                               number(allowed.value), allowed.from));
+    if (found.available) report.line("computed by", found.message);
 }
 
 }  // namespace polhode

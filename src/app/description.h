@@ -1,4 +1,4 @@
-// What the descriptions of scenes are written with.
+// Building blocks of the descriptions of scenes.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ inline std::string text(const Matrix3<double>& m) {
 }
 inline std::string text(Frame frame) { return frame == Frame::body ? "body" : "world"; }
 
-// A titled block; entries of two columns.
+// A text of titled blocks with entries in two columns.
 class Report {
   public:
     void title(const std::string& words) { text_ += (text_.empty() ? "" : "\n") + words + "\n"; }
@@ -40,20 +40,21 @@ class Report {
     std::string text_;
 };
 
-/// A block of the loads.
+/// Appends the block on loads.
 void loads(Report& report, const Scene& scene);
-/// A block of the method that auto takes.
+/// Appends the block on the method that auto selects.
 void choice(Report& report, const Problem& problem);
-/// A block of what the motion keeps.
+/// Appends the block on invariants of the motion.
 void invariants(Report& report, const Problem& problem);
-/// How much of a scene's conditioning is computed.
+/// How far the conditioning of a scene is computed.
 enum class ConditioningBudget {
-    brief,  ///< what a fixed number of steps reaches: a fraction of a second
-    whole,  ///< the whole run, however long that takes
+    brief,  ///< for a fixed number of steps: a fraction of a second
+    whole,  ///< for the whole run, without a time limit
 };
-/// A block of how small changes of the start grow, and so from when on an engine's error says nothing about the engine.
+/// Appends the block on conditioning: growth of small changes of the initial state, and until when an engine's error
+/// can be attributed to the engine.
 void growth(Report& report, const Problem& problem, ConditioningBudget budget);
-/// All that there is to say of a scene of several bodies between its title and its conditioning.
+/// Appends the blocks of a scene of several bodies, except title and conditioning.
 void mechanism(Report& report, const Problem& problem);
 
 }  // namespace polhode::description

@@ -1,4 +1,8 @@
-// polhode ensemble: one scene, many bodies or starts of a mechanism, one per row of a table.
+// polhode ensemble: solves one scene for many bodies or initial states of a mechanism, one per row of a table.
+//
+// The table is read in pieces of some thousand rows. Each piece is solved by one thread, pieces in parallel, and
+// written in the order of the table (work_in_order()), so that memory does not depend on the length of the table. With
+// --shard a run solves a contiguous part of the rows and writes a .json file that identifies it; see ensemble_parts.h.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,12 +45,12 @@ struct EnsembleOptions {
     std::string shard;
 };
 
-constexpr std::size_t most_refusals = 100;  // in the summary
-// of rows for stdout, bytes
+constexpr std::size_t most_refusals = 100;  // listed in the summary
+// bytes of rows buffered for stdout
 constexpr std::size_t most_held = std::size_t{8} << 20;
 
-// Where rows go: a file that is there whole or not at all, or stdout, which begins once all rows are there or more of
-// them than are held.
+// The destination of rows: a file, which is complete or does not appear, or stdout. Output to stdout starts when all
+// rows are available or the buffer is full.
 class RowSink {
   public:
     explicit RowSink(const std::string& path) {
@@ -84,7 +88,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// One table, piece by piece.
+// Solves one table, piece by piece.
 class EnsembleRun {
   public:
     EnsembleRun(const Scene& scene, const EnsembleSettings& settings, const EnsembleOptions& options)
@@ -93,7 +97,7 @@ class EnsembleRun {
           options_(options),
           table_(open_ensemble(options.initial, scene)),
           format_(format_of(options.output, scene, *table_, options.initial)) {
-        // each piece by one thread, and all pieces side by side
+        // one thread per piece; pieces run in parallel
         EnsembleSettings alone = settings;
         alone.threads = 1;
         if (is_mechanism(scene))
@@ -124,11 +128,11 @@ class EnsembleRun {
         part.options = fmt::format("tolerance {}, samples {}, max-steps {}, max-seconds {}", settings_.tolerance,
                                    options_.samples, settings_.max_steps, settings_.seconds_limit);
         const auto [first, last] = rows_of_shard(part.table.rows, shard);
-        if (table_->skip(first) < first) throw std::runtime_error(options_.initial + ": changes while it is read");
+        if (table_->skip(first) < first) throw std::runtime_error(options_.initial + ": changed while it was read");
         const std::string path = part_path(options_.output, shard);
         ContentHash hash;
         solve(path, last - first, &hash);
-        if (table_->rows_passed() != last) throw std::runtime_error(options_.initial + ": changes while it is read");
+        if (table_->rows_passed() != last) throw std::runtime_error(options_.initial + ": changed while it was read");
         part.rows = last - first, part.refused = refused_, part.bytes = bytes_, part.hash = hash.text();
         for (const auto& [status, rows] : count_) part.ok += status == Status::ok ? rows : 0;
         write_atomically(path + ".json", write_part(part));
@@ -141,13 +145,13 @@ class EnsembleRun {
     }
 
   private:
-    // Solves the next rows of the table, `rows` at most, into a file; `hash`, where there is one, is of the bytes
-    // behind its header.
+    // Solves at most the next `rows` rows of the table into a file. Adds the bytes after the header to `hash` unless it
+    // is null.
     void solve(const std::string& path, std::size_t rows, ContentHash* hash) {
         const auto start = std::chrono::steady_clock::now();
         RowSink sink(path);
         if (format_->counts_records() && sink.file() && !sink.file()->is_regular())
-            throw UsageError(path + ": is no regular file; an .npy file is written into one");
+            throw UsageError(path + " is not a regular file; give a regular file for .npy output");
         sink.write(format_->header(0));
         std::size_t left = rows;
         const auto read_next = [&]() -> std::optional<SolvedPiece> {
@@ -170,7 +174,7 @@ class EnsembleRun {
         in_all_ += seconds_since(start);
     }
 
-    // The next rows, at most `left`.
+    // Reads the next rows, at most `left`.
     SolvedPiece read(std::size_t left) {
         const auto start = std::chrono::steady_clock::now();
         SolvedPiece piece;
@@ -198,7 +202,7 @@ class EnsembleRun {
         sink.write(std::move(piece.text));
         solving_ += piece.solving;
         writing_ += piece.formatting + seconds_since(start);
-        // short ones cost their hand-over, long ones let the other threads wait at the end
+        // short pieces have overhead; long pieces let other threads idle at the end
         if (piece.solving < 0.002) piece_rows_ = std::min(2 * piece_rows_.load(), largest_piece_);
     }
 
@@ -226,24 +230,24 @@ class EnsembleRun {
                std::ranges::all_of(count_, [](const auto& status) { return status.first == Status::ok; });
     }
 
-    // What the run did, for people: a line each.
+    // Returns the summary of the run, one topic per line.
     std::string summary() const {
         const double solving = solving_ / settings_.threads;
-        std::string text = fmt::format("scene    {}: {} {}, {} s\n", one_line(scene_.name, 100), rows_,
-                                       mechanism_ ? fmt::format("starts of {} bodies", scene_.bodies.size()) : "bodies",
-                                       scene_.duration);
+        std::string text = fmt::format(
+            "scene    {}: {} {}, {} s\n", one_line(scene_.name, 100), rows_,
+            mechanism_ ? fmt::format("initial states of {} bodies", scene_.bodies.size()) : "bodies", scene_.duration);
         text += fmt::format("cost     {:.3f} s on {} thread{} ({}), {:.4g} {} per second\n", solving, settings_.threads,
                             settings_.threads == 1 ? "" : "s", name_of(settings_.instructions),
-                            static_cast<double>(rows_) / solving, mechanism_ ? "starts" : "bodies");
-        text +=
-            fmt::format("tables   {:.3f} s to read, {:.3f} s to write; {:.3f} s in all\n", reading_, writing_, in_all_);
+                            static_cast<double>(rows_) / solving, mechanism_ ? "initial states" : "bodies");
+        text += fmt::format("tables   {:.3f} s to read, {:.3f} s to write; {:.3f} s in total\n", reading_, writing_,
+                            in_all_);
         std::vector<std::string> ends;
         for (const auto& [status, rows] : count_) ends.push_back(fmt::format("{} {}", rows, name_of(status)));
         text += fmt::format("status   {}\n{}", listed(ends), first_failure_);
         for (const RefusedRow& row : refusals_)
             text += fmt::format("refused  row {}: {}\n", row.row, one_line(row.fault, 500));
         if (refused_ > refusals_.size())
-            text += fmt::format("refused  {} rows more; the output has all\n", refused_ - refusals_.size());
+            text += fmt::format("refused  {} more rows; the output lists all\n", refused_ - refusals_.size());
         return text;
     }
 
@@ -252,16 +256,16 @@ class EnsembleRun {
     const EnsembleOptions& options_;
     std::unique_ptr<EnsembleStream> table_;
     std::unique_ptr<EnsembleFormat> format_;
-    std::vector<EnsembleSolver> solvers_;               // of one body: one for each sample
-    std::optional<MechanismEnsembleSolver> mechanism_;  // of several bodies
+    std::vector<EnsembleSolver> solvers_;               // one body: one solver per sample
+    std::optional<MechanismEnsembleSolver> mechanism_;  // several bodies
     std::size_t largest_piece_ = 0;                     // rows
-    std::atomic<std::size_t> piece_rows_{0};            // of the next piece; at most the largest
-    double reading_ = 0, solving_ = 0, writing_ = 0;    // s, of all threads together
+    std::atomic<std::size_t> piece_rows_{0};            // rows of the next piece, at most largest_piece_
+    double reading_ = 0, solving_ = 0, writing_ = 0;    // s, sum over all threads
     double in_all_ = 0;                                 // s
     std::map<Status, std::size_t> count_;
     std::size_t rows_ = 0, refused_ = 0;
-    std::uint64_t bytes_ = 0;           // behind the header
-    std::string first_failure_;         // a line, or empty
+    std::uint64_t bytes_ = 0;           // after the header
+    std::string first_failure_;         // one line, or empty
     std::vector<RefusedRow> refusals_;  // the first ones
 };
 
@@ -282,7 +286,7 @@ int ensemble_command(const EnsembleOptions& options) {
         options.threads.value_or(std::max<long>(1, static_cast<long>(std::thread::hardware_concurrency()))));
     settings.max_steps = options.max_steps, settings.seconds_limit = options.max_seconds;
     const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
-    if (!options.shard.empty() && options.output.empty()) throw UsageError("--shard: parts are files; give --output");
+    if (!options.shard.empty() && options.output.empty()) throw UsageError("--shard writes a file; give --output");
     EnsembleRun run(scene, settings, options);
     return options.shard.empty() ? run.whole() : run.part(shard);
 }
@@ -292,45 +296,52 @@ int ensemble_command(const EnsembleOptions& options) {
 void add_ensemble(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "ensemble",
-        "Solves a scene for many bodies, each with its own inertia and start, or a mechanism from many starts, one per "
-        "row of a table. A row with a fault is reported with its line and stops no other; the exit code is 1 then.");
+        "Solves a scene for many bodies, each with its own inertia and initial state, or a mechanism from many initial "
+        "states, one per row of a table. Invalid and failed rows are reported; the other rows are solved, and the exit "
+        "code is 1.");
+    command->footer(
+        "Columns of the table (missing columns take the scene's values):\n"
+        "  one body        qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,ixx,iyy,izz,ixy,ixz,iyz,mass,id\n"
+        "  several bodies  JOINT.angle, .rate, .displacement, .speed, .angle1, .angle2, .rate1, .rate2, .qw.., .wx..,\n"
+        "                  .stiffness, .rest, .damping; BODY.mass; free base: BODY.qw.., .wx.., .px.., .vx..; id\n"
+        "\n"
+        "Fields of an .npy output: row and status (<i8), t, qw .. vz (<f8), body (several bodies), id (.npy table).\n"
+        "\n"
+        "Examples:\n"
+        "  polhode ensemble free_asymmetric --initial bodies.csv --output ends.csv\n"
+        "  polhode ensemble mechanisms/double_pendulum --initial states.npy --samples 10 --output motion.npy\n"
+        "  polhode ensemble free_asymmetric --initial bodies.npy --shard 1/4 --output ends.npy\n");
     const auto options = std::make_shared<EnsembleOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--initial", options->initial,
-                     "CSV file, one row per line, or NumPy's structured array (.npy), one row per record; missing "
-                     "columns have the scene's values. Columns of one body: qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz,"
-                     "ixx,iyy,izz,ixy,ixz,iyz,mass,id. Columns of several bodies: "
-                     "JOINT.angle, .rate, .displacement, .speed, .angle1, .angle2, .rate1, .rate2, .qw.., .wx.., "
-                     ".stiffness, .rest, .damping, BODY.mass, of a free base BODY.qw.., .wx.., .px.., .vx.., and id")
+                     "Table: CSV file with one row per line, or NumPy structured array (.npy) with one row per record "
+                     "(columns: below)")
         ->required();
     command->add_option("--tolerance", options->tolerance, "Relative tolerance (default 1e-10)");
-    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
-    command->add_option("--threads", options->threads, "Threads (default: as many as the machine runs at once)");
-    command
-        ->add_option("--max-steps", options->max_steps, "A row that needs more steps between two events ends as failed")
+    command->add_option("--duration", options->duration, "Duration T in s (default: the scene's)");
+    command->add_option("--threads", options->threads, "Number of threads (default: all cores)");
+    command->add_option("--max-steps", options->max_steps, "A row fails after this many steps between two events")
         ->capture_default_str();
     command
         ->add_option("--max-seconds", options->max_seconds,
-                     "A row that is solved by itself and needs more seconds of its thread's time ends as failed")
+                     "A row that is solved separately fails after this CPU time of its thread, in s")
         ->capture_default_str();
     command
         ->add_option("--samples", options->samples,
-                     "N: the motion at k T/N, k = 1..N; one body is solved from its start for each of them")
+                     "Number of samples N at k T/N, k = 1..N. Single bodies are solved from t = 0 for each sample")
         ->capture_default_str();
     command
         ->add_option("--rows-at-once", options->rows_at_once,
-                     "Rows times samples times bodies that a thread takes at a time, at most, but 64 rows at least; "
-                     "the table may be of any length")
+                     "Largest number of rows times samples times bodies per piece of work of a thread (at least 64 "
+                     "rows). Does not limit the length of the table")
         ->capture_default_str();
     command->add_option("--shard", options->shard,
-                        "I/N: solves part I of N of the rows into OUTPUT.part-I-of-N, with a .json that says of what; "
-                        "polhode merge puts the parts together");
-    command->add_option(
-        "--output", options->output,
-        "File to write, in place of stdout; one that ends in .npy is written as NumPy's structured "
-        "array, one record per row, time and body: row and status (<i8), t, qw .. vz (<f8), for several "
-        "bodies body (its name), and id if the table is .npy");
+                        "Solve part I of N of the rows (I/N) into OUTPUT.part-I-of-N and a .json file that describes "
+                        "it; polhode merge joins the parts");
+    command->add_option("--output", options->output,
+                        "Output file (default: stdout). A name that ends in .npy selects a NumPy structured array with "
+                        "one record per row, time and body (fields: below)");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });
 }

@@ -1,3 +1,5 @@
+// Writes and merges parts of an ensemble. Each part has a .json file that identifies the table, scene, options and
+// program and has the size and hash of the part. The merge verifies these and concatenates the parts after one header.
 #include "app/ensemble_parts.h"
 
 #include <fmt/format.h>
@@ -28,13 +30,13 @@ namespace fs = std::filesystem;
 constexpr std::size_t most_parts = 1'000'000, block = std::size_t{1} << 20, largest_json = std::size_t{1} << 16;
 constexpr const char* kind = "part of an ensemble";
 
-// All bytes from where `input` stands, at most a block at a time.
+// Calls `use` with all bytes from the current position of `input`, at most one block at a time.
 void for_each_block(InputFile& input, const std::function<void(std::string_view)>& use) {
     std::vector<char> bytes(block);
     while (const std::size_t count = input.read(bytes.data(), bytes.size())) use({bytes.data(), count});
 }
 
-// A part's file and what stands beside it.
+// A part's file and its .json file.
 struct FoundPart {
     EnsemblePart part;
     std::string json, path;
@@ -51,50 +53,50 @@ std::vector<FoundPart> parts_in(const std::vector<std::string>& dirs) {
         std::error_code error;
         for (const std::string& name : names_in(dir, error))
             if (is_part_json(name)) names.push_back(name);
-        if (error)
-            throw InputError(dir, "", "cannot be read: " + error.message(), "give folders that parts were written to");
+        if (error) throw InputError(dir, "", "cannot be read: " + error.message(), "give the directories of the parts");
         for (const std::string& name : names) {
             FoundPart part;
             part.json = (fs::path(dir) / name).string();
             part.path = part.json.substr(0, part.json.size() - std::string_view(".json").size());
-            part.part = parse_part(read_text(part.json, largest_json, "what stands beside a part"), part.json);
+            part.part = parse_part(read_text(part.json, largest_json, "the .json file of a part"), part.json);
             found.push_back(std::move(part));
         }
     }
     return found;
 }
 
-// Keeps the parts of one ensemble: of the one that is called so, or the only one that there is.
+// Keeps the parts of one ensemble: the one with the given output name, or the only one.
 void choose(std::vector<FoundPart>& found, const std::string& dir, const std::string& name) {
     std::vector<std::string> names;
     for (const FoundPart& part : found)
         if (std::ranges::find(names, part.part.output) == names.end()) names.push_back(part.part.output);
-    if (names.empty()) throw InputError(dir, "", "holds no part of an ensemble", "give the folders of the parts");
+    if (names.empty())
+        throw InputError(dir, "", "contains no part of an ensemble", "give the directories of the parts");
     if (names.size() == 1) return;
     if (std::ranges::find(names, name) == names.end())
-        throw InputError(dir, "", "holds parts of " + one_line(listed(names), 300), "name one of them as output");
+        throw InputError(dir, "", "contains parts of " + one_line(listed(names), 300), "give one of these as --output");
     std::erase_if(found, [&](const FoundPart& part) { return part.part.output != name; });
 }
 
-// Throws InputError unless both are parts of the same.
+// Throws InputError unless both are parts of the same ensemble.
 void require_same(const FoundPart& a, const FoundPart& b) {
     const auto differ = [&](const char* what, const std::string& x, const std::string& y) {
         if (x == y) return;
         throw InputError(
             a.json, "",
-            fmt::format("is of {} {}, and {} of {}", what, one_line(x, 200), one_line(b.json, 300), one_line(y, 200)),
-            "take away the parts that are not meant, or solve them again");
+            fmt::format("has {} {}, and {} has {}", what, one_line(x, 200), one_line(b.json, 300), one_line(y, 200)),
+            "remove the parts that do not belong, or solve them again");
     };
     const EnsemblePart &p = a.part, &q = b.part;
-    differ("a number of parts,", std::to_string(p.shard.parts), std::to_string(q.shard.parts));
-    differ("a table with hash", p.table.hash, q.table.hash);
-    differ("a table with rows", std::to_string(p.table.rows), std::to_string(q.table.rows));
-    differ("a scene with hash", p.scene, q.scene);
+    differ("number of parts", std::to_string(p.shard.parts), std::to_string(q.shard.parts));
+    differ("table hash", p.table.hash, q.table.hash);
+    differ("table rows", std::to_string(p.table.rows), std::to_string(q.table.rows));
+    differ("scene hash", p.scene, q.scene);
     differ("options", p.options, q.options);
-    differ("a program with key", p.program, q.program);
+    differ("program key", p.program, q.program);
 }
 
-// The file behind its header, block by block, after it was seen to be what its JSON says.
+// Reads a part after its header, block by block, and verifies its size and hash against its .json file.
 class PartReader {
   public:
     PartReader(const FoundPart& found, bool npy)
@@ -114,7 +116,7 @@ class PartReader {
     }
 
     const NpyHeader& npy() const { return npy_; }
-    // A CSV file's first line.
+    // The first line of a CSV file.
     const std::string& header() const { return header_; }
 
     void read(const std::function<void(std::string_view)>& use) {
@@ -129,7 +131,7 @@ class PartReader {
   private:
     [[noreturn]] void damaged() const {
         const Shard& shard = found_.part.shard;
-        throw InputError(found_.path, "", "is not what its .json says",
+        throw InputError(found_.path, "", "does not match its .json file",
                          fmt::format("solve it again: --shard {}/{}", shard.part, shard.parts));
     }
     std::string take(std::size_t count) {
@@ -145,7 +147,7 @@ class PartReader {
     std::size_t header_size_ = 0;
 };
 
-// The parts in their order, each with its copies. Throws InputError where one is missing or differs from its copy.
+// Returns the parts in order, without copies. Throws InputError if a part is missing or differs from its copy.
 std::vector<const FoundPart*> in_order(const std::vector<FoundPart>& found, bool npy) {
     const std::size_t parts = found.front().part.shard.parts;
     std::map<std::size_t, const FoundPart*> first;
@@ -155,7 +157,7 @@ std::vector<const FoundPart*> in_order(const std::vector<FoundPart>& found, bool
         if (is_new) continue;
         if (known->second->part.hash != part.part.hash || known->second->part.bytes != part.part.bytes)
             throw InputError(part.path, "", "differs from " + one_line(known->second->path, 300),
-                             "take away the one that is not meant, or solve it again");
+                             "remove the one that does not belong, or solve it again");
         PartReader(part, npy).read([](std::string_view) {});
     }
     std::vector<const FoundPart*> order;
@@ -171,7 +173,7 @@ std::vector<const FoundPart*> in_order(const std::vector<FoundPart>& found, bool
     }
     if (count_missing > 0)
         throw InputError(found.front().part.output, "",
-                         fmt::format("lacks part{} {}{} of {}", count_missing == 1 ? "" : "s", listed(missing),
+                         fmt::format("is missing part{} {}{} of {}", count_missing == 1 ? "" : "s", listed(missing),
                                      count_missing > 10 ? fmt::format(" and {} more", count_missing - 10) : "", parts),
                          fmt::format("solve it: --shard {}/{}", missing.front(), parts));
     return order;
@@ -189,11 +191,11 @@ Shard parse_shard(const std::string& text) {
             shard.parts <= most_parts)
             return shard;
     }
-    throw UsageError(fmt::format("--shard: {} is not I/N with 1 <= I <= N <= 1000000", one_line(text, 60)));
+    throw UsageError(fmt::format("--shard is {}; give I/N with 1 <= I <= N <= 1000000", one_line(text, 60)));
 }
 
 std::pair<std::size_t, std::size_t> rows_of_shard(std::size_t rows, const Shard& shard) {
-    // the first rows % parts have one row more: no product that could overflow
+    // the first (rows % parts) parts have one more row; no product can overflow
     const std::size_t least = rows / shard.parts, longer = rows % shard.parts;
     const auto begin_of = [&](std::size_t i) { return i * least + std::min(i, longer); };
     return {begin_of(shard.part - 1), begin_of(shard.part)};
@@ -210,17 +212,19 @@ std::string part_path(const std::string& output, const Shard& shard) {
 TableIdentity identity_of(const std::string& path, const Scene& scene) {
     TableIdentity identity;
     ContentHash hash;
-    InputFile input(path, path, "a table that is a regular file: a part reads it more than once", FileKinds::regular);
+    InputFile input(path, path, "a table that is a regular file, because --shard reads it several times",
+                    FileKinds::regular);
     identity.bytes = *input.size();
-    // The rows of an .npy file are found without reading those before them: a part that read all would take longer for
-    // that than for its own rows. The blocks lie alike in every file of that length, the first and the last among them.
+    // Rows of an .npy file are found without reading earlier rows. Reading the whole file would take longer than
+    // solving the rows of a part. The sampled blocks are at the same places in all files of this length and include
+    // both ends.
     constexpr std::size_t sampled_from = std::size_t{64} << 20, samples = 1024, length = 4096;
     if (path.ends_with(".npy") && identity.bytes > sampled_from) {
         const std::size_t stride = (identity.bytes - length) / (samples - 1);
         std::string bytes(length, '\0');
         for (std::size_t k = 0; k < samples; ++k) {
             input.seek(k + 1 < samples ? k * stride : identity.bytes - length);
-            if (input.read_fully(bytes.data(), length) < length) input.refuse("changes while it is read");
+            if (input.read_fully(bytes.data(), length) < length) input.refuse("changed while it was read");
             hash.add(bytes);
         }
     } else {
@@ -229,7 +233,7 @@ TableIdentity identity_of(const std::string& path, const Scene& scene) {
             hash.add(bytes);
             read += bytes.size();
         });
-        if (read != identity.bytes) input.refuse("changes while it is read");
+        if (read != identity.bytes) input.refuse("changed while it was read");
     }
     identity.hash = hash.text();
     const std::unique_ptr<EnsembleStream> rows = open_ensemble(path, scene);
@@ -253,7 +257,7 @@ EnsemblePart parse_part(const std::string& text, const std::string& file) {
     const JsonDocument document(text, file);
     const JsonNode& root = document.root();
     const auto field = [](const JsonNode& node, const char* key) -> const JsonNode& {
-        return node.required(key, "what --shard has written");
+        return node.required(key, "the value that --shard wrote");
     };
     const auto count = [&](const JsonNode& node, const char* key) {
         const long number = field(node, key).whole_number();
@@ -261,13 +265,13 @@ EnsemblePart parse_part(const std::string& text, const std::string& file) {
         return static_cast<std::size_t>(number);
     };
     if (field(root, "kind").string() != kind)
-        field(root, "kind").fail("is something else", fmt::format("give \"{}\"", kind));
+        field(root, "kind").fail("is a different kind", fmt::format("give \"{}\"", kind));
     root.only({"kind", "part", "parts", "output", "table", "scene", "program", "options", "rows", "ok", "refused",
                "bytes", "hash"});
     EnsemblePart p;
     p.shard = {count(root, "part"), count(root, "parts")};
     if (p.shard.part < 1 || p.shard.part > p.shard.parts || p.shard.parts > most_parts)
-        field(root, "part").fail("is none of the parts", "give one from 1 to parts, at most 1000000");
+        field(root, "part").fail("is out of range", "give a number from 1 to parts, at most 1000000");
     p.output = field(root, "output").string();
     const JsonNode& table = field(root, "table");
     table.only({"rows", "bytes", "hash"});
@@ -294,20 +298,19 @@ MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const 
     choose(found, dirs.empty() ? output : dirs.front(), into_folder ? "" : fs::path(output).filename().string());
     const std::string name = found.front().part.output;
     if (name.empty() || fs::path(name).filename() != name)
-        throw InputError(found.front().json, "/output", "is no file's name", "give a name without a folder");
+        throw InputError(found.front().json, "/output", "is not a file name", "give a name without a directory");
     const bool npy = name.ends_with(".npy");
     MergedEnsemble merged;
     merged.output = into_folder ? (fs::path(output) / name).string() : output;
     if (npy != merged.output.ends_with(".npy"))
-        throw InputError(merged.output, "", "is to hold the parts of " + one_line(name, 200),
+        throw InputError(merged.output, "", "differs in format from the parts of " + one_line(name, 200),
                          "give a name with the same ending");
     const std::vector<const FoundPart*> order = in_order(found, npy);
     for (const FoundPart* part : order) {
         merged.rows += part->part.rows, merged.ok += part->part.ok, merged.refused += part->part.refused;
     }
     merged.parts = order.size();
-    if (merged.rows == merged.refused)
-        throw InputError(name, "", "has no row that was solved", "correct the table's rows");
+    if (merged.rows == merged.refused) throw InputError(name, "", "has no solved row", "correct the rows of the table");
     AtomicStream stream(merged.output);
     std::string header;
     NpyHeader npy_header;
@@ -320,7 +323,7 @@ MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const 
             header = reader.header();
         const bool alike = npy ? write_npy_header(reader.npy().fields, 0) == header : reader.header() == header;
         if (!alike)
-            throw InputError(part->path, "header", "is not that of " + one_line(order.front()->path, 300),
+            throw InputError(part->path, "header", "differs from that of " + one_line(order.front()->path, 300),
                              "solve it again");
         if (part == order.front()) stream.write(header);
         npy_rows += reader.npy().rows;

@@ -1,4 +1,4 @@
-// An ensemble in parts: rows of one table solved apart, by several processes or machines, and put together again.
+// Parts of an ensemble: rows of one table solved by several processes or machines, and their merge.
 #pragma once
 
 #include <cstddef>
@@ -19,65 +19,65 @@ struct Shard {
 /// Reads "I/N", 1 <= I <= N <= 10^6. Throws UsageError.
 Shard parse_shard(const std::string& text);
 
-/// The rows of a part, of so many in all: from the first on, without the last, both counted from 0. Parts follow each
-/// other, and none has more than one row more than another.
+/// Returns the rows of a part as a half-open range [first, last), counted from 0. Parts are contiguous, and their
+/// numbers of rows differ by at most one.
 std::pair<std::size_t, std::size_t> rows_of_shard(std::size_t rows, const Shard& shard);
 
-/// Where a part of `output` goes, beside it: "out.part-0003-of-0200.npy" of "out.npy".
+/// Returns the path of a part of `output`, in the same directory: "out.part-0003-of-0200.npy" for "out.npy".
 std::string part_path(const std::string& output, const Shard& shard);
 
-/// What tells one table from another.
+/// Identifies a table.
 struct TableIdentity {
     std::size_t rows = 0;
     std::uint64_t bytes = 0;
-    std::string hash;  ///< content_hash() of the file, or of what identity_of() reads of it
+    std::string hash;  ///< content_hash() of the file, or of the blocks that identity_of() reads
 };
 
-/// Looks a table through, once for its content and once for its rows: a CSV file whole, and of an .npy file of more
-/// than 64 MiB a thousand blocks, so that two of one length that differ in few rows alone may pass for one. Throws
-/// InputError.
+/// Identifies a table by its content and its number of rows. A CSV file is read completely. For an .npy file of more
+/// than 64 MiB, about a thousand blocks are read, so that tables of equal length that differ in few rows may not be
+/// distinguished. Throws InputError.
 TableIdentity identity_of(const std::string& path, const Scene& scene);
 
-/// What stands beside a part's file: which part of what it is.
+/// The contents of the .json file of a part: identifies the part and its ensemble.
 struct EnsemblePart {
     Shard shard;
-    std::string output;       ///< the name of the whole, without a folder
-    TableIdentity table;      ///< what it is a part of
-    std::string scene;        ///< hash of the scene as it was solved
-    std::string program;      ///< the program's key: what may give other bits
-    std::string options;      ///< those that may change a row
-    std::size_t rows = 0;     ///< of the table, in this part
-    std::size_t ok = 0;       ///< rows whose run ended well
-    std::size_t refused = 0;  ///< rows with a fault
-    std::uint64_t bytes = 0;  ///< of the part's file behind its header
-    std::string hash;         ///< content_hash() of them
+    std::string output;       ///< name of the complete output, without a directory
+    TableIdentity table;      ///< the table that the rows are from
+    std::string scene;        ///< hash of the solved scene
+    std::string program;      ///< key of the program: everything that may change the bits
+    std::string options;      ///< options that may change a row
+    std::size_t rows = 0;     ///< rows of the table in this part
+    std::size_t ok = 0;       ///< rows with status ok
+    std::size_t refused = 0;  ///< invalid rows
+    std::uint64_t bytes = 0;  ///< size of the part's file after its header
+    std::string hash;         ///< content_hash() of these bytes
 };
 
-/// As JSON.
+/// Returns the part as JSON.
 std::string write_part(const EnsemblePart& part);
 
-/// Reads what write_part() wrote. Throws InputError.
+/// Parses the output of write_part(). Throws InputError.
 EnsemblePart parse_part(const std::string& text, const std::string& file);
 
-/// Whether a folder holds parts of ensembles.
+/// Returns whether a directory contains parts of ensembles.
 bool has_ensemble_parts(const std::string& dir);
 
-/// What became of parts that were put together.
+/// Result of merging parts.
 struct MergedEnsemble {
-    std::string output;       ///< the file that was written
-    std::size_t parts = 0;    ///< of how many parts
-    std::size_t rows = 0;     ///< of the table
-    std::size_t ok = 0;       ///< rows whose run ended well
-    std::size_t refused = 0;  ///< rows with a fault
-    /// Whether all rows ended well: what decides on the exit code of the whole.
+    std::string output;       ///< the written file
+    std::size_t parts = 0;    ///< number of parts
+    std::size_t rows = 0;     ///< rows of the table
+    std::size_t ok = 0;       ///< rows with status ok
+    std::size_t refused = 0;  ///< invalid rows
+    /// Returns whether all rows have status ok, which determines the exit code.
     bool all_ok() const { return refused == 0 && ok == rows; }
 };
 
-/// Puts the parts in these folders together as `output` (in it, where it is a folder): the same bytes as one run over
-/// the whole table. Where the folders hold parts of several ensembles, those of the one that is called as `output` are
-/// taken. A part may be there several times, with the same content. Nothing else is changed, so that it may be done
-/// again. Throws InputError where a part is missing, of something else or damaged, and std::runtime_error where
-/// `output` cannot be written; it is not there then, or as it was.
+/// Merges the parts in these directories into `output`, or into a file in it if it is a directory. The bytes are the
+/// same as from one run over the whole table. If the directories contain parts of several ensembles, those with the
+/// name of `output` are merged. Copies of a part must have the same content. Parts are not changed, so that the merge
+/// can be repeated. Throws InputError if a part is missing, damaged or from another ensemble, and std::runtime_error if
+/// `output` cannot be written; a previous file is then unchanged.
 MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const std::string& output);
 
 }  // namespace polhode

@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-// Appends a comma and the number, or only the comma where it is not finite.
+// Appends a comma and the number, or only the comma if the number is not finite.
 void append_number(std::string& text, double value) {
     text += ',';
     if (!std::isfinite(value)) return;
@@ -66,7 +66,7 @@ class CsvFormat : public EnsembleFormat {
     bool has_ids_, has_bodies_;
 };
 
-// Records: row, status, the numbers, and then texts filled up with zeros, the body's name and the id.
+// Records: row, status, the numbers, then the body's name and the id, both padded with zeros.
 class NpyFormat : public EnsembleFormat {
   public:
     NpyFormat(std::size_t id_width, std::size_t body_width) : id_width_(id_width), body_width_(body_width) {}
@@ -126,8 +126,8 @@ std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& 
                                           const std::string& file) {
     if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids(), is_mechanism(scene));
     if (table.has_ids() && table.id_width() == 0)
-        throw InputError(file, "column id", "has ids of any length, and an .npy file has none for them",
-                         "leave the column out (rows are numbered), give an .npy table, or write CSV");
+        throw InputError(file, "column id", "has ids of variable length, which .npy output does not support",
+                         "remove the column (rows are numbered), give an .npy table, or write CSV");
     std::size_t longest_name = 0;
     for (const NamedBody& body : scene.bodies) longest_name = std::max(longest_name, body.name.size());
     return std::make_unique<NpyFormat>(table.id_width(), longest_name);
@@ -138,7 +138,7 @@ std::string rows_of(const SolvedPiece& piece, const Scene& scene, const Ensemble
     const std::vector<std::size_t> numbers = table.row_numbers(piece.first_row);
     std::string text;
     auto refused = table.refused.begin();
-    // a refused row is in front of the next row that was solved; the last ones have none behind them
+    // refused rows are written before the next solved row; the remaining ones at the end
     const auto refuse_before = [&](std::size_t number) {
         for (; refused != table.refused.end() && refused->row < number; ++refused)
             format.append(text, {refused->row, nullptr, Status::failed, nullptr, "", refused->fault});

@@ -1,4 +1,4 @@
-// polhode export: a scene's truth as golden data for an engine's own unit tests.
+// polhode export: exports the truth of a scene as golden data for the unit tests of an engine.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -50,7 +50,7 @@ int export_command(const ExportOptions& options) {
     try {
         text = golden_text(data, golden_formats.at(options.format), options.floats);
     } catch (const std::invalid_argument& error) {
-        throw InputError(options.scene, "", "a number cannot be written", error.what());
+        throw InputError(options.scene, "", "a number cannot be exported", error.what());
     }
     write_output(options.output, text);
     std::string told = fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\n", one_line(scene.name, 100),
@@ -64,27 +64,33 @@ int export_command(const ExportOptions& options) {
 }  // namespace
 
 void add_export(CLI::App& program, int& exit_code) {
-    CLI::App* command = program.add_subcommand(
-        "export",
-        "Golden data of a scene for an engine's own unit tests: the body and its shape, planes, loads, its start, the "
-        "true "
-        "motion at N + 1 times, its bound, and what each block may be off (what the scene tolerates, else what check "
-        "allows or ten times what rounding the start to binary32 leads to, whichever is more).");
+    CLI::App* command =
+        program.add_subcommand("export",
+                               "Exports golden data of a scene for the unit tests of an engine: body, shape, planes, "
+                               "loads, initial state, the "
+                               "truth at N + 1 times with its error bound, and a tolerance for each block.");
+    command->footer(
+        "The tolerance of a block is the scene's \"tolerated\". If there is none, it is the larger of the default of\n"
+        "polhode check and ten times the error caused by rounding the initial state to binary32.\n"
+        "\n"
+        "Examples:\n"
+        "  polhode export t_handle --format cpp --output t_handle.h\n"
+        "  polhode export lagrange_top --format cs --floats --convention unity --output Top.cs\n");
     const auto options = std::make_shared<ExportOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
-    command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
+    command->add_option("--samples", options->samples, "Number of sample intervals N: samples at k T/N, k = 0..N")
+        ->capture_default_str();
     command
         ->add_option("--format", options->format,
-                     "csv, json, c (a header of arrays and a comparison for C99 and C++), cpp (for C++17) or "
-                     "cs (a static class for C#)")
+                     "Output format: csv, json, c (header with arrays and a comparison function, C99 and C++), cpp "
+                     "(header for C++17) or cs (static class for C#)")
         ->check(CLI::IsMember(golden_formats))
         ->capture_default_str();
-    command->add_flag("--floats", options->floats, "Numbers of binary32: arrays of float, as short as they can be");
-    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
-    command->add_option(
-        "--convention", options->convention,
-        "What to write it in, words as for polhode check: body, planes, loads, start and motion are converted");
-    command->add_option("--output", options->output, "File to write, in place of stdout");
+    command->add_flag("--floats", options->floats, "Write binary32 numbers in their shortest form, and float arrays");
+    command->add_option("--duration", options->duration, "Duration T in s (default: the scene's)");
+    command->add_option("--convention", options->convention,
+                        "Convention to convert all data to (words: see polhode check --help)");
+    command->add_option("--output", options->output, "Output file (default: stdout)");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = export_command(*options); });
 }

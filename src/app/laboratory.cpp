@@ -19,14 +19,14 @@
 namespace polhode {
 namespace {
 
-// Where a standard stream is closed the next file opened would take its place, and get what is meant for it: nothing
-// can be read from or written to what stands there now.
+// Opens /dev/null for each closed standard stream, so that the next opened file does not take its place. The mode
+// forbids reading stdin and writing stdout and stderr.
 void hold_standard_streams() {
     for (int stream = 0; stream < 3; ++stream)
         if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
 }
 
-// The engines stand beside the program.
+// Reads the list of engines that is installed next to the program.
 void add_engines_of_program() {
     std::error_code fault;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", fault);
@@ -34,7 +34,7 @@ void add_engines_of_program() {
     if (!fault && std::filesystem::exists(list, fault)) add_engines(list.string());
 }
 
-// Where nothing can be thrown: as run_program() does it.
+// Ends the process like run_program() does, for functions that cannot throw.
 [[noreturn]] void end_without_memory() {
     std::fputs("polhode: out of memory\n", stderr);
     std::_Exit(1);
@@ -43,8 +43,8 @@ void add_engines_of_program() {
 std::atomic<bool> was_short_of_memory{false};
 std::terminate_handler usual_end = nullptr;
 
-// The JSON library's copies and the standard library's walks through folders allocate in functions that may throw
-// nothing: what std::terminate() is called for is told there, if it is that.
+// Copies in the JSON library and directory iterators of the standard library allocate in noexcept functions, which then
+// call std::terminate(). This handler reports that memory is exhausted if that was the cause.
 void end_by_terminate() {
     if (was_short_of_memory) end_without_memory();
     if (usual_end) usual_end();
@@ -60,7 +60,7 @@ void throw_out_of_memory() {
 
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
     hold_standard_streams();
-    // a file beyond the limit on its size is a failed write, not the end of the process
+    // exceeding the file size limit fails the write instead of ending the process
     std::signal(SIGXFSZ, SIG_IGN);
     truth::when_out_of_memory(end_without_memory);
     std::set_new_handler(throw_out_of_memory);

@@ -1,4 +1,4 @@
-// The program as a library: its commands and experiments, for a program of one's own with methods of one's own.
+// The program as a library: its commands and experiments, for programs with user-defined methods.
 #pragma once
 
 #include <span>
@@ -7,10 +7,10 @@
 
 namespace polhode {
 
-/// What `polhode` does with its command line, and the exit code. The methods given stand behind polhode's own: `list
-/// methods` names them, `solve` takes them, and `run` measures them beside the others. Their names must be free:
-/// throws std::invalid_argument. Once a process. Results of such a program are kept apart from other programs', and
-/// from its own of before it was last changed.
+/// Runs the command line like `polhode` and returns the exit code. The methods `own` are added after polhode's methods:
+/// `list methods` lists them, `solve` accepts them, and `run` compares them with the others. Throws
+/// std::invalid_argument if a name is taken. Call it once per process. Results are stored separately for each program
+/// and each version of it.
 ///
 ///     int main(int argc, char** argv) { return polhode::run_laboratory(argc, argv, {&my_method, 1}); }
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own = {});

@@ -1,4 +1,5 @@
-// polhode list: what there is, a line each.
+// polhode list: lists scenes, methods, experiments, metrics, keys, columns, engines and constructs as text, JSON or
+// Markdown. The Markdown tables are the generated parts of the READMEs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ struct Entry {
     std::string name, about;
 };
 
-// up to the first full stop that ends a sentence
+// the text up to the first full stop that ends a sentence
 std::string first_sentence(std::string_view text) {
     const std::size_t stop = text.find(". ");
     std::string sentence(text.substr(0, stop == text.npos ? text.size() : stop));
@@ -51,7 +52,7 @@ std::vector<Entry> scenes() { return texts(builtin_scenes()); }
 std::vector<Entry> experiments() { return texts(builtin_experiments()); }
 
 std::vector<Entry> methods_with_auto() {
-    std::vector<Entry> entries{{"auto", "One of these, chosen for the scene: describe says which and why"}};
+    std::vector<Entry> entries{{"auto", "Selects a method for the scene; polhode describe SCENE prints which and why"}};
     for (const Method* method : methods())
         entries.push_back({std::string(method->name), first_sentence(method->documentation)});
     return entries;
@@ -64,7 +65,7 @@ std::vector<Entry> engine_entries() {
     return entries;
 }
 
-// the columns of the result table that measure something
+// the columns of the result table that are measures
 std::vector<Entry> metrics() {
     std::vector<Entry> entries;
     for (const bool is_error : {true, false})
@@ -74,7 +75,7 @@ std::vector<Entry> metrics() {
     return entries;
 }
 
-// The keys of scene and experiment files, and the columns of trajectories.
+// The keys of scene and experiment files.
 std::vector<FileKey> file_keys() {
     std::vector<FileKey> all(scene_keys().begin(), scene_keys().end());
     all.insert(all.end(), experiment_keys().begin(), experiment_keys().end());
@@ -107,7 +108,7 @@ std::string key_table() {
     return markdown(table);
 }
 
-// What the importer of robot files does with each element and attribute of a format.
+// How the importer of robot files treats each element and attribute of a format.
 const char* name_of(RobotVerdict verdict) {
     return verdict == RobotVerdict::modelled     ? "modelled"
            : verdict == RobotVerdict::irrelevant ? "irrelevant"
@@ -129,8 +130,7 @@ std::vector<Entry> construct_entries() {
 std::string construct_tables() {
     std::string text;
     for (const RobotFormat& format : robot_formats()) {
-        Table table{{"element", "attribute", "verdict", "what it is read as, why it does not matter, or its heading"},
-                    {}};
+        Table table{{"element", "attribute", "verdict", "how it is read, why it is irrelevant, or its heading"}, {}};
         for (const RobotConstruct& one : format.constructs())
             table.rows.push_back({fmt::format("`{}`", element_of(one)), std::string(one.attribute),
                                   std::string(name_of(one.verdict)), std::string(one.note)});
@@ -168,7 +168,7 @@ const char* name_of(Control control) {
     return "step or tolerance";
 }
 
-// README's table of methods, the catalogue's of scenes; the others have no more than name and about
+// Tables with all columns for methods, scenes, keys and constructs; otherwise name and about.
 std::string as_markdown(const std::string& what, const std::vector<Entry>& entries) {
     if (what == "scenes") return scene_index();
     if (what == "keys") return key_table();
@@ -186,7 +186,7 @@ std::string as_markdown(const std::string& what, const std::vector<Entry>& entri
     }
     std::string text = markdown(table);
     if (what == "methods") {
-        text += "\nConsidered and left out:\n\n";
+        text += "\nConsidered and omitted:\n\n";
         for (const MethodLeftOut& method : methods_left_out())
             text += fmt::format("- `{}`: {}\n", method.name, method.reason);
     }
@@ -199,17 +199,23 @@ void add_list(CLI::App& program, int&) {
     struct Options {
         std::string what, format = "text";
     };
-    CLI::App* command = program.add_subcommand("list", "Lists what there is, a line each.");
+    CLI::App* command =
+        program.add_subcommand("list", "Lists scenes, methods, experiments and other names, one per line.");
+    command->footer(
+        "Examples:\n"
+        "  polhode list scenes\n"
+        "  polhode list methods --format json\n");
     const auto options = std::make_shared<Options>();
     command
-        ->add_option("WHAT", options->what,
-                     "scenes, methods, experiments, metrics, keys (of scene and experiment files), columns (of "
-                     "trajectories), engines or constructs (elements and attributes of robot files)")
+        ->add_option(
+            "WHAT", options->what,
+            "scenes, methods, experiments, metrics (columns of results), keys (of scene and experiment files), "
+            "columns (of trajectories), engines, constructs (elements and attributes of robot files)")
         ->required()
         ->check(
             CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines", "constructs"}));
     engines_option(*command);
-    command->add_option("--format", options->format, "text, json or markdown")
+    command->add_option("--format", options->format, "Output format: text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
         ->capture_default_str();
     command->callback([options] {

@@ -17,7 +17,7 @@
 namespace polhode {
 namespace {
 
-// Names that other libraries have for schemes, and what is like them here.
+// Names of schemes in other libraries, and the nearest methods of polhode.
 constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
     {"rk45", "odeint_dopri5, or dop853 of higher order"},
     {"RK45", "odeint_dopri5, or dop853 of higher order"},
@@ -32,7 +32,7 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
     {"runge_kutta", "odeint_rk4, or dop853 with a tolerance"},
     {"rkf45", "odeint_cash_karp54"},
     {"rkf78", "odeint_fehlberg78"},
-    {"euler", "odeint_euler, or gyroscopic_explicit as engines have it"},
+    {"euler", "odeint_euler, or gyroscopic_explicit as in game engines"},
     {"semi_implicit_euler", "gyroscopic_explicit, or article_mended"},
     {"symplectic_euler", "gyroscopic_explicit, or article_mended"},
     {"verlet", "splitting2"},
@@ -41,8 +41,8 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
     {"bdf", "cvode_bdf"},
     {"BDF", "cvode_bdf"},
     {"adams", "cvode_adams"},
-    {"lsoda", "cvode, which takes BDF where the motion is stiff and Adams' methods elsewhere"},
-    {"LSODA", "cvode, which takes BDF where the motion is stiff and Adams' methods elsewhere"},
+    {"lsoda", "cvode, which uses BDF for stiff motion and Adams methods otherwise"},
+    {"LSODA", "cvode, which uses BDF for stiff motion and Adams methods otherwise"},
     {"radauIIA", "radau"},
     {"Radau", "radau"},
 };
@@ -52,21 +52,21 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
 void engines_option(CLI::App& command) {
     command
         .add_option("--engines",
-                    "A file of further engines (integrators/engines/README.md), found by the names ENGINE:SETTING")
+                    "JSON file of further engines (see integrators/engines/README.md), named ENGINE:SETTING")
         ->each([](const std::string& path) { add_engines(path); });
 }
 
 void outside_option(CLI::App& command) {
     command.add_flag_callback(
         "--allow-outside", [] { allow_outside_files(true); },
-        "Scene and experiment files may name files outside their own folders");
+        "Allow scene and experiment files to name files outside their directories");
 }
 
 void require_states(const Scene& scene, long samples) {
     const long bodies = std::max<long>(1, static_cast<long>(scene.bodies.size()));
     if (samples > most_states / bodies)
-        throw UsageError(fmt::format("--samples is {}; give {} at the most of a scene of {} bodies", samples,
-                                     most_states / bodies, bodies));
+        throw UsageError(fmt::format("--samples is {}; give at most {} for a scene of {} {}", samples,
+                                     most_states / bodies, bodies, bodies == 1 ? "body" : "bodies"));
 }
 
 std::vector<std::string> method_names() {
@@ -81,11 +81,11 @@ const Method& method_named(const std::string& name) {
     if (const EngineMethod* engine = find_engine(name)) return *engine->method;
     for (const MethodLeftOut& method : methods_left_out())
         if (method.name == name)
-            throw UsageError(fmt::format("there is no method {0}; polhode describe {0} tells why", name));
+            throw UsageError(fmt::format("there is no method {0}; polhode describe {0} prints why", name));
     std::string meant = did_you_mean(name, method_names());
     if (meant.empty())
         for (const auto& [known_as, here] : elsewhere)
-            if (name == known_as) meant = fmt::format("what comes nearest here: {}", here);
+            if (name == known_as) meant = fmt::format("the nearest in polhode: {}", here);
     throw UsageError(
         fmt::format("there is no method {}; {}", name, meant.empty() ? "see polhode list methods" : meant));
 }

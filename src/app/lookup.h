@@ -9,13 +9,13 @@
 
 namespace polhode {
 
-/// The method of that name; throws UsageError, with near misses, if there is none.
+/// Returns the method of this name. Throws UsageError with similar names if there is none.
 const Method& method_named(const std::string& name);
 
 std::vector<std::string> method_names();
 
-/// The scene of that name or file. If it imports a robot with constructs that are not modelled, one line on stderr
-/// names their kinds. Throws InputError.
+/// Reads the scene of this name or file. If it imports a robot with constructs that are not modelled, one line on
+/// stderr lists their kinds. Throws InputError.
 Scene read_scene_with_notes(const std::string& name_or_path);
 
 }  // namespace polhode

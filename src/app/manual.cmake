@@ -1,4 +1,4 @@
-# Man pages and bash completions of a built program, from its own help.
+# Writes man pages and bash completions of a built program from its help.
 #
 #   cmake -DPROGRAM=polhode -DVERSION=1.0 -DOUTPUT=directory -P manual.cmake
 #
@@ -12,12 +12,12 @@ function(help_of variable)
   if(NOT result EQUAL 0)
     message(FATAL_ERROR "${PROGRAM} ${ARGN} --help: ${result}")
   endif()
-  # lists are separated by semicolons: the text's own stand aside until it is written
+  # CMake separates lists by semicolons: replace those in the text until it is written
   string(REPLACE ";" "${semicolon}" text "${text}")
   set(${variable} "${text}" PARENT_SCOPE)
 endfunction()
 
-# page(NAME TEXT SEE_ALSO): the help as it is printed, under the headings that man expects
+# page(NAME TEXT SEE_ALSO): writes the printed help under the headings of a man page
 function(page name text see_also)
   string(REGEX MATCH "^[^\n]+" first "${text}")
   string(REGEX REPLACE "^polhode: " "" first "${first}")

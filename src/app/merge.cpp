@@ -1,4 +1,4 @@
-// polhode merge: what several folders hold of one experiment, as one.
+// polhode merge: merges the results of shards from several directories.
 #include "experiment/run/merge.h"
 
 #include <fmt/format.h>
@@ -25,14 +25,14 @@ struct MergeOptions {
     bool quiet = false;
 };
 
-// Parts of ensembles, where the folders hold such. 0, or 1 where not all of their bodies ended well.
+// Merges parts of ensembles. Returns 0, or 1 if any row failed.
 int merge_ensembles(const MergeOptions& options, const std::vector<std::string>& directories) {
     const MergedEnsemble merged = merge_ensemble_parts(directories, options.output);
     if (!options.quiet)
-        fmt::print(stderr, "{}: {} rows of {} parts\n", one_line(merged.output, 300), merged.rows, merged.parts);
+        fmt::print(stderr, "{}: {} rows from {} parts\n", one_line(merged.output, 300), merged.rows, merged.parts);
     if (merged.all_ok()) return 0;
-    fmt::print(stderr, "polhode: {}: {} of {} rows did not end well\n", one_line(merged.output, 300),
-               merged.rows - merged.ok, merged.rows);
+    fmt::print(stderr, "polhode: {}: {} of {} rows failed\n", one_line(merged.output, 300), merged.rows - merged.ok,
+               merged.rows);
     return 1;
 }
 
@@ -49,7 +49,8 @@ int merge_command(const MergeOptions& options) {
     if (!with_parts.empty() && with_results.empty()) return ensembles;
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(options.output, none)) &&
                               !std::filesystem::is_directory(options.output, none))
-        throw UsageError(fmt::format("--output {} is no directory", one_line(options.output, 200)));
+        throw UsageError(
+            fmt::format("--output is {}, not a directory; give a directory", one_line(options.output, 200)));
     RunOptions run;
     run.directory = options.output, run.quiet = options.quiet;
     run.formats = as_usage([&] { return parse_formats(options.formats); }, "--formats: ");
@@ -60,13 +61,13 @@ int merge_command(const MergeOptions& options) {
     const Merged merged = merge_results(options.directories, run, command_line);
     for (const std::string& remark : merged.remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
     if (!options.quiet)
-        fmt::print(stderr, "{} folders into {}: {} files of cases taken, {} in more than one\n",
+        fmt::print(stderr, "{} directories merged into {}: {} case files, {} of them in more than one directory\n",
                    options.directories.size(), one_line(options.output, 300), merged.taken, merged.repeated);
     bool complete = true;
     for (const MergedExperiment& one : merged.experiments) {
         if (one.missing == 0) continue;
         complete = false;
-        fmt::print(stderr, "polhode: {}: {} cases are missing, the first: {}; run their shards again and merge again\n",
+        fmt::print(stderr, "polhode: {}: {} cases are missing, first {}; rerun their shards and merge again\n",
                    one.name, one.missing, one_line(one.first_missing, 300));
     }
     return complete && ensembles == 0 ? 0 : 1;
@@ -77,23 +78,27 @@ int merge_command(const MergeOptions& options) {
 void add_merge(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "merge",
-        "Gathers what the shards of experiments have left in several folders, in any order and number, and "
-        "makes the tables of all.");
+        "Merges the results of shards from any number of directories, in any order, and writes the tables and figures. "
+        "The exit code is 1 if cases are missing.");
+    command->footer(
+        "Examples:\n"
+        "  polhode merge shards/1 shards/2 shards/3 --output results\n"
+        "  polhode merge parts --output out.npy\n");
     const auto options = std::make_shared<MergeOptions>();
     command
         ->add_option("DIR", options->directories,
-                     "Folders that `polhode run --shard I/N` or `polhode ensemble --shard I/N` has written")
+                     "Directories written by polhode run --shard I/N or polhode ensemble --shard I/N")
         ->required();
     engines_option(*command);
     outside_option(*command);
     command
         ->add_option("--output", options->output,
-                     "Where to: one of them, or a new folder; of an ensemble a file or the folder of one")
+                     "Output directory: a new one or one of DIR. For ensembles an output file or its directory")
         ->required();
-    command->add_option("--jobs", options->jobs, "Threads (default: all cores)");
-    command->add_option("--formats", options->formats, "Formats of tables and pictures; CSV is always written")
+    command->add_option("--jobs", options->jobs, "Number of threads (default: all cores)");
+    command->add_option("--formats", options->formats, "Formats of tables and figures. CSV is always written")
         ->capture_default_str();
-    command->add_flag("--quiet", options->quiet, "No summary");
+    command->add_flag("--quiet", options->quiet, "Do not print a summary");
     command->callback([options, &exit_code] { exit_code = merge_command(*options); });
 }
 

@@ -1,4 +1,5 @@
-// polhode plot: pictures of trajectories, on the terminal or as files.
+// polhode plot: plots trajectories on the terminal or as files. Without a scene it plots components over time, with
+// --scene errors against the truth, or the polhode on the inertia ellipsoid. gnuplot draws SVG and PDF files.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,17 +35,17 @@ struct PlotOptions {
     int width = 0;
 };
 
-/// A file as it was read.
+/// A trajectory file to plot.
 struct PlottedFile {
-    std::string name;  ///< in the legend
+    std::string name;  ///< label in the legend
     std::string path;
     TrajectoryFile file;
-    std::vector<std::size_t> gaps;  ///< the times before which some are not a number
+    std::vector<std::size_t> gaps;  ///< indices of times that follow rows with NaN
 
     std::size_t moments() const { return file.rows.size() / file.bodies_at_once(); }
 };
 
-// Their last parts, if these tell them apart.
+// Returns the file names if they are distinct, otherwise the paths.
 std::vector<std::string> names_of(const std::vector<std::string>& paths) {
     std::vector<std::string> names;
     for (const std::string& path : paths) names.push_back(std::filesystem::path(path).filename().string());
@@ -70,7 +71,7 @@ std::vector<PlottedFile> read_files(const PlotOptions& options, const Scene* sce
     return files;
 }
 
-// A curve over time in pieces between gaps, thinned to what a picture so wide shows.
+// Adds a curve over time in pieces between gaps, thinned to `columns` columns.
 void add_pieces(Panel& panel, const Curve& whole, const std::vector<std::size_t>& gaps, std::size_t columns) {
     std::vector<std::size_t> edges = gaps;
     edges.push_back(whole.x.size());
@@ -92,7 +93,7 @@ void add_pieces(Panel& panel, const Curve& whole, const std::vector<std::size_t>
 Curve curve_named_as(const std::string& label, std::size_t place) {
     Curve curve;
     curve.label = label, curve.points = false;
-    // where files agree each shows through the next
+    // dashes differ, so that curves remain visible where files agree
     curve.dash = static_cast<int>(place % 5);
     set_style(curve, plain_style(static_cast<int>(place)));
     return curve;
@@ -105,7 +106,7 @@ Panel panel_over_time(const std::string& title, const std::string& y_label, bool
     return panel;
 }
 
-/// What a picture without a scene shows.
+/// The components that are plotted without a scene.
 struct Components {
     std::string title;
     std::string y_label;
@@ -134,8 +135,8 @@ Components components_of(const std::string& quantity, const Convention& conventi
 
 void require_rates(const PlottedFile& one, const std::string& quantity) {
     if (one.file.has_angular_velocity) return;
-    throw InputError(one.path, "", fmt::format("has no wx,wy,wz, which --of {} shows", quantity),
-                     "give them, or --of attitude");
+    throw InputError(one.path, "", fmt::format("has no wx,wy,wz, which --of {} requires", quantity),
+                     "add these columns, or use --of attitude");
 }
 
 Figure figure_of_components(const std::vector<PlottedFile>& files, const std::string& quantity,
@@ -184,7 +185,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
         if (!errors.fault.empty()) throw NoTruth(one.path + ": " + errors.fault);
         Curve curve = curve_named_as(one.name, i);
         curve.x = errors.t, curve.y = errors.error;
-        // errors may be of fewer times than the file has
+        // there may be errors at fewer times than in the file
         std::vector<std::size_t> gaps;
         for (const std::size_t gap : one.gaps) {
             const double after = one.file.rows[gap * one.file.bodies_at_once()].t;
@@ -195,7 +196,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
     return figure;
 }
 
-// The file's rates on the inertia ellipsoid of its own start.
+// The angular velocities of the file on the inertia ellipsoid of their initial energy.
 PolhodeCurve polhode_of(const PlottedFile& one, const Scene& scene) {
     const Problem problem = pose(scene);
     PolhodeCurve polhode;
@@ -215,7 +216,7 @@ PolhodeCurve polhode_of(const PlottedFile& one, const Scene& scene) {
     polhode.energy_of_start = polhode.energy > 0;
     if (!polhode.energy_of_start) polhode.energy = largest;
     if (!(polhode.energy > 0)) {
-        polhode.fault = "the body never turns";
+        polhode.fault = "the body does not rotate";
         return polhode;
     }
     for (int i = 0; i < 3; ++i) polhode.semi_axes[i] = std::sqrt(2 * polhode.energy / moments[i]);
@@ -231,11 +232,11 @@ int complain(const std::string& fault) {
 int plot_polhode(const PlotOptions& options, const std::vector<PlottedFile>& files, const Scene& scene) {
     require_rates(files.front(), "polhode");
     const PolhodeCurve polhode = polhode_of(files.front(), scene);
-    if (!polhode.fault.empty()) return complain("no picture: " + polhode.fault);
+    if (!polhode.fault.empty()) return complain("cannot draw the picture: " + polhode.fault);
     const std::string title = fmt::format("{} on {}", files.front().name, scene.name);
     if (!options.output.empty()) {
         const std::string fault = draw_polhode(polhode, title, options.output);
-        return fault.empty() ? 0 : complain("no picture: " + fault);
+        return fault.empty() ? 0 : complain("cannot draw the picture: " + fault);
     }
     std::string text = title + "\n";
     for (const std::string& line : polhode_text(polhode)) text += line + "\n";
@@ -246,16 +247,17 @@ int plot_polhode(const PlotOptions& options, const std::vector<PlottedFile>& fil
 void require_sense(const PlotOptions& options) {
     const bool svg = options.output.ends_with(".svg"), pdf = options.output.ends_with(".pdf");
     if (!options.output.empty() && !svg && !pdf)
-        throw UsageError(fmt::format("--output: {} ends neither in .svg nor in .pdf; give one that does",
-                                     one_line(options.output, 200)));
+        throw UsageError(
+            fmt::format("--output is {}; give a name that ends in .svg or .pdf", one_line(options.output, 200)));
     if (options.width != 0 && !options.output.empty())
-        throw UsageError("--width: is of pictures of characters; leave it out with --output");
+        throw UsageError("--width applies to character plots only; remove --width or --output");
     if (options.width != 0 && (options.width < 40 || options.width > 1000))
         throw UsageError(fmt::format("--width is {}; give 40 to 1000", options.width));
     if (options.scene.empty() && (options.of == "energy" || options.of == "momentum"))
-        throw UsageError(fmt::format("--of {}: is made of the body's inertia and loads; give --scene", options.of));
+        throw UsageError(
+            fmt::format("--of {} is computed from the body's inertia and loads; give --scene", options.of));
     if (!options.scene.empty() && options.of == "polhode" && options.files.size() > 1)
-        throw UsageError("--of polhode: draws one file on a scene's ellipsoid; give one file, or leave --scene out");
+        throw UsageError("--of polhode draws one file on a scene's ellipsoid; give one file, or remove --scene");
     require_output(options.output);
 }
 
@@ -269,7 +271,7 @@ int plot_command(const PlotOptions& options) {
     if (scene && options.of == "polhode") return plot_polhode(options, files, *scene);
 
     const int width = options.width != 0 ? options.width : std::max(40, terminal_width(1, 100));
-    // a panel of a printed picture is some 200 points wide, and a printer has eight dots a point
+    // a panel of a printed figure is about 200 points wide, and a printer resolves eight dots per point
     const std::size_t columns = options.output.empty() ? 2 * static_cast<std::size_t>(width) : 1600;
     Figure figure;
     try {
@@ -285,7 +287,7 @@ int plot_command(const PlotOptions& options) {
     }
     const std::string terminal = options.output.substr(options.output.size() - 3);
     const GnuplotRun run = gnuplot_picture(gnuplot_script(figure, terminal, ""), terminal, std::chrono::seconds(60));
-    if (!run.fault.empty()) return complain("no picture: " + run.fault);
+    if (!run.fault.empty()) return complain("cannot draw the picture: " + run.fault);
     write_output(options.output, run.output);
     return 0;
 }
@@ -294,26 +296,30 @@ int plot_command(const PlotOptions& options) {
 
 void add_plot(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
-        "plot", "Draws trajectory files, on the terminal or as SVG or PDF: what they say, or with --scene how wrong.");
-    tell_columns(*command);
+        "plot", "Plots trajectory files, or with --scene their errors, on the terminal or as SVG or PDF.");
+    tell_columns(*command,
+                 "Examples:\n"
+                 "  polhode plot mine.csv --of omega\n"
+                 "  polhode plot a.csv b.csv --scene lagrange_top --output errors.svg\n");
     const auto options = std::make_shared<PlotOptions>();
     command
         ->add_option("TRAJECTORY", options->files,
-                     "CSV files as polhode check reads them; a row with a cell that is NaN is a gap")
+                     "CSV files as read by polhode check. A row with NaN is drawn as a gap")
         ->required();
     command->add_option("--scene", options->scene,
-                        "Draw the errors against the truth of this scene, a built-in one or a file");
+                        "Draw the errors against the truth of this scene (built-in name or file)");
     command
         ->add_option("--of", options->of,
-                     "attitude, omega, energy (with --scene), momentum (with --scene) or polhode: the angular velocity "
-                     "in body axes, with --scene on the inertia ellipsoid")
+                     "Quantity: attitude, omega, energy or momentum (both only with --scene), or polhode: angular "
+                     "velocity in body axes, with --scene on the inertia ellipsoid")
         ->check(CLI::IsMember({"attitude", "omega", "energy", "momentum", "polhode"}))
         ->capture_default_str();
-    command->add_option("--convention", options->convention, "What the files are written in, as for polhode check");
-    command->add_option("--columns", options->columns, "Which columns hold what, as for polhode check");
-    command->add_option("--output", options->output, "F.svg or F.pdf, by gnuplot (default: characters on stdout)");
+    command->add_option("--convention", options->convention, "Convention of the files (see polhode check --help)");
+    command->add_option("--columns", options->columns, "Map of blocks to column names (see polhode check --help)");
+    command->add_option("--output", options->output,
+                        "Output file F.svg or F.pdf, drawn by gnuplot (default: characters on stdout)");
     command->add_option("--width", options->width,
-                        "Columns of the picture of characters (default: the terminal's, or 100)");
+                        "Width of the character plot, 40 to 1000 columns (default: the terminal's, or 100)");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = plot_command(*options); });
 }

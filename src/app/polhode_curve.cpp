@@ -15,7 +15,7 @@ namespace {
 using V = Vector3<double>;
 
 constexpr long samples = 8192;
-// of the ellipsoid's size: what is closer than this looks the same
+// relative to the size of the ellipsoid; smaller distances are not visible
 constexpr double resolution = 1e-3;
 
 V quotient(const V& v, const V& scale) { return {v[0] / scale[0], v[1] / scale[1], v[2] / scale[2]}; }
@@ -30,7 +30,7 @@ bool struck_later(const Problem& problem) {
                        [](const Segment& segment) { return !segment.impulses.empty(); });
 }
 
-// An impulse or impact within begin < t <= end.
+// Returns whether an impulse or impact occurs within begin < t <= end.
 bool struck(const Problem& problem, const Trajectory& run, double begin, double end) {
     if (std::any_of(run.impact_times.begin(), run.impact_times.end(), [&](double t) { return begin < t && t <= end; }))
         return true;
@@ -39,7 +39,7 @@ bool struck(const Problem& problem, const Trajectory& run, double begin, double 
     });
 }
 
-// The time after which a curve on the ellipsoid repeats itself: it comes back to its start, having been away.
+// Returns the index at which a closed curve returns to its start after leaving it, or 0.
 std::size_t once_round(const Polyline& line, const V& scale) {
     double travelled = 0;
     bool away = false;
@@ -48,13 +48,13 @@ std::size_t once_round(const Polyline& line, const V& scale) {
         const double from_start = hypotenuse(quotient(line[i] - line[0], scale));
         travelled += step;
         away = away || from_start > std::max(3 * step, resolution);
-        // within half a step of the start: the curve passes it here
+        // about half a step from the start: the curve passes the start here
         if (away && from_start <= 0.75 * step && travelled > 2 * step) return i;
     }
     return 0;
 }
 
-// |w1 / w3| = sqrt(I3 (I3 - I2) / (I1 (I2 - I1))) for the axes in order of their moments.
+// |w1 / w3| = sqrt(I3 (I3 - I2) / (I1 (I2 - I1))), with axes ordered by their moments.
 std::vector<Polyline> separatrix_of(const V& moments, const V& semi_axes) {
     std::array<int, 3> order{0, 1, 2};
     std::sort(order.begin(), order.end(), [&](int i, int j) { return moments[i] < moments[j]; });
@@ -110,7 +110,7 @@ Polyline simplified(const Polyline& line, const Vector3<double>& scale, double t
 PolhodeCurve polhode_curve(const Problem& problem) {
     PolhodeCurve polhode;
     if (!std::holds_alternative<OneBody>(problem.system)) {
-        polhode.fault = "a polhode is one body's";
+        polhode.fault = "a polhode requires a scene of one body";
         return polhode;
     }
     Settings settings;

@@ -1,3 +1,5 @@
+// Draws a polhode on its ellipsoid as a gnuplot script in page coordinates. PolhodeView projects all lines and splits
+// them into visible and hidden parts, which are drawn in layers from back to front.
 #include "app/polhode_picture.h"
 
 #include <fmt/format.h>
@@ -17,10 +19,10 @@ namespace {
 
 using V = Vector3<double>;
 
-// points (1/72 inch): a column of a paper
+// in points (1/72 inch): one column of a paper
 constexpr double page_width = 250, largest_plot_height = 230, title_height = 16, line_height = 10;
 constexpr double text_size = 7, title_size = 8;
-constexpr double azimuth = 52, elevation = 27;  // of the viewer, degrees, from axis 1 and from the plane of 1 and 2
+constexpr double azimuth = 52, elevation = 27;  // viewing direction, degrees from axis 1 and from the plane of 1 and 2
 
 struct Style {
     const char* color;
@@ -66,7 +68,7 @@ class Script {
     }
     static V right() { return {-std::sin(radians(azimuth)), std::cos(radians(azimuth)), 0}; }
 
-    // From the pole of an axis outward to where its arrow ends.
+    // The pole of an axis on the ellipsoid, and the tip of its arrow.
     V pole(int i) const {
         V w;
         w[i] = polhode_.semi_axes[i];
@@ -89,7 +91,7 @@ class Script {
         for (const Polyline& line : polhode_.curve)
             for (const V& w : line) include(view_.at(w));
         for (int i = 0; i < 3; ++i) include(view_.at(tip(i)));
-        // beside it stand the axes' names, above and below some air
+        // margins for the names of the axes, and above and below
         const double room_x = page_width - 92, air = 24;
         scale_ = std::min(room_x / (high.x - low.x), (largest_plot_height - air) / (high.y - low.y));
         plot_height_ = scale_ * (high.y - low.y) + air;
@@ -109,7 +111,7 @@ class Script {
         return fmt::format("linewidth {:g} dashtype {} linecolor \"{}\"", terminal_.line_width(style.width), style.dash,
                            style.color);
     }
-    // Lines, each ended by an empty line as gnuplot wants it.
+    // Adds lines, each followed by an empty line, as gnuplot requires.
     void lines(const std::vector<std::vector<PagePoint>>& parts, const Style& style) {
         if (parts.empty()) return;
         data_ += fmt::format("$data{} << END\n", count_);
@@ -130,7 +132,7 @@ class Script {
         return all;
     }
 
-    // From behind to the front.
+    // Draws from back to front.
     void layers() {
         const SeenLine wires = seen(view_.wires()), separatrix = seen(polhode_.separatrix),
                        curve = seen(polhode_.curve);
@@ -164,7 +166,7 @@ class Script {
                                 : way.x > 0 ? "left"
                                             : "right",
                                 terminal_.font(text_size));
-            // the pole's tick, and its value where the axis does not run
+            // the tick at the pole, and its value beside the axis
             const PagePoint tick{-2 * way.y, 2 * way.x};
             text += fmt::format("set arrow from {:.2f},{:.2f} to {:.2f},{:.2f} nohead front {}\n", from.x - tick.x,
                                 from.y - tick.y, from.x + tick.x, from.y + tick.y, pen(axis_line));
@@ -203,12 +205,12 @@ class Script {
         for (int i = 0; i < 3; ++i)
             ellipsoid += fmt::format("{}I{}ω{}²", i > 0 ? " + " : "", subscripts[i], subscripts[i]);
         std::vector<std::string> notes{fmt::format("Ellipsoid {}, E = {:.4g} J {}", ellipsoid, polhode_.energy,
-                                                   polhode_.energy_of_start ? "at the start" : "at the most"),
+                                                   polhode_.energy_of_start ? "at the start" : "(largest)"),
                                        fmt::format("{} axes: I = ({:.4g}, {:.4g}, {:.4g}) kg m²",
                                                    polhode_.body_axes ? "Body" : "Principal", I[0], I[1], I[2]),
                                        fmt::format("0 to {:.4g} s{}. Pale: behind or inside.", polhode_.until,
-                                                   polhode_.closed ? ", once round" : "")};
-        if (!polhode_.free) notes.emplace_back("A torque or an impulse takes it off the ellipsoid.");
+                                                   polhode_.closed ? ", one period" : "")};
+        if (!polhode_.free) notes.emplace_back("A torque or an impulse moves it off the ellipsoid.");
         const double ratio = std::max({a[0], a[1], a[2]}) / std::min({a[0], a[1], a[2]});
         const V& d = view_.drawn();
         if (ratio > 1.001 * std::max({d[0], d[1], d[2]}) / std::min({d[0], d[1], d[2]}))

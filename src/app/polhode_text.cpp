@@ -12,7 +12,7 @@ namespace {
 
 using V = Vector3<double>;
 
-constexpr int columns = 34, rows = 17;  // of characters; each two dots wide and four high
+constexpr int columns = 34, rows = 17;  // in characters, each two dots wide and four dots high
 constexpr int width = 2 * columns, height = 4 * rows;
 
 V axis(int i) {
@@ -25,7 +25,7 @@ class Raster {
   public:
     explicit Raster(double reach) : scale_((width - 3) / (2 * reach)) {}
 
-    // every `stride`-th dot of the line
+    // Draws every `stride`-th dot of the line.
     void line(const std::vector<PagePoint>& points, int stride) {
         int count = 0, last_x = -1, last_y = -1;
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -46,7 +46,7 @@ class Raster {
         if (inside(x, y)) marks_[y / 4][x / 2] = sign;
     }
     std::string row(int r) const {
-        // the dots of a pattern in the order of its bits, U+2800 + bits
+        // bits of the dots in a Braille pattern, U+2800 + bits
         constexpr int bit[4][2] = {{0, 3}, {1, 4}, {2, 5}, {6, 7}};
         std::string text;
         for (int c = 0; c < columns; ++c) {

@@ -43,9 +43,9 @@ PagePoint PolhodeView::at(const V& rate) const {
     return {dot(d, right_), dot(d, up_)};
 }
 
-// Whether the way from the point toward the viewer, s + t m on the unit sphere, t > 0, goes through the sphere.
+// Returns whether the ray from the point to the viewer, s + t m with t > 0, intersects the unit sphere.
 bool PolhodeView::hidden(const V& rate) const {
-    constexpr double grain = 1e-3;  // curves are simplified by chords that dip this far into it
+    constexpr double grain = 1e-3;  // simplified curves consist of chords that enter the ellipsoid by this much
     const V s = on_sphere(rate), m(toward_[0] / drawn_[0], toward_[1] / drawn_[1], toward_[2] / drawn_[2]);
     const double ss = dot(s, s), sm = dot(s, m), mm = dot(m, m);
     if (sm >= 0) return ss < 1 - 10 * grain;
@@ -63,7 +63,7 @@ SeenLine PolhodeView::seen(const Polyline& line) const {
     for (std::size_t i = 1; i < line.size(); ++i) {
         const bool now = hidden(line[i]);
         if (now != behind) {
-            // where it goes behind, by bisection
+            // find the point where visibility changes by bisection
             V first = line[i - 1], last = line[i];
             for (int k = 0; k < 12; ++k) {
                 const V middle = 0.5 * (first + last);
@@ -81,7 +81,7 @@ SeenLine PolhodeView::seen(const Polyline& line) const {
 }
 
 std::vector<PagePoint> PolhodeView::outline() const {
-    // the great circle of the unit sphere across m
+    // the great circle of the unit sphere normal to m
     const V m = unit({toward_[0] / drawn_[0], toward_[1] / drawn_[1], toward_[2] / drawn_[2]});
     const V a = unit(cross(m, std::abs(m[2]) < 0.9 ? V(0, 0, 1) : V(1, 0, 0))), b = cross(m, a);
     std::vector<PagePoint> points;

@@ -1,4 +1,4 @@
-// A polhode and its ellipsoid looked at from far away: what is in front, what is behind.
+// Parallel projection of a polhode and its ellipsoid, with visible and hidden parts.
 #pragma once
 
 #include <vector>
@@ -8,36 +8,37 @@
 namespace polhode {
 
 struct PagePoint {
-    double x = 0, y = 0;  ///< to the right and up; the longest semi-axis is 1
+    double x = 0, y = 0;  ///< right and up, in units of the longest semi-axis
 };
 
-/// Parts of a line that are in front of the ellipsoid, or on it, and those that are behind it or inside.
+/// Parts of a line in front of or on the ellipsoid, and parts behind or inside it.
 struct SeenLine {
     std::vector<std::vector<PagePoint>> front, behind;
 };
 
-/// The sizes that the semi-axes are drawn with, the longest 1. True to scale unless the longest is more than three
-/// times the shortest; then drawn as powers of the true ones, three to one.
+/// Returns the lengths at which the semi-axes are drawn; the longest is 1. They are to scale unless the longest exceeds
+/// three times the shortest. Otherwise they are powers of the true lengths with a ratio of 3.
 Vector3<double> drawn_semi_axes(const Vector3<double>& semi_axes);
 
 class PolhodeView {
   public:
-    /// Looked at from the direction `toward`, with `right` to the right: orthogonal unit vectors of the drawing.
+    /// The view from the direction `toward`, with `right` pointing right. Both are orthogonal unit vectors of the
+    /// drawing.
     PolhodeView(const PolhodeCurve& polhode, const Vector3<double>& toward, const Vector3<double>& right);
 
-    /// A rate (rad/s, principal axes) on the page.
+    /// Projects an angular velocity (rad/s, principal axes) to the page.
     PagePoint at(const Vector3<double>& rate) const;
     bool hidden(const Vector3<double>& rate) const;
     SeenLine seen(const Polyline& line) const;
-    /// The ellipsoid's outline on the page, closed.
+    /// Returns the closed outline of the ellipsoid on the page.
     std::vector<PagePoint> outline() const;
-    /// Parallels and meridians about axis 3 and the principal sections, as rates.
+    /// Returns parallels and meridians about axis 3 and the principal sections, as angular velocities.
     std::vector<Polyline> wires() const;
 
     const Vector3<double>& drawn() const { return drawn_; }
 
   private:
-    Vector3<double> on_sphere(const Vector3<double>& rate) const;  ///< the ellipsoid becomes the unit sphere
+    Vector3<double> on_sphere(const Vector3<double>& rate) const;  ///< maps the ellipsoid to the unit sphere
 
     Vector3<double> semi_axes_, drawn_, toward_, right_, up_;
 };

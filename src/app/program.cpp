@@ -27,7 +27,7 @@ int complain(int exit_code, std::string_view message) {
     return exit_code;
 }
 
-// Asks for no memory itself.
+// Does not allocate memory.
 int complain_of_memory() {
     std::fputs("polhode: out of memory\n", stderr);
     return failed;
@@ -39,7 +39,7 @@ std::string versions() {
     return text + "\nCLI11 " CLI11_VERSION;
 }
 
-// CLI11 would only say that some command is required.
+// Reports unknown commands with similar names; CLI11 only reports that a command is required.
 void require_command(const CLI::App& program, int argc, const char* const* argv) {
     if (argc < 2 || argv[1][0] == '-') return;
     std::vector<std::string> names;
@@ -66,11 +66,11 @@ void write_trajectory_output(const std::string& path, std::string text) {
     write_output(path, text);
 }
 
-void tell_columns(CLI::App& command) {
+void tell_columns(CLI::App& command, std::string_view further) {
     std::string text = "Columns:\n";
     for (const TrajectoryColumns& c : trajectory_columns())
         text += fmt::format("  {:<12} {}{}{}\n", c.names, c.unit, c.unit.empty() ? "" : ": ", c.meaning);
-    command.footer(text);
+    command.footer(text.append("\n").append(further));
 }
 
 Convention convention_option(const std::string& words) {
@@ -112,7 +112,7 @@ void require_one_body(const Scene& scene, const std::string& option, const std::
 
 namespace {
 
-// Help and versions go through a stream of their own, which keeps its failures to itself.
+// Prints help and versions through a string stream, so that failed writes to stdout are reported.
 int print_help(const CLI::App& program, const CLI::ParseError& request) {
     std::ostringstream text;
     const int exit_code = program.exit(request, text, text);
@@ -130,15 +130,15 @@ namespace {
 
 int run_command(int argc, const char* const* argv, std::span<const AddCommand> commands) {
     CLI::App program{
-        "polhode: poses a rigid body's motion as a differential equation, solves it and measures how "
-        "wrong each method is for how much time.",
+        "polhode: simulates rigid bodies and mechanisms and measures the error and run time of each "
+        "integration method.",
         "polhode"};
-    program.set_version_flag("--version", versions, "Versions of the program and of the libraries in use");
+    program.set_version_flag("--version", versions, "Print the versions of the program and of the libraries in use");
     program.require_subcommand(1);
     program.failure_message(CLI::FailureMessage::simple);
     int exit_code = 0;
     for (const AddCommand add : commands) add(program, exit_code);
-    // an empty value is a slip of a script's, not a wish for the default
+    // an empty value is an error in a script, not a request for the default
     for (CLI::App* command : program.get_subcommands({}))
         for (CLI::Option* option : command->get_options())
             if (option->get_expected_max() > 0)
@@ -164,7 +164,7 @@ int run_command(int argc, const char* const* argv, std::span<const AddCommand> c
 }  // namespace
 
 int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands) {
-    // where memory is out before the command line is read, or while another fault is told
+    // memory may run out before the command line is parsed or while an error is reported
     try {
         return run_command(argc, argv, commands);
     } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// polhode report: a folder of results as one page.
+// polhode report: writes a result directory as one HTML page.
 #include "report/report.h"
 
 #include <fmt/format.h>
@@ -25,9 +25,9 @@ int report_command(ReportOptions options) {
     ReportRequest& request = options.request;
     request.convention = convention_option(options.convention);
     if (request.trajectories.empty() && !(request.scene.empty() && options.convention.empty()))
-        throw UsageError("--scene and --convention are of trajectories; give --trajectory FILE.csv as well");
+        throw UsageError("--scene and --convention require --trajectory; give --trajectory FILE.csv");
     if (!request.output.empty() && !request.output.ends_with(".html"))
-        throw UsageError("--output: is no name of an HTML file; give NAME.html");
+        throw UsageError("--output must end in .html; give NAME.html");
     require_output(request.output);
     if (request.jobs < 0 || request.jobs > 4096)
         throw UsageError(fmt::format("--jobs is {}; give 1 to 4096", request.jobs));
@@ -51,26 +51,31 @@ int report_command(ReportOptions options) {
 void add_report(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "report",
-        "Writes one page (HTML, to be opened from disk, without a network) of all that a folder tells: curves "
-        "to zoom into, tables to sort, motions to watch.");
+        "Writes a result directory as one interactive HTML page that works offline: zoomable curves, sortable "
+        "tables, animated motions.");
+    command->footer(
+        "Examples:\n"
+        "  polhode report build/results\n"
+        "  polhode report new --against old --output comparison.html\n"
+        "  polhode report build/results --trajectory mine.csv --scene lagrange_top\n");
     const auto options = std::make_shared<ReportOptions>();
-    command->add_option("DIR", options->request.directory, "A folder that `polhode run` has written")->required();
+    command->add_option("DIR", options->request.directory, "Result directory written by polhode run")->required();
     engines_option(*command);
     outside_option(*command);
-    command->add_option("--output", options->request.output, "F.html (default: report.html in that folder)");
+    command->add_option("--output", options->request.output, "Output file F.html (default: report.html in DIR)");
     command->add_option("--against", options->request.against,
-                        "A second folder of the same experiments, from another machine or version: how run times and "
-                        "errors compare");
+                        "Second result directory of the same experiments, from another machine or version, to compare "
+                        "run times and errors with");
     command->add_option("--trajectory", options->request.trajectories,
-                        "Trajectory files of your own, to be judged as `polhode check` does and to be watched beside "
-                        "the truth");
+                        "Trajectory files to compare with the truth, as polhode check does, and to animate beside it");
     command->add_option("--scene", options->request.scene,
-                        "Their scene (default: the one of the folder that the first file is named after, or its only "
-                        "one)");
-    command->add_option("--convention", options->convention, "What they are written in; see polhode check --help");
-    command->add_option("--jobs", options->request.jobs, "Threads (default: all cores)");
-    command->add_flag("--without-motions", options->without_motions, "Solve nothing: no bodies to watch");
-    command->add_flag("--quiet", options->quiet, "No summary");
+                        "Scene of the trajectory files (default: the scene in DIR that the first file is named after, "
+                        "or the only scene in DIR)");
+    command->add_option("--convention", options->convention,
+                        "Convention of the trajectory files (see polhode check --help)");
+    command->add_option("--jobs", options->request.jobs, "Number of threads (default: all cores)");
+    command->add_flag("--without-motions", options->without_motions, "Do not solve scenes: omit the animated motions");
+    command->add_flag("--quiet", options->quiet, "Do not print a summary");
     command->callback([options, &exit_code] { exit_code = report_command(*options); });
 }
 

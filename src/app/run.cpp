@@ -1,4 +1,4 @@
-// polhode run: experiments into tables and pictures.
+// polhode run: runs experiments and writes tables and figures.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct RunCommandOptions {
     bool quick = false, dry_run = false, quiet = false;
 };
 
-// The first Ctrl-C stops after the case at hand; the second ends the program as usual.
+// The first Ctrl-C stops after the current case; the second ends the program.
 extern "C" void on_interrupt(int) {
     interrupt_sweep();
     std::signal(SIGINT, SIG_DFL);
@@ -61,25 +61,25 @@ RunOptions checked(const RunCommandOptions& options) {
         throw UsageError(fmt::format("--shard is {}; give I/N, such as 1/3", options.shard));
     run.shard = std::stoi(options.shard), run.shards = std::stoi(options.shard.substr(options.shard.find('/') + 1));
     if (run.shard < 1 || run.shard > run.shards)
-        throw UsageError(fmt::format("--shard is {}; I goes from 1 to N", options.shard));
+        throw UsageError(fmt::format("--shard is {}; give I/N with 1 <= I <= N", options.shard));
     if (options.jobs < 0 || options.jobs > 4096)
         throw UsageError(fmt::format("--jobs is {}; give 1 to 4096", options.jobs));
     run.jobs = options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     run.directory = !options.output.empty() ? options.output : options.quick ? "build/quick" : "build/results";
     if (std::error_code none; std::filesystem::exists(std::filesystem::symlink_status(run.directory, none)) &&
                               !std::filesystem::is_directory(run.directory, none))
-        throw UsageError(fmt::format("--output {} is no directory", one_line(run.directory, 200)));
+        throw UsageError(
+            fmt::format("--output is {}, not a directory; give a directory", one_line(run.directory, 200)));
     run.quick = options.quick, run.quiet = options.quiet;
     run.formats = as_usage([&] { return parse_formats(options.formats); }, "--formats: ");
     if (!options.plan.empty() && options.dry_run) {
         require_output(options.plan);
     } else if (!options.plan.empty()) {
-        if (run.shards == 1)
-            throw UsageError("--plan says how shards share the cases out; give --shard I/N or --dry-run as well");
+        if (run.shards == 1) throw UsageError("--plan requires --shard I/N or --dry-run; give one of them");
         run.costs = std::make_shared<const Costs>(read_plan(options.plan));
     }
     if (!options.measured.empty() && !(options.dry_run && !options.plan.empty()))
-        throw UsageError("--measured is where a plan's costs come from; give --dry-run --plan FILE as well");
+        throw UsageError("--measured requires --dry-run --plan FILE; give both");
     return run;
 }
 
@@ -94,7 +94,7 @@ std::string command_line(const RunCommandOptions& options) {
     return line;
 }
 
-// On standard output what would run, one line each.
+// Lists the pending cases on standard output, one per line.
 void list_pending(const Plan& plan, const RunOptions& options) {
     double total = 0;
     long known = 0;
@@ -103,11 +103,11 @@ void list_pending(const Plan& plan, const RunOptions& options) {
     for (const PendingCase& one : pending) {
         if (one.seconds_before) total += *one.seconds_before, ++known;
         list += fmt::format("{}{}\n", one.words,
-                            one.seconds_before ? fmt::format("  {:.3g} s last time", *one.seconds_before) : "");
+                            one.seconds_before ? fmt::format("  {:.3g} s in the last run", *one.seconds_before) : "");
     }
     write_output("", list);
     if (!options.quiet)
-        fmt::print(stderr, "{}: {} cases to run; {} of them took {:.3g} s last time, truths aside\n",
+        fmt::print(stderr, "{}: {} cases to run; {} of them took {:.3g} s in the last run, without truths\n",
                    plan.experiment.name, pending.size(), known, total);
 }
 
@@ -118,13 +118,13 @@ void tell_costs(const Table& costs, const std::string& path) {
         total += std::get<double>(row[row.size() - 2]);
         measured += text_of(row.back()) == "measured" ? 1 : 0;
     }
-    fmt::print(stderr, "{}: {} cases and truths, {:.3g} s in all; {} of them measured\n", one_line(path, 300),
+    fmt::print(stderr, "{}: {} cases and truths, {:.3g} s in total; {} of them measured\n", one_line(path, 300),
                costs.rows.size(), total, measured);
 }
 
 int run_command(const RunCommandOptions& options) {
     const RunOptions checked_options = checked(options);
-    // all are read before any is run: a slip in the last must not cost the time of the first
+    // read all experiments before running one, so that an error in the last is found at once
     std::vector<Plan> plans;
     for (const std::string& name : options.experiments)
         plans.push_back(make_plan(find_experiment(name), name, options.quick));
@@ -143,7 +143,7 @@ int run_command(const RunCommandOptions& options) {
         if (options.dry_run)
             list_pending(plan, checked_options);
         else if (!run_experiment(plan, checked_options, command_line(options)))
-            return 128 + SIGINT;  // as a shell says of a program that Ctrl-C ended
+            return 128 + SIGINT;  // the exit code of a shell for a program ended by Ctrl-C
     }
     return 0;
 }
@@ -152,33 +152,39 @@ int run_command(const RunCommandOptions& options) {
 
 void add_run(CLI::App& program, int& exit_code) {
     CLI::App* command =
-        program.add_subcommand("run", "Runs experiments into tables and pictures; goes on where it was interrupted.");
+        program.add_subcommand("run", "Runs experiments and writes tables and figures. Continues an interrupted run.");
+    command->footer(
+        "Examples:\n"
+        "  polhode run convergence --quick\n"
+        "  polhode run mine.json --output results --jobs 4\n"
+        "  polhode run contrast --shard 1/3 --output shards/1\n");
     const auto options = std::make_shared<RunCommandOptions>();
-    command->add_option("EXPERIMENT", options->experiments, "Experiments: names (polhode list experiments) or files")
+    command
+        ->add_option("EXPERIMENT", options->experiments,
+                     "Experiments: built-in names (see polhode list experiments) or files")
         ->required();
     engines_option(*command);
     outside_option(*command);
-    command->add_option("--filter", options->filter, "Only the cases whose SCENE/METHOD matches this expression");
+    command->add_option("--filter", options->filter,
+                        "Run only cases whose SCENE/METHOD matches this POSIX extended regular expression");
     command->add_option("--output", options->output,
-                        "Directory (default build/results, with --quick build/quick; published tables are overwritten "
-                        "only where it says so)");
+                        "Output directory (default build/results, or build/quick with --quick)");
     command->add_option("--jobs", options->jobs,
-                        "Threads for truths and errors (default: all cores); timings run alone");
+                        "Threads for truths and errors (default: all cores). Timed runs run one at a time");
     command
         ->add_option("--shard", options->shard,
-                     "I/N: the I-th of N parts, over one directory or each over its own; see polhode merge")
+                     "I/N: run part I of N. Shards may share a directory or use separate ones (see polhode merge)")
         ->capture_default_str();
-    command->add_option(
-        "--plan", options->plan,
-        "With --dry-run: writes all cases with their expected seconds to this file (CSV). With --shard: "
-        "shares them out by such a file, the same for all shards");
+    command->add_option("--plan", options->plan,
+                        "With --dry-run: write all cases and their expected seconds to this CSV file. "
+                        "With --shard: distribute the cases by this file, which must be the same for all shards");
     command->add_option("--measured", options->measured,
-                        "With --dry-run --plan: a folder of results whose run times are taken (default: --output)");
-    command->add_option("--formats", options->formats, "Formats of tables and pictures; CSV is always written")
+                        "With --dry-run --plan: result directory that provides run times (default: --output)");
+    command->add_option("--formats", options->formats, "Formats of tables and figures. CSV is always written")
         ->capture_default_str();
-    command->add_flag("--quick", options->quick, "Every third setting, short runs");
-    command->add_flag("--dry-run", options->dry_run, "Only list what would run, and how long it took last time");
-    command->add_flag("--quiet", options->quiet, "No progress, no summary");
+    command->add_flag("--quick", options->quick, "Use every third setting and short runs");
+    command->add_flag("--dry-run", options->dry_run, "Only list the cases to run and their time in the last run");
+    command->add_flag("--quiet", options->quiet, "Print neither progress nor a summary");
     command->callback([options, &exit_code] { exit_code = run_command(*options); });
 }
 

@@ -22,7 +22,7 @@
 namespace polhode {
 namespace {
 
-// four digits: the file has the rest
+// rounds to four digits
 std::string short_number(double value) { return shortest_decimal(std::stod(fmt::format("{:.3e}", value))); }
 
 std::string body_of(const Problem& problem) {
@@ -40,12 +40,12 @@ struct LoadName {
     const char* operator()(const Impulse&) const { return "impulse"; }
     const char* operator()(const Drag&) const { return "drag"; }
     const char* operator()(const Spring&) const { return "spring"; }
-    const char* operator()(const UserTorque&) const { return "torque of the user's own"; }
+    const char* operator()(const UserTorque&) const { return "user-defined torque"; }
     const char* operator()(const Motor&) const { return "motor"; }
     const char* operator()(const PointSpring&) const { return "spring between points"; }
 };
 
-// each kind once, in file order
+// Lists each kind of load once, in file order.
 std::string loads_of(const Scene& scene) {
     std::vector<std::string> names;
     for (const Load& load : scene.loads) {
@@ -71,7 +71,7 @@ Table rows_of(const std::vector<std::string>& names) {
     return table;
 }
 
-// each type once, in file order, with how many there are: "2 revolute, universal"
+// Lists each type once, in file order, with counts: "2 revolute, universal"
 template <class Parts>
 std::string types_of(const Parts& parts) {
     std::vector<std::pair<std::string, int>> types;
@@ -88,7 +88,7 @@ std::string types_of(const Parts& parts) {
     return words.empty() ? "none" : fmt::format("{}", fmt::join(words, ", "));
 }
 
-// Scenes of several bodies: what joins them. The loops' equations beyond those that the others imply are redundant.
+// The table of scenes of several bodies. Loop equations that are implied by the others count as redundant.
 Table mechanism_rows_of(const std::vector<std::string>& names) {
     Table table{{"name", "about", "duration (s)", "bodies", "joints", "loops", "degrees of freedom", "loop equations",
                  "redundant", "loads", "variables", "truth", "source"},
@@ -110,8 +110,8 @@ Table mechanism_rows_of(const std::vector<std::string>& names) {
 
 std::string scene_index() {
     std::vector<std::string> plain;
-    std::map<std::string, std::vector<std::string>> mechanisms;  // by folder
-    std::map<std::string, std::set<std::string>> families;       // by folder
+    std::map<std::string, std::vector<std::string>> mechanisms;  // by directory
+    std::map<std::string, std::set<std::string>> families;       // by directory
     for (const std::string& name : builtin_scene_names()) {
         const FamilyMember member = family_member(name);
         if (is_mechanism(find_scene(name)))

@@ -1,13 +1,13 @@
-// The catalogue of scenes as a page.
+// The index of scenes.
 #pragma once
 
 #include <string>
 
 namespace polhode {
 
-/// Markdown: a table with one row a built-in scene: name, about, duration, body (principal moments, symmetry), what it
-/// turns about, loads, the system posed, what makes its truth, source. Then for each folder of scenes a section, with
-/// such a table a family, in order of its parameter.
+/// Returns Markdown: a table with one row per built-in scene (name, about, duration, principal moments, symmetry, point
+/// of reference, loads, the system posed, method of the truth, source). One section per directory of scenes follows,
+/// with one table per family, ordered by its parameter.
 std::string scene_index();
 
 }  // namespace polhode

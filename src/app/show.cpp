@@ -1,4 +1,4 @@
-// polhode show: a scene's file as it is written.
+// polhode show: prints the JSON of a scene verbatim.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,12 +10,15 @@
 namespace polhode {
 
 void add_show(CLI::App& program, int& exit_code) {
-    CLI::App* command = program.add_subcommand("show", "A scene's JSON as it is written, comments and all.");
+    CLI::App* command = program.add_subcommand("show", "Prints the JSON of a scene verbatim, including comments.");
+    command->footer(
+        "Examples:\n"
+        "  polhode show lagrange_top > mine.json\n");
     const auto scene = std::make_shared<std::string>();
     command->add_option("SCENE", *scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     outside_option(*command);
     command->callback([scene, &exit_code] {
-        // a file that is no scene is refused like everywhere
+        // throws if the file is not a valid scene
         find_scene(*scene);
         const std::string_view builtin = builtin_scene_text(*scene);
         std::string text = builtin.empty() ? read_text(*scene) : std::string(builtin);

@@ -1,4 +1,4 @@
-// polhode solve: one trajectory.
+// polhode solve: computes one trajectory.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -46,15 +46,15 @@ Choice chosen(const SolveOptions& options, const Problem& problem, const Setting
         options.method == "auto" ? choose_method(problem, settings) : Choice{&method_named(options.method), ""};
     const std::string name(choice.method->name);
     if ((options.step || options.steps) && !takes_step(*choice.method))
-        throw UsageError(fmt::format("{} takes no step; leave out {}", name, options.step ? "--step" : "--steps"));
+        throw UsageError(fmt::format("{} does not take a step; remove {}", name, options.step ? "--step" : "--steps"));
     if (options.tolerance && !takes_tolerance(*choice.method))
-        throw UsageError(fmt::format("{} takes no tolerance; leave out --tolerance", name));
+        throw UsageError(fmt::format("{} does not take a tolerance; remove --tolerance", name));
     return choice;
 }
 
 std::string plural(long count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
-// How far the joints of several bodies were from closed, in the trajectory itself.
+// Returns the largest violations of joints and loops in the trajectory (several bodies).
 std::string joint_errors(const Scene& scene, const Trajectory& trajectory) {
     if (trajectory.samples.empty() || (scene.joints.empty() && scene.loops.empty())) return "";
     const MechanismMeasure<double> measure(scene);
@@ -74,7 +74,7 @@ std::string joint_errors(const Scene& scene, const Trajectory& trajectory) {
                        where(most.gap_joint), most.turn, where(most.turn_joint));
 }
 
-// What the run did, for people: a line each.
+// Returns the summary of the run, one topic per line.
 std::string summary(const SolveOptions& options, const Problem& problem, const Choice& choice, const Settings& settings,
                     const Trajectory& trajectory) {
     const double T = problem.scene.duration;
@@ -100,7 +100,7 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
     if (counts.rejected_steps.value_or(0) > 0)
         text += fmt::format(", {} rejected", plural(*counts.rejected_steps, "step"));
     if (counts.newton_failures.value_or(0) > 0)
-        text += fmt::format(", {} of the nonlinear solver", plural(*counts.newton_failures, "failure"));
+        text += fmt::format(", {}", plural(*counts.newton_failures, "nonlinear solver failure"));
     if (counts.order_reductions.value_or(0) > 0)
         text += fmt::format(", {} for stability", plural(*counts.order_reductions, "order reduction"));
     text += fmt::format(", {:.6f} s\n", trajectory.seconds);
@@ -121,14 +121,14 @@ int solve_command(const SolveOptions& options) {
     settings.step = options.steps ? scene.duration / static_cast<double>(*options.steps) : options.step;
     settings.tolerance = options.tolerance;
     if (settings.step) require_positive("the step", *settings.step);
-    if (options.full) require_one_body(scene, "--full", "the full formulation is that of one body");
+    if (options.full) require_one_body(scene, "--full", "the full formulation supports one body");
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
     Problem problem = pose(scene, settings.formulation);
     problem.reactions = !options.reactions.empty();
     const Choice choice = chosen(options, problem, settings);
     settings = with_defaults(problem, *choice.method, settings);
     const Trajectory trajectory = solve(problem, *choice.method, settings);
-    // what was reached is kept: it tells how far the method came
+    // an incomplete trajectory is also written: it shows how far the method got
     if (!trajectory.samples.empty())
         write_trajectory_output(options.output, trajectory_csv(trajectory, body_names(scene)));
     const bool no_reactions = trajectory.status == Status::ok && problem.reactions && trajectory.reactions.empty();
@@ -137,9 +137,9 @@ int solve_command(const SolveOptions& options) {
     std::fputs(summary(options, problem, choice, settings, trajectory).c_str(), stderr);
     if (no_reactions)
         std::fputs(
-            fmt::format("polhode: {} gives no reactions of joints, and {} is not written; take taylor, or another "
+            fmt::format("polhode: {} was not written: {} does not compute joint reactions; use taylor or another "
                         "method in joint coordinates\n",
-                        choice.method->name, one_line(options.reactions, 200))
+                        one_line(options.reactions, 200), choice.method->name)
                 .c_str(),
             stderr);
     if (no_reactions) return 1;
@@ -150,37 +150,45 @@ int solve_command(const SolveOptions& options) {
 
 void add_solve(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
-        "solve", "Solves a scene: one trajectory (CSV) to stdout or a file, a summary to stderr.");
-    tell_columns(*command);
+        "solve", "Solves a scene: writes one trajectory (CSV) to stdout or a file, and a summary to stderr.");
+    tell_columns(*command,
+                 "Examples:\n"
+                 "  polhode solve lagrange_top --method cvode_adams --tolerance 1e-10 --output top.csv\n"
+                 "  polhode solve t_handle --method odeint_rk4 --step 0.001 --samples 500\n"
+                 "  polhode solve mechanisms/four_bar --reactions forces.csv --output motion.csv\n");
     const auto options = std::make_shared<SolveOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
         ->add_option("--method", options->method,
-                     "A method (polhode list methods); auto: chosen for the scene, describe says which and why")
+                     "Method (see polhode list methods). auto selects one; polhode describe SCENE prints which and why")
         ->capture_default_str();
-    CLI::Option* step = command->add_option(
-        "--step", options->step, "Step in s, rounded down so that whole steps meet every sample (default T/10^4)");
-    CLI::Option* steps = command->add_option("--steps", options->steps, "The same as a number of steps");
-    CLI::Option* tolerance =
-        command->add_option("--tolerance", options->tolerance,
-                            "Relative tolerance; the absolute one is this times the component's scale (default 1e-10)");
+    CLI::Option* step =
+        command->add_option("--step", options->step,
+                            "Fixed step in s, rounded down so that whole steps meet every sample (default T/10^4)");
+    CLI::Option* steps =
+        command->add_option("--steps", options->steps, "Number of fixed steps over the duration, instead of --step");
+    CLI::Option* tolerance = command->add_option(
+        "--tolerance", options->tolerance,
+        "Relative tolerance (default 1e-10). The absolute tolerance is this times the component's scale");
     step->excludes(steps)->excludes(tolerance);
     steps->excludes(tolerance);
-    command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
-    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
-    command->add_option("--max-steps", options->max_steps, "A run that needs more steps ends as failed")
+    command->add_option("--samples", options->samples, "Number of sample intervals N: samples at k T/N, k = 0..N")
         ->capture_default_str();
-    command->add_option("--max-evaluations", options->max_evaluations, "Likewise, of right-hand sides")
+    command->add_option("--duration", options->duration, "Duration T in s (default: the scene's)");
+    command->add_option("--max-steps", options->max_steps, "Fail after this many steps")->capture_default_str();
+    command
+        ->add_option("--max-evaluations", options->max_evaluations, "Fail after this many right-hand-side evaluations")
         ->capture_default_str();
-    command->add_option("--max-seconds", options->max_seconds, "Likewise, of the thread's time")->capture_default_str();
+    command->add_option("--max-seconds", options->max_seconds, "Fail after this CPU time of the thread, in s")
+        ->capture_default_str();
     engines_option(*command);
     outside_option(*command);
-    command->add_option("--output", options->output, "File to write, in place of stdout");
+    command->add_option("--output", options->output, "Output file (default: stdout)");
     command->add_option("--reactions", options->reactions,
-                        "File (CSV) for the forces and torques of joints and loops, of a scene of several bodies: "
-                        "t,joint,fx,fy,fz,tx,ty,tz, by the parent on the child, world axes, about the child's point");
+                        "CSV file for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "
+                        "Force in N and torque in N m by the parent on the child, world axes, about the child's point");
     command->add_flag("--full", options->full,
-                      "Integrate all 13 variables and leave nothing out, of a scene of one body");
+                      "Integrate all 13 variables instead of the reduced formulation (one body)");
     command->callback([options, &exit_code] { exit_code = solve_command(*options); });
 }
 

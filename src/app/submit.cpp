@@ -1,4 +1,4 @@
-// polhode submit: an experiment in shards, as text for the engines that run such.
+// polhode submit: writes scripts that run an experiment in shards with a workflow engine.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ std::string own_path() {
     return none ? "polhode" : path.string();
 }
 
-// What the dearest shard is expected to take, s.
+// Returns the expected time of the longest shard, s.
 double dearest_shard(const Plan& plan, const Costs& costs, int shards) {
     std::vector<double> seconds(static_cast<std::size_t>(shards), 0.0);
     const std::vector<std::vector<int>> dealt = deal_out(plan, costs, shards);
@@ -65,7 +65,7 @@ int submit_command(const SubmitOptions& options) {
     for (const std::string& text : {output, options.experiment, options.program})
         if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }))
             throw UsageError(
-                "--output, --program or the experiment's file holds control characters; give a name without");
+                "--output, --program or the experiment's file contains control characters; remove them from the name");
     std::error_code none;
     Submission submission;
     submission.name = plan.experiment.name;
@@ -82,7 +82,7 @@ int submit_command(const SubmitOptions& options) {
     submission.shards = options.shards, submission.jobs = options.jobs;
     const Table costs = costs_of_work(plan, options.measured.empty() ? output : options.measured);
     double whole = 0;
-    // what is made as a whole is the first shard's
+    // an experiment that is computed as a whole runs in the first shard
     if (costs.rows.size() == 1) whole = std::get<double>(costs.rows.front()[costs.rows.front().size() - 2]);
     const double dearest =
         std::max(whole, dearest_shard(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
@@ -92,7 +92,7 @@ int submit_command(const SubmitOptions& options) {
     write_output(submission.plan, csv(costs));
     write_output(path, submit_script(options.engine, submission));
     if (!options.quiet)
-        fmt::print(stderr, "{}: the dearest of {} shards is expected to take {:.3g} s; run {}\n", submission.name,
+        fmt::print(stderr, "{}: expected time of the longest of {} shards: {:.3g} s; run {}\n", submission.name,
                    options.shards, dearest,
                    options.engine == "snakemake" ? "snakemake --snakefile " + shell_word(path) + " --cores all"
                                                  : "bash " + shell_word(path));
@@ -104,27 +104,38 @@ int submit_command(const SubmitOptions& options) {
 void add_submit(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "submit",
-        "Writes an experiment's shards, evenly shared out by measured run times, and their merge as a script "
-        "for a cluster or for many processes. Runs nothing itself.");
+        "Writes a script that runs an experiment in shards on a cluster or in many processes and merges the results. "
+        "Shards are balanced by measured run times. Nothing is run.");
+    command->footer(
+        "Examples:\n"
+        "  polhode submit slurm contrast --shards 100\n"
+        "  polhode submit parallel mine.json --shards 8 --output results\n");
     const auto options = std::make_shared<SubmitOptions>();
-    command->add_option("ENGINE", options->engine, "slurm, parallel (GNU parallel) or snakemake")
+    command->add_option("ENGINE", options->engine, "Workflow engine: slurm, parallel (GNU parallel) or snakemake")
         ->required()
         ->check(CLI::IsMember({"slurm", "parallel", "snakemake"}));
-    command->add_option("EXPERIMENT", options->experiment, "An experiment: a name (polhode list experiments) or a file")
+    command
+        ->add_option("EXPERIMENT", options->experiment,
+                     "Experiment: a built-in name (see polhode list experiments) or a file")
         ->required();
-    command->add_option("--shards", options->shards, "Into how many parts")->required();
+    command->add_option("--shards", options->shards, "Number of shards")->required();
     command->add_option("--output", options->output,
-                        "The folder of script, plan, shards and merged tables (default: that of polhode run)");
+                        "Directory for the script, plan, shards and merged tables (default build/results, or "
+                        "build/quick with --quick)");
     command->add_option("--measured", options->measured,
-                        "A folder of results whose run times the plan takes (default: --output)");
-    command->add_option("--jobs", options->jobs, "Threads of each shard")->capture_default_str();
-    command->add_option("--program", options->program, "polhode where the shards run (default: this program's path)");
-    command->add_flag("--quick", options->quick, "Every third setting, short runs");
-    command->add_option("--engines", options->engine_files, "As of polhode run; passed on to each shard")
+                        "Result directory that provides run times for the plan (default: --output)");
+    command->add_option("--jobs", options->jobs, "Number of threads of each shard")->capture_default_str();
+    command->add_option("--program", options->program,
+                        "Path of polhode on the machines that run the shards (default: the path of this program)");
+    command->add_flag("--quick", options->quick, "Use every third setting and short runs");
+    command
+        ->add_option("--engines", options->engine_files,
+                     "JSON file of further engines, as for polhode run; also passed to each shard")
         ->each([](const std::string& path) { add_engines(path); });
     command->add_flag("--allow-outside", options->allow_outside,
-                      "Scene and experiment files may name files outside their own folders; passed on to each shard");
-    command->add_flag("--quiet", options->quiet, "No summary");
+                      "Allow scene and experiment files to name files outside their directories; also passed to each "
+                      "shard");
+    command->add_flag("--quiet", options->quiet, "Do not print a summary");
     command->callback([options, &exit_code] {
         if (options->allow_outside) allow_outside_files(true);
         exit_code = submit_command(*options);

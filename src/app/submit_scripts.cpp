@@ -12,12 +12,12 @@
 
 namespace polhode {
 
-// src/app/submit/*, embedded by polhode_embed()
+// the files src/app/submit/*, embedded by polhode_embed()
 std::span<const BuiltinText> submit_templates();
 
 namespace {
 
-// replaces each @name@ by its value, in one pass: values may hold such words
+// replaces each @name@ by its value, in one pass, because values may contain such words
 std::string fill(std::string_view text, const std::map<std::string_view, std::string>& values) {
     std::string filled;
     for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end, text.size()))) {
@@ -40,7 +40,7 @@ std::string shell_words(const std::vector<std::string>& texts) {
     return line;
 }
 
-// JSON strings are Python strings, except for characters beyond 16 bits, which json_string() does not escape
+// JSON strings are valid Python strings: json_string() does not escape characters beyond 16 bits
 std::string python_strings(const std::vector<std::string>& texts) {
     std::vector<std::string> strings;
     for (const std::string& text : texts) strings.push_back(json_string(text));

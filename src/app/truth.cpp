@@ -1,4 +1,5 @@
-// polhode truth: the reference trajectory, in decimals.
+// polhode truth: writes the reference trajectory in decimals, as CSV or JSON. Numbers are strings, because binary64
+// does not hold their digits. Without --certified all rows share one bound; with it each number has a proven radius.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -79,7 +80,7 @@ std::string json(const Scene& scene, const TruthOptions& options, const DecimalR
 
 constexpr const char* reaction_names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 
-// The forces and torques of joints, then of loops, at each time.
+// Returns the reactions of joints, then of loops, at each time.
 std::string reactions_csv_of(const Scene& scene, const DecimalReference& truth) {
     const std::vector<std::string> joints = joint_names(scene);
     std::string text = "t,joint";
@@ -109,7 +110,7 @@ std::string reactions_json(const Scene& scene, const DecimalReference& truth) {
     return text + "\n]}\n";
 }
 
-// `bound` is the largest radius of the line's own numbers.
+// The column `bound` is the largest radius of the numbers in the row.
 std::string csv(const Scene& scene, const CertifiedReference& truth) {
     std::string text =
         fmt::format("# {}: {}; proven to {} digits\nt", one_line(scene.name, 100), truth.message, truth.digits);
@@ -161,7 +162,7 @@ int run_certified(const TruthOptions& options, const Scene& scene) {
     else
         write_trajectory_output(options.output, csv(scene, truth));
     std::fputs(
-        fmt::format("scene    {}\ntruth    {}\nproven   {} digits, no radius above {}\nsteps    {}\ntime     "
+        fmt::format("scene    {}\ntruth    {}\nproven   {} digits, largest radius {}\nsteps    {}\ntime     "
                     "{:.3g} s\n",
                     one_line(scene.name, 100), truth.message, truth.digits, truth.radius, truth.steps, truth.seconds)
             .c_str(),
@@ -181,7 +182,7 @@ int truth_command(const TruthOptions& options) {
     if (options.duration) scene.duration = *options.duration;
     if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
     if (options.certified && !options.reactions.empty())
-        throw UsageError("--reactions: there are no proven ones; leave out --certified");
+        throw UsageError("--reactions: certified reactions are not available; remove --certified");
     if (options.certified) return run_certified(options, scene);
     const DecimalReference truth = decimal_reference(scene, options.samples, options.digits, options.max_seconds);
     if (!truth.available) {
@@ -200,7 +201,7 @@ int truth_command(const TruthOptions& options) {
                    .c_str(),
                stderr);
     if (options.reactions.empty() || !truth.reactions.empty()) return 0;
-    std::fputs(fmt::format("polhode: the truth of this scene tells no reactions, and {} is not written\n",
+    std::fputs(fmt::format("polhode: {} was not written: the truth of this scene does not include reactions\n",
                            one_line(options.reactions, 200))
                    .c_str(),
                stderr);
@@ -211,33 +212,38 @@ int truth_command(const TruthOptions& options) {
 
 void add_truth(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
-        "truth", "The reference trajectory of a scene in decimals, with its bound and where it came from.");
-    tell_columns(*command);
+        "truth",
+        "Computes the reference trajectory of a scene (the truth) in decimals. Prints its error bound and method.");
+    tell_columns(*command,
+                 "Examples:\n"
+                 "  polhode truth lagrange_top --digits 30 --output top.csv\n"
+                 "  polhode truth free_asymmetric --certified --digits 40 --samples 10 --format json\n");
     const auto options = std::make_shared<TruthOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
-    command->add_option("--samples", options->samples, "N: samples at k T/N, k = 0..N")->capture_default_str();
+    command->add_option("--samples", options->samples, "Number of sample intervals N: samples at k T/N, k = 0..N")
+        ->capture_default_str();
     command
         ->add_option(
             "--digits", options->digits,
             fmt::format(
-                "Correct digits, relative to the largest length of q, w, p, v (at most {}, or with --certified as "
-                "many as can be had)",
+                "Correct digits, relative to the largest length of each of q, w, p, v (at most {}; no fixed limit with "
+                "--certified)",
                 most_truth_digits))
         ->capture_default_str();
     command->add_flag("--certified", options->certified,
-                      "Digits that are proven, by ball arithmetic: each number with the radius that holds the truth");
-    command->add_option("--format", options->format, "csv or json")
+                      "Prove the digits by ball arithmetic: each number has a radius that encloses the exact value");
+    command->add_option("--format", options->format, "Output format: csv or json")
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();
-    command->add_option("--duration", options->duration, "T in s, in place of the scene's");
+    command->add_option("--duration", options->duration, "Duration T in s (default: the scene's)");
     command
         ->add_option("--max-seconds", options->max_seconds,
-                     "A truth that takes its thread longer is given up (exit 1); what is cached takes none")
+                     "Fail (exit code 1) after this CPU time of the thread, in s. Cached truths need almost none")
         ->capture_default_str();
     command->add_option("--reactions", options->reactions,
-                        "File for the forces and torques of joints and loops, of a scene of several bodies: columns "
-                        "t,joint,fx,fy,fz,tx,ty,tz, by the parent on the child, world axes, about the child's point");
-    command->add_option("--output", options->output, "File to write, in place of stdout");
+                        "File for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "
+                        "Force in N and torque in N m by the parent on the child, world axes, about the child's point");
+    command->add_option("--output", options->output, "Output file (default: stdout)");
     outside_option(*command);
     command->callback([options, &exit_code] { exit_code = truth_command(*options); });
 }

@@ -1,4 +1,4 @@
-// What the files of the Python module share.
+// Shared types and functions of the Python module: scenes, arrays, and calls without the interpreter lock (GIL).
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -25,39 +25,40 @@ namespace polhode::python {
 
 namespace py = pybind11;
 
-/// A torque of the user's own: what is called, its name, and when it acts (s).
+/// A user-defined torque: function, name, start and end (s).
 using NamedTorque = std::tuple<py::function, std::string, std::optional<double>, std::optional<double>>;
 
-/// A scene that was read, and the problems that it was posed as. Never changes, so that calls may share it.
+/// A scene and the problems posed from it. It is immutable, so that calls can share it.
 class ReadScene {
   public:
-    /// Reads JSON; `file` is named in errors, the files it names are relative to `directory`. Throws InputError.
+    /// Parses JSON. Errors name `file`; files named in the scene are relative to `directory`. Throws InputError.
     ReadScene(const std::string& text, const std::string& file, const std::string& directory,
               const std::vector<NamedTorque>& torques);
 
     const Scene& scene() const { return scene_; }
-    /// Posed at the first call, by whichever thread. To be called without the GIL: a user's torque is asked.
+    /// Returns the problem, posed at the first call from any thread. Call it without the GIL, because posing calls
+    /// user-defined torques.
     std::shared_ptr<const Problem> problem(Formulation formulation, bool reactions) const;
 
   private:
     Scene scene_;
     mutable std::mutex mutex_;
-    mutable std::shared_ptr<const Problem> posed_[2][2];  // full or not, with reactions or not
+    mutable std::shared_ptr<const Problem> posed_[2][2];  // by formulation and by reactions
 };
 
-/// A trajectory for Python, with what it is of.
+/// A trajectory for Python, with its scene and method.
 struct SolvedScene {
     std::shared_ptr<const ReadScene> scene;
     Trajectory trajectory;
     std::string method;
-    std::string why;  ///< `auto` chose it
+    std::string why;  ///< why `auto` selected the method
     std::optional<double> tolerance;
 };
 
-/// The method of that name, also one that was made in Python. Throws InputError, with near misses.
+/// Returns the method of this name, including methods registered in Python. Throws UsageError with similar names.
 const Method& method_by_name(const std::string& name);
 
-/// An array over memory that belongs to `owner`.
+/// Returns a read-only array over memory that belongs to `owner`.
 template <class T>
 py::array_t<T> view(const T* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                     const py::object& owner) {
@@ -66,7 +67,7 @@ py::array_t<T> view(const T* data, std::vector<py::ssize_t> shape, std::vector<p
     return array;
 }
 
-/// An array that takes over a vector's memory.
+/// Returns an array that takes ownership of a vector.
 template <class T>
 py::array_t<T> take(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
     auto* kept = new std::vector<T>(std::move(values));
@@ -74,7 +75,7 @@ py::array_t<T> take(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
     return py::array_t<T>(std::move(shape), kept->data(), owner);
 }
 
-/// A sample from 13 numbers of a trajectory's row: q, w in world axes, p, v.
+/// Makes a sample from the 13 numbers of a row: q, w in world axes, p, v.
 inline Sample sample_of(double t, const double* row) {
     Sample sample;
     sample.t = t, sample.q = {row[0], row[1], row[2], row[3]};
@@ -84,7 +85,7 @@ inline Sample sample_of(double t, const double* row) {
     return sample;
 }
 
-/// A Python function that any thread may copy, call and let go of.
+/// Returns a Python function that any thread may copy, call and release.
 inline std::shared_ptr<py::function> kept(const py::function& function) {
     return {new py::function(function), [](py::function* f) {
                 const py::gil_scoped_acquire gil;
@@ -92,11 +93,11 @@ inline std::shared_ptr<py::function> kept(const py::function& function) {
             }};
 }
 
-/// How often Python is asked for signals.
+/// Interval between checks for Python signals.
 inline constexpr std::chrono::milliseconds between_signals{20};
 
-/// Calls f without the GIL in this thread. Python's signals are looked at now and then; one whose handler throws, as
-/// Ctrl-C's does, ends the call early, and its exception is thrown here.
+/// Calls f without the GIL in this thread and checks for Python signals at intervals. If a signal handler throws, as
+/// for Ctrl-C, the call ends early and rethrows the exception.
 template <class F>
 auto call(F&& f) {
     using Clock = std::chrono::steady_clock;
@@ -119,8 +120,8 @@ auto call(F&& f) {
     return result;
 }
 
-/// Calls f without the GIL in a thread of its own, for what shares its work among threads: this one waits and looks at
-/// Python's signals. `stop` is called as well when one ends the call.
+/// Calls f without the GIL in a separate thread, for functions that use several threads. This thread waits and checks
+/// for Python signals. `stop` is also called if a signal ends the call.
 template <class F>
 auto call_aside(F&& f, const std::function<void()>& stop = {}) {
     std::atomic<bool> stopped = false;
@@ -148,7 +149,8 @@ auto call_aside(F&& f, const std::function<void()>& stop = {}) {
     throw std::move(*thrown);
 }
 
-/// While it lives, an exception of a method written in Python is thrown on in this thread; else it fails the run.
+/// During its lifetime, exceptions of methods written in Python are rethrown in this thread; otherwise they fail the
+/// run.
 class RaisingHere {
   public:
     RaisingHere();

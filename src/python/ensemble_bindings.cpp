@@ -1,4 +1,4 @@
-// Bodies by the million: from arrays to arrays.
+// Ensembles: from arrays to arrays.
 #include <thread>
 
 #include "integrators/own/mechanism_ensemble.h"
@@ -14,11 +14,11 @@ using Column = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 struct SolvedBodies {
     std::vector<EnsembleRow> rows;
-    std::vector<std::size_t> failed;  ///< those that did not end well
+    std::vector<std::size_t> failed;  ///< indices of failed rows
     double seconds = 0;
 };
 
-// What one body differs from the scene's in: blocks of rows, each optional.
+// Values that differ from the scene's, as optional blocks with one row per body.
 struct Columns {
     std::optional<Column> q, w, p, v, inertia, mass;
 };
@@ -46,12 +46,12 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
         const EnsembleBody alike = ensemble_body(read.scene());
         EnsembleSettings alone = settings;
         alone.threads = 1;
-        // bodies are made some at a time, and are gone before they leave the cache
+        // bodies are created in blocks that fit into the cache
         constexpr std::size_t block = 2048;
         std::vector<std::vector<std::size_t>> failed((count + block - 1) / block);
         parallel_for(failed.size(), settings.threads, [&](std::size_t part) {
             const std::size_t first = part * block, end = std::min(count, first + block);
-            thread_local std::vector<EnsembleBody> bodies;  // one memory for all blocks of a thread
+            thread_local std::vector<EnsembleBody> bodies;  // reused by all blocks of a thread
             bodies.assign(end - first, alike);
             for (std::size_t i = first; i < end; ++i) {
                 EnsembleBody& body = bodies[i - first];
@@ -75,7 +75,7 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
     return solved;
 }
 
-// A table of columns by their names, each row a start of a mechanism.
+// Solves a mechanism from a table of named columns, one initial state per row.
 py::tuple solve_mechanisms(const ReadScene& read, const std::string& table_text, long samples,
                            const EnsembleSettings& settings) {
     std::vector<MechanismRow> rows;

@@ -1,4 +1,4 @@
-// Experiments: from a description to files, which Python reads as tables.
+// Experiments: runs a description and writes files, which Python reads as tables.
 #include <thread>
 
 #include "experiment/plan/experiment.h"
@@ -8,7 +8,7 @@
 namespace polhode::python {
 namespace {
 
-// One at a time: timings share the machine with nothing, and an interruption stops whatever runs.
+// Runs one experiment at a time, because timings must not share the machine and an interruption stops all runs.
 bool run_text(const std::string& text, const std::string& file, const std::string& directory, const std::string& filter,
               int jobs, bool quick, bool quiet, bool own) {
     static std::mutex one_at_a_time;

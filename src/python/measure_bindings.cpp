@@ -1,4 +1,4 @@
-// What the same work costs without Python, so that one process can tell what a call through the module adds.
+// Times of the same work without Python, to measure the overhead of the module within one process.
 #include <limits>
 
 #include "integrators/own/ensemble.h"
@@ -7,7 +7,7 @@
 namespace polhode::python {
 namespace {
 
-// The shortest time (s) of `repeats` calls of solve() with the posed problem, as a C++ program would write them.
+// Returns the shortest time (s) of `repeats` calls of solve() with the posed problem, as from a C++ program.
 double seconds_of_solve(const ReadScene& scene, const std::string& method, const Settings& settings, int repeats) {
     return call([&] {
         const std::shared_ptr<const Problem> problem = scene.problem(Formulation::reduced, false);
@@ -22,7 +22,7 @@ double seconds_of_solve(const ReadScene& scene, const std::string& method, const
     });
 }
 
-// Likewise of solve_ensemble() of so many bodies that differ in their angular velocities.
+// Returns the shortest time (s) of `repeats` calls of solve_ensemble(), one body per angular velocity in `rates`.
 double seconds_of_ensemble(const ReadScene& scene, const py::array_t<double, py::array::c_style>& rates, int threads,
                            int repeats) {
     const double* w = rates.data();

@@ -1,4 +1,4 @@
-// The extension module of the Python package: numbers and texts; src/python/polhode makes them comfortable.
+// The extension module _polhode: numbers and texts. src/python/polhode is the public package.
 #include "app/commands.h"
 #include "check/check_files.h"
 #include "python/bindings.h"
@@ -7,16 +7,16 @@
 namespace polhode::python {
 namespace {
 
-// Exceptions carry the program's own lines.
+// Exceptions have the messages of the program.
 void bind_exceptions(py::module_& module) {
     const auto named = [](py::handle type, const char* about) {
         type.attr("__module__") = "polhode";
         type.attr("__doc__") = about;
     };
     named(py::register_exception<InputError>(module, "InputError", PyExc_ValueError),
-          "A scene, a file, a name or a setting is at fault: one line names place, fault and remedy.");
+          "Invalid scene, file, name or setting. The message is one line with place, fault and remedy.");
     named(py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError),
-          "There is no truth to judge by: the line says why.");
+          "The truth is not available. The message states the reason.");
     py::register_exception_translator(
         [](std::exception_ptr pointer) {  // NOLINT(performance-unnecessary-value-param): pybind11's signature
             try {

@@ -1,5 +1,5 @@
-// Methods written in Python: a step function, or a function that gives a whole trajectory. They stand in the registry
-// behind polhode's own, so that tables have them like any other.
+// Methods written in Python: a step function, or a function that computes a whole trajectory. They are registered after
+// polhode's methods, and experiments treat them like all others. Python code runs with the GIL held.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,24 +19,24 @@ namespace {
 
 py::array_t<double> array_of(const double* y, int n) { return py::array_t<double>(n, y); }
 
-// The state that a Python function gave, of n numbers.
+// Reads a state of n numbers that a Python function returned.
 void read_state(const py::object& given, int n, double* y, const char* who) {
     const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
     if (!values || values.ndim() != 1 || values.size() != n) {
         PyErr_Clear();
-        throw py::value_error(fmt::format("{} gave {}; give {} numbers", who, std::string(py::repr(given)), n));
+        throw py::value_error(fmt::format("{} is {}; give {} numbers", who, std::string(py::repr(given)), n));
     }
     std::copy_n(values.data(), n, y);
 }
 
-// The right-hand side f(t, y) of the system at hand, for the duration of a run.
+// The right-hand side f(t, y) of the current system, valid during a run.
 class RightHandSide {
   public:
     using Function = std::function<void(double t, const double* y, double* rate)>;
     RightHandSide(int dimension, Function function) : dimension_(dimension), function_(std::move(function)) {}
 
     py::array_t<double> operator()(double t, const py::object& y) {
-        if (!function_) throw py::value_error("the run is over; call f within the step that it was given to");
+        if (!function_) throw py::value_error("f was called after its run; call f only within the step function");
         std::vector<double> state(static_cast<std::size_t>(dimension_)), rate(state.size());
         read_state(y, dimension_, state.data(), "f(t, y): y");
         ++evaluations;
@@ -52,7 +52,7 @@ class RightHandSide {
     Function function_;
 };
 
-// A scheme y(t + h) = step(f, t, y, h) on the scene's system.
+// Steps y(t + h) = step(f, t, y, h) on the scene's system.
 template <class SystemType>
 class PythonStepper {
   public:
@@ -60,7 +60,7 @@ class PythonStepper {
         : system_(problem), y_(system_.size()), step_(step), rates_(make_rates()) {
         restart();
     }
-    ~PythonStepper() {  // NOLINT(bugprone-exception-escape): where Python gives no thread a state, nothing goes on
+    ~PythonStepper() {  // NOLINT(bugprone-exception-escape): without a thread state Python cannot continue
         const py::gil_scoped_acquire gil;
         native_->end();
         rates_ = py::object();
@@ -76,7 +76,7 @@ class PythonStepper {
     void step(double t, double h) {
         const py::gil_scoped_acquire gil;
         const py::object next = (*step_)(rates_, t, array_of(y_.data(), system_.size()), h);
-        read_state(next, system_.size(), y_.data(), "the step");
+        read_state(next, system_.size(), y_.data(), "the result of the step function");
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const {
@@ -105,9 +105,10 @@ Trajectory by_steps(const py::function& step, const Problem& problem, const Sett
                        [&]<class SystemType>() { return march<PythonStepper<SystemType>>(problem, settings, &step); });
 }
 
-// solve(scene text, times, step, tolerance) gives (rows of 13 numbers, steps, evaluations); see _methods.py.
+// Calls solve(scene text, directory, times, step, tolerance, time limit), which returns (rows of 13 numbers, steps,
+// evaluations); see _methods.py.
 Trajectory by_function(const py::function& solve, const Problem& problem, const Settings& settings) {
-    if (problem.needs.user_torque) return unsupported("a torque of the user's own has no file form to be handed over");
+    if (problem.needs.user_torque) return unsupported("user-defined torques cannot be passed to a solver as a file");
     Trajectory trajectory;
     const py::gil_scoped_acquire gil;
     const std::vector<double> times =
@@ -121,7 +122,7 @@ Trajectory by_function(const py::function& solve, const Problem& problem, const 
         const std::size_t bodies = std::max<std::size_t>(1, problem.scene.bodies.size());
         if (!rows || rows.ndim() != 2 || rows.shape(1) != 13 ||
             static_cast<std::size_t>(rows.shape(0)) != times.size() * bodies)
-            throw py::value_error("a method gave other numbers of rows than there are times and bodies");
+            throw py::value_error("the solver returned a wrong number of rows; return one row per time and body");
         trajectory.samples.clear();
         trajectory.bodies = static_cast<int>(bodies);
         const auto row = rows.unchecked<2>();
@@ -137,7 +138,7 @@ Trajectory by_function(const py::function& solve, const Problem& problem, const 
     return trajectory;
 }
 
-// An exception of a method's own is a failed row in tables and an exception where the user solves.
+// An exception in a user-defined method fails its row in experiments, and is rethrown by polhode.solve().
 class Thrown {
   public:
     static Trajectory solve(const std::function<Trajectory()>& run) {
@@ -192,7 +193,7 @@ py::dict entry_of(const Method& method) {
     entry["planes"] = method.planes;
     const MethodStyle style = method_style(method);
     entry["color"] = color_of(style.color), entry["mark"] = mark_name(style.mark);
-    // its samples lie beside its steps, which do not know of them
+    // whether samples are computed between steps, without affecting the steps
     entry["dense"] = method.control != Control::fixed_step && method.family != Family::engine;
     return entry;
 }
@@ -203,7 +204,7 @@ RaisingHere::RaisingHere() { Thrown::raises = true; }
 RaisingHere::~RaisingHere() { Thrown::raises = false; }
 
 void bind_own_methods(py::module_& module) {
-    py::class_<RightHandSide>(module, "RightHandSide", "The right-hand side of a scene's system.")
+    py::class_<RightHandSide>(module, "RightHandSide", "The right-hand side of the system of a scene.")
         .def("__call__", &RightHandSide::operator(), py::arg("t"), py::arg("y"), "dy/dt at time t (s) and state y.");
     module.def("add_method", &add_own_method, py::arg("name"), py::arg("documentation"), py::arg("source"),
                py::arg("order"), py::arg("conserves"), py::arg("control"), py::arg("identity"), py::kw_only(),

@@ -1,4 +1,4 @@
-// Scenes: their texts, and what is read from them once.
+// Scenes: their texts, and parsed scenes.
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -14,10 +14,10 @@
 namespace polhode::python {
 namespace {
 
-// What a user's own torque is shown of the motion: arrays are made only of what it asks for.
+// Arrays of the state that a user-defined torque accesses; they are created on access.
 py::array_t<double> array_of(const Vector3<double>& v) { return py::array_t<double>(3, v.component.data()); }
 
-// A Python function as a torque. It outlives the GIL's release: called, copied and destroyed by any thread.
+// Wraps a Python function as a torque that any thread may call, copy and destroy without holding the GIL.
 std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& function) {
     return [torque = kept(function)](const LoadState& now) {
         const py::gil_scoped_acquire gil;
@@ -25,22 +25,22 @@ std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& f
         const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
         if (!values || values.size() != 3) {
             PyErr_Clear();
-            throw py::value_error("a torque gave " + std::string(py::repr(given)) +
-                                  "; give three numbers, N m in body axes");
+            throw py::value_error("a torque function returned " + std::string(py::repr(given)) +
+                                  "; return three numbers, N m in body axes");
         }
         return Vector3<double>(values.data()[0], values.data()[1], values.data()[2]);
     };
 }
 
-// Strict JSON in place of JSON with comments, keys in the order in which they stand.
+// Converts JSON with comments to strict JSON and keeps the order of keys.
 std::string without_comments(std::string_view text, const std::string& file) {
-    const JsonDocument checked(text, file);  // says where and what is wrong
+    const JsonDocument checked(text, file);  // throws InputError with place and fault
     return nlohmann::ordered_json::parse(text, nullptr, true, true).dump();
 }
 
-// A scene's text, and the directory that the files it names are relative to.
+// Returns the text of a scene, and the directory to which the files named in it are relative.
 std::pair<std::string, std::string> scene_text(const std::string& name) {
-    const Scene scene = find_scene(name);  // throws where there is none, or it is at fault
+    const Scene scene = find_scene(name);  // throws if it does not exist or is invalid
     const std::string_view text = builtin_scene_text(name);
     return {without_comments(text.empty() ? read_text(name) : std::string(text), name), scene.directory};
 }
@@ -71,11 +71,11 @@ std::shared_ptr<const Problem> ReadScene::problem(Formulation formulation, bool 
 }
 
 void bind_scenes(py::module_& module) {
-    py::class_<LoadState>(module, "LoadState", "What a torque of one's own is told of the motion.")
+    py::class_<LoadState>(module, "LoadState", "The state that a user-defined torque is called with.")
         .def_readonly("t", &LoadState::t, "Time, s.")
         .def_property_readonly(
             "q", [](const LoadState& s) { return py::make_tuple(s.q.w, s.q.x, s.q.y, s.q.z); },
-            "Attitude (w, x, y, z), body to world, as the method has it (not normalised).")
+            "Attitude (w, x, y, z), body to world, as the method computed it (not normalised).")
         .def_property_readonly(
             "w_B", [](const LoadState& s) { return array_of(s.angular_velocity_B); },
             "Angular velocity, body axes, rad/s.")
@@ -97,8 +97,8 @@ void bind_scenes(py::module_& module) {
 
     module.def("scene_text", &scene_text);
     module.def("allow_outside_files", &allow_outside_files, py::arg("allowed"),
-               "Whether scene and experiment files may name files outside their own folders; they may not unless this "
-               "was called with True.");
+               "Allows or forbids scene and experiment files to name files outside their directories. The default is "
+               "to forbid it.");
     module.def("scene_names", &builtin_scene_names);
     module.def("experiment_names", &builtin_experiment_names);
     module.def("experiment_text", [](const std::string& name) {

@@ -1,4 +1,4 @@
-// Solving: trajectories as arrays over the samples' own memory.
+// Solving: trajectories as arrays that are views of the samples.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ static_assert(sizeof(Sample) == 14 * sizeof(double), "arrays are views of the sa
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-// A block of `length` numbers of every sample, from where `first` points to in the first one.
+// Returns a view of `length` numbers of every sample; `first` points to these numbers in the first sample.
 py::array block(const SolvedScene& solved, const double* first, py::ssize_t length, const py::object& owner) {
     const py::ssize_t bodies = solved.trajectory.bodies;
     const auto moments = static_cast<py::ssize_t>(solved.trajectory.moments());
@@ -29,13 +29,13 @@ py::array block(const SolvedScene& solved, const double* first, py::ssize_t leng
     return view(first, std::move(shape), std::move(strides), owner);
 }
 
-// What an empty trajectory has in place of its first sample.
+// The first sample of an empty trajectory.
 const Sample nothing{};
 const Sample& first_of(const SolvedScene& solved) {
     return solved.trajectory.samples.empty() ? nothing : solved.trajectory.samples.front();
 }
 
-// Angular velocities in world axes: the samples have the body's.
+// Returns angular velocities in world axes, computed from those in body axes.
 py::array world_rates(const SolvedScene& solved) {
     std::vector<double> rates;
     rates.reserve(3 * solved.trajectory.samples.size());
@@ -49,7 +49,7 @@ py::array world_rates(const SolvedScene& solved) {
     return take(std::move(rates), std::move(shape));
 }
 
-// The forces and torques of joints and loops, (n, joints, 6); nothing where the method gave none.
+// Returns the reactions of joints and loops, (n, joints, 6), or None if the method did not compute them.
 py::object reactions(const SolvedScene& solved, const py::object& owner) {
     const std::vector<Reaction<double>>& all = solved.trajectory.reactions;
     if (all.empty()) return py::none();
@@ -62,12 +62,12 @@ py::object reactions(const SolvedScene& solved, const py::object& owner) {
 
 void require_positive(const char* what, const std::optional<double>& value) {
     if (value && !(std::isfinite(*value) && *value > 0))
-        throw UsageError(fmt::format("{} is {}; give a finite, positive number", what, *value));
+        throw UsageError(fmt::format("{} is {}; give a finite number > 0", what, *value));
 }
 
 std::shared_ptr<SolvedScene> solve_scene(const std::shared_ptr<ReadScene>& scene, const std::string& method,
                                          const Settings& settings, bool full, bool with_reactions) {
-    require_positive("the step", settings.step), require_positive("the tolerance", settings.tolerance);
+    require_positive("step", settings.step), require_positive("tolerance", settings.tolerance);
     auto solved = std::make_shared<SolvedScene>();
     solved->scene = scene;
     solved->trajectory = call([&] {
@@ -80,9 +80,10 @@ std::shared_ptr<SolvedScene> solve_scene(const std::shared_ptr<ReadScene>& scene
             choice.method = &method_by_name(method);
         solved->method = choice.method->name, solved->why = choice.why;
         if (settings.step && !takes_step(*choice.method))
-            throw UsageError(fmt::format("{} takes no step; leave it out", choice.method->name));
+            throw UsageError(fmt::format("{} does not take a step; remove the argument step", choice.method->name));
         if (settings.tolerance && !takes_tolerance(*choice.method))
-            throw UsageError(fmt::format("{} takes no tolerance; leave it out", choice.method->name));
+            throw UsageError(
+                fmt::format("{} does not take a tolerance; remove the argument tolerance", choice.method->name));
         const Settings complete = with_defaults(*problem, *choice.method, settings);
         solved->tolerance = complete.tolerance;
         const RaisingHere raising;
@@ -91,7 +92,7 @@ std::shared_ptr<SolvedScene> solve_scene(const std::shared_ptr<ReadScene>& scene
     return solved;
 }
 
-// A trajectory of anyone's making: rows of 13 numbers, q, w in world axes, p, v.
+// Makes a trajectory from rows of 13 numbers: q, w in world axes, p, v.
 std::shared_ptr<SolvedScene> trajectory_of(const std::shared_ptr<ReadScene>& scene, const std::string& made_by,
                                            const Array& times, const Array& rows) {
     auto solved = std::make_shared<SolvedScene>();
@@ -99,7 +100,7 @@ std::shared_ptr<SolvedScene> trajectory_of(const std::shared_ptr<ReadScene>& sce
     const auto t = times.unchecked<1>();
     const auto row = rows.unchecked<2>();
     if (row.shape(1) != 13 || t.shape(0) == 0 || row.shape(0) % t.shape(0) != 0)
-        throw py::value_error("the arrays are of different lengths; give a row for each time and body");
+        throw py::value_error("the arrays have different lengths; give one row per time and body");
     const py::ssize_t bodies = row.shape(0) / t.shape(0);
     solved->trajectory.bodies = static_cast<int>(bodies);
     for (py::ssize_t i = 0; i < row.shape(0); ++i) {
@@ -176,7 +177,8 @@ void bind_solving(py::module_& module) {
         });
 
     module.def("method_description", [](const std::string& name) -> std::optional<std::string> {
-        if (name == "auto") return "auto\n\n  The most accurate method for the scene, chosen from what it needs.\n";
+        if (name == "auto")
+            return "auto\n\n  Selects a method for the scene; polhode describe SCENE prints which and why.\n";
         const Method* method = find_method(name);
         return method ? std::optional(describe_method(*method)) : std::nullopt;
     });

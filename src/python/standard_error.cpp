@@ -1,10 +1,10 @@
-// Debian's libasmjit.a is compiled for programs, and reaches for `stderr` in a way that a shared library cannot. The
-// linker has every such reach go to this pointer in its place (--wrap=stderr), which lies within the library.
+// Debian's libasmjit.a is compiled for programs and accesses `stderr` with a relocation that shared libraries do not
+// support. With --wrap=stderr the linker redirects these accesses to this pointer, which is inside the library.
 #include <cstdio>
 
 #undef stderr
 extern "C" {
-extern std::FILE* __real_stderr;  // NOLINT(bugprone-reserved-identifier): the linker's names
+extern std::FILE* __real_stderr;  // NOLINT(bugprone-reserved-identifier): names required by the linker
 __attribute__((visibility("hidden"))) std::FILE* __wrap_stderr = nullptr;
 }
 

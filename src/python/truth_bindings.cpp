@@ -1,4 +1,4 @@
-// The truth, the errors of trajectories against it, and the judgement of files.
+// The truth, errors of trajectories against it, and checks of files.
 #include <fmt/format.h>
 
 #include "check/check_files.h"
@@ -12,7 +12,7 @@
 namespace polhode::python {
 namespace {
 
-// Sample times: N equal intervals, or times of the caller's own.
+// Sample times: N equal intervals, or given times.
 struct SampleTimes {
     long samples = 100;
     std::vector<double> times;
@@ -37,7 +37,7 @@ py::object optional_of(const std::optional<T>& value) {
     return value ? py::cast(*value) : py::none();
 }
 
-// Errors at each sample, and of the run, by the measures' names.
+// Returns errors at each sample and over the run, by the names of the measures.
 py::dict errors_of(const SolvedScene& solved, int digits, double max_seconds) {
     ErrorSeries series;
     Errors run;
@@ -72,7 +72,7 @@ py::dict errors_of(const SolvedScene& solved, int digits, double max_seconds) {
     return result;
 }
 
-// What `polhode check` says of tables of numbers: its text and its JSON.
+// Returns the verdict, text, JSON and explanation of `polhode check` for tables of numbers.
 std::tuple<bool, std::string, std::string, std::string> check_texts(
     const ReadScene& scene, const std::vector<std::pair<std::string, std::string>>& tables,
     const std::string& convention, const std::map<std::string, std::string>& limits, bool explain) {

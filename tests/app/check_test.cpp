@@ -36,7 +36,7 @@ class Check : public Program {
     }
     void write(const std::string& name, const std::string& text) const { std::ofstream(directory / name) << text; }
 
-    // the motion at these times, `angle` ahead of the truth at the last of them
+    // the motion at these times; the last attitude is rotated by `angle` relative to the truth
     static TrajectoryFile motion(const std::vector<double>& times, double angle = 0) {
         TrajectoryFile file;
         file.has_angular_velocity = file.has_position = file.has_velocity = true;
@@ -74,9 +74,9 @@ TEST_F(Check, MeasuresWhatTheFileIsWrongBy) {
     EXPECT_NEAR(report["position_error_max"], 0.25, 1e-15);
     EXPECT_NEAR(report["velocity_error_max"], 0.5, 1e-15);
     EXPECT_NEAR(report["norm_error_max"], 0.25, 1e-15);
-    // E = 5 J of rotation and 1 J of translation; the velocity is off by 2 (0.5)^2 / 2 J
+    // E = 5 J of rotation and 1 J of translation; the velocity error adds 2 (0.5)^2 / 2 J
     EXPECT_NEAR(report["energy_error_max"], 0.25 / 6, 1e-14);
-    // L = 5 kg m^2/s along z, off by I_xx' 0.002 in the body's turned axes: between 1 and 2 kg m^2
+    // L = 5 kg m^2/s along z; error I_xx' 0.002 in the rotated body axes, with I_xx' between 1 and 2 kg m^2
     EXPECT_GT(report["momentum_error_max"], 0.002 / 5);
     EXPECT_LT(report["momentum_error_max"], 0.004 / 5);
 }
@@ -95,7 +95,7 @@ TEST_F(Check, JudgesOnlyWhatTheColumnsTell) {
     for (const char* name : {"omega_error_max", "energy_error_max", "momentum_error_max", "position_error_max"})
         EXPECT_TRUE(bare[name].is_null()) << name;
     EXPECT_LT(bare["attitude_error_max"], 1e-15);
-    // the origin, half a metre behind the centre of mass on the body's x
+    // the body's origin, at x = -0.5 m from the centre of mass in body axes
     file.has_origin = true;
     for (TrajectoryRow& row : file.rows)
         row.position_W = {row.t - 0.5 * std::cos(2 * row.t), -0.5 * std::sin(2 * row.t), 0};
@@ -125,7 +125,7 @@ TEST_F(Check, ALimitDecidesTheExitCode) {
     EXPECT_EQ(run({"check", "judged.json", "good.csv", "--max-attitude", "1e-9"}).exit_code, 1);
 }
 
-// Each block that is there is judged: a file whose attitude is right fails by what is wrong with it.
+// Each block in the file is compared: a file with a correct attitude fails because of its other blocks.
 TEST_F(Check, EveryBlockIsJudged) {
     write("thrown.json", R"({"name": "thrown", "duration": 2, "body": {"mass": 2, "inertia": [0.4, 0.7, 1]},
         "initial": {"orientation": [0.8, 0.48, 0, 0.36], "angular_velocity": [1.1, 2.3, 0.7], "velocity": [3, -1, 6],
@@ -223,7 +223,7 @@ TEST_F(Check, TheWorkedExampleIsToldAsPrinted) {
     const auto succeeds = [](const char* command) { return std::system(command) == 0; };
     const bool has_node = succeeds("command -v node >/dev/null"),
                has_bullet = succeeds("pkg-config --exists bullet-float64 2>/dev/null");
-    // the packages that the engines under Node were installed from are those that npm would get
+    // the Node packages of the engines are the versions that npm would install
     const fs::path packages = fs::path(program_path()).parent_path() / "engines/node_modules";
     const bool has_cannon = has_node && fs::exists(packages / "cannon-es");
     if (has_cannon) fs::create_directory_symlink(packages, directory / "node_modules");
@@ -242,7 +242,7 @@ TEST_F(Check, TheWorkedExampleIsToldAsPrinted) {
         const std::string told = in_one_line(read(directory / "told")), printed = in_one_line(session.printed);
         for (std::size_t begin = 0, end = 0; begin < printed.size(); begin = end + 2) {
             end = std::min(printed.find("..", begin), printed.size());
-            // a part ends in a blank where it ends a line
+            // a part at the end of a line ends in a blank
             const std::string part = printed.substr(begin, end - begin);
             EXPECT_NE(told.find(part.substr(part.starts_with(' '))), std::string::npos)
                 << session.command << ": " << part << "\n"
@@ -271,7 +271,7 @@ TEST_F(Check, APictureIsOfOneFile) {
 }
 
 TEST_F(Check, UnitsAndEulerAngles) {
-    // the spin as yaw in degrees and places in centimetres
+    // the rotation as yaw in degrees, positions in centimetres
     std::string table = "t,roll,pitch,yaw,x,y,z\n";
     for (const double t : odd_times)
         table += shortest_decimal(t) + ",0,0," + shortest_decimal(360 * t / std::acos(-1.0)) + "," +
@@ -304,7 +304,7 @@ TEST_F(Check, LimitsOfBlocks) {
     EXPECT_EQ(run({"check", "spin.json", "off.csv", "--max-attitude", "5%"}).exit_code, 2);
 }
 
-// What an engine without a fault is told: the update that it steps by, and what a smaller step would give.
+// For an engine without faults the report names its update and the error at a smaller step.
 TEST_F(Check, NamesTheUpdateOfASoundEngine) {
     ASSERT_EQ(run({"solve", "t_handle", "--method", "gyroscopic_explicit", "--step", "0.0083333333333333333",
                    "--duration", "2", "--samples", "240", "--output", "engine.csv"})
@@ -338,7 +338,7 @@ TEST_F(Check, TakesWhatSolveAndTruthWrite) {
 }
 
 TEST_F(Check, RefusesWhatItCannotJudge) {
-    // beyond the scene's end, but for the rounding of a clock that adds up steps
+    // rows after the scene's end are refused, except for the rounding of a clock that accumulates steps
     write("longer.csv", write_trajectory(motion({0, 4.1})));
     write("rounded.csv", write_trajectory(motion({0, 4.000000000000002})));
     const Outcome longer = run({"check", "spin.json", "longer.csv"});
@@ -346,7 +346,7 @@ TEST_F(Check, RefusesWhatItCannotJudge) {
     EXPECT_EQ(longer.out, "");
     EXPECT_NE(longer.err.find("longer.csv: column t: ends at 4.1 s"), std::string::npos) << longer.err;
     EXPECT_EQ(run({"check", "spin.json", "rounded.csv"}).exit_code, 0);
-    // one bad file among good ones: nothing is judged
+    // with one bad file among good ones, no file is evaluated
     write("torn.csv", "t,qw,qx,qy,qz\n0,1,0");
     const Outcome torn = run({"check", "spin.json", "rounded.csv", "torn.csv"});
     EXPECT_EQ(torn.exit_code, 2);
@@ -358,7 +358,7 @@ TEST_F(Check, RefusesWhatItCannotJudge) {
     EXPECT_EQ(run({"check", "no_such_scene", "rounded.csv"}).exit_code, 2);
 }
 
-// free_asymmetric as an engine without gyroscopic term has it: w in world axes stays (1, 1, 1)
+// free_asymmetric in an engine without the gyroscopic term: w in world axes stays (1, 1, 1)
 TrajectoryFile without_gyroscopic_term(int rows, double duration) {
     TrajectoryFile file;
     file.has_angular_velocity = true;
@@ -392,7 +392,7 @@ TEST_F(Check, TellsWhatIsWrongAndWhen) {
 TEST_F(Check, SaysWhenAFloatEngineCannotBeBetter) {
     ASSERT_EQ(run({"truth", "free_asymmetric", "--samples", "50", "--output", "true.csv"}).exit_code, 0);
     TrajectoryFile file = read_trajectory((directory / "true.csv").string());
-    // off by half of what rounding the start to binary32 leads to
+    // an error of half of that caused by rounding the initial state to binary32
     const auto report = nlohmann::json::parse(run({"check", "free_asymmetric", "true.csv", "--format", "json"}).out);
     const double floor = report["trajectories"][0]["float32_floor"];
     for (TrajectoryRow& row : file.rows) row.q = row.q * Quaternion<double>{1, floor / 4, 0, 0};
@@ -400,7 +400,7 @@ TEST_F(Check, SaysWhenAFloatEngineCannotBeBetter) {
     EXPECT_NE(run({"check", "free_asymmetric", "true.csv"}).out.find("at the float64 floor"), std::string::npos);
     EXPECT_NE(run({"check", "free_asymmetric", "float.csv"}).out.find("as accurate as binary32 allows"),
               std::string::npos);
-    // chaos takes the rounding of the start to more than what is asked for
+    // in a chaotic motion the rounding of the initial state grows beyond the limit
     ASSERT_EQ(run({"truth", "chaotic_top", "--samples", "50", "--output", "top.csv"}).exit_code, 0);
     EXPECT_NE(run({"check", "chaotic_top", "top.csv"}).out.find("a binary32 engine cannot be evaluated"),
               std::string::npos);
@@ -408,7 +408,7 @@ TEST_F(Check, SaysWhenAFloatEngineCannotBeBetter) {
 
 TEST_F(Check, TakesOtherConventions) {
     TrajectoryFile file = motion({0, 0.5, 1, 2});
-    // Unity: y up, left-handed, so that a turn about the vertical has the other sense; degrees; scalar last
+    // Unity: y up, left-handed, so that rotations about the vertical have the opposite sense; degrees; scalar last
     std::string text = "t,qw,qx,qy,qz,wx,wy,wz,px,py,pz\n";
     for (const TrajectoryRow& row : file.rows) {
         const std::string t = shortest_decimal(row.t);
@@ -451,7 +451,7 @@ TEST_F(Check, ManyRowsAreJudgedLikeFew) {
     EXPECT_NEAR(report[0]["attitude_error_final"], report[1]["attitude_error_final"], 2e-15);
     EXPECT_NEAR(report[0]["momentum_error_final"], report[1]["momentum_error_final"], 2e-15);
     for (int i = 0; i < 2; ++i) EXPECT_EQ(report[i]["diagnoses"][0]["fault"], "gyroscopic_term_missing");
-    // a tenth of a million rows, two truths, two diagnoses: a million in two seconds leaves room
+    // 10^5 rows, two truths, two diagnoses: 10^6 rows in two seconds leave a margin
     EXPECT_LT(outcome.seconds, optimised_build ? 2 : 60);
 }
 

@@ -1,4 +1,4 @@
-// Put before the C library: the clock of the day goes backwards, an hour with each look at it.
+// Preloaded before the C library: the wall clock goes back by one hour with each call.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdatomic.h>

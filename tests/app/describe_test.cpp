@@ -1,4 +1,4 @@
-// What `describe` says of a scene's conditioning.
+// The conditioning of a scene as printed by `describe`.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 class Describe : public Program {
   protected:
-    /// The lines on conditioning of a scene's description.
+    /// Returns the section on conditioning of a scene's description.
     std::string described(const std::string& scene) const {
         const Outcome outcome = run({"describe", scene});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -22,7 +22,7 @@ class Describe : public Program {
         const std::size_t begin = outcome.out.find("\nConditioning\n") + 1;
         return outcome.out.substr(begin, outcome.out.find("\nPolhode", begin) - begin);
     }
-    /// What stands there behind the first line that begins with `name`.
+    /// Returns the value in the first line that begins with `name`.
     static std::string said(const std::string& description, const std::string& name) {
         std::istringstream text(description);
         std::string line;
@@ -39,8 +39,8 @@ TEST_F(Describe, TellsKappaAndTheFloors) {
     EXPECT_NEAR(std::stod(said(text, "kappa(T)")) / c.state[0], 1, 1e-3);
     EXPECT_NEAR(std::stod(said(text, "floor in binary64")) / c.floor(0, float64_roundoff), 1, 0.05);
     EXPECT_NEAR(std::stod(said(text, "floor in binary32")) / c.floor(0, float32_roundoff), 1, 0.05);
-    // the peak lies within the run, in the flip at 45 s
-    EXPECT_NE(said(text, "its peak").find("at t = 45"), std::string::npos);
+    // the peak occurs during the flip at 45 s
+    EXPECT_NE(said(text, "largest kappa").find("at t = 45"), std::string::npos);
 }
 
 // The floor of a sphere at binary32 is 2^-24 sqrt(1 + (w t)^2): beyond 10^-5 rad at t = 167.8 s for w = 1.
@@ -51,18 +51,18 @@ TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
     write("loose.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-4}, )" + sphere + "}");
     write("silent.json", R"({"name": "s", "duration": 400, )" + sphere + "}");
     const std::string tight_text = described("tight.json");
-    const std::string tight = said(tight_text, "a float engine"), before = "can be judged until t = ";
+    const std::string tight = said(tight_text, "binary32 engine"), before = "can be evaluated until t = ";
     ASSERT_TRUE(tight.starts_with(before)) << tight;
     EXPECT_NEAR(std::stod(tight.substr(before.size())), 1e-5 * 0x1p24, 0.3);
     EXPECT_NE(tight.find("tolerated by the scene"), std::string::npos) << tight;
     const std::string loose_text = described("loose.json");
-    EXPECT_TRUE(said(loose_text, "a float engine").starts_with("can be judged the whole run"));
+    EXPECT_TRUE(said(loose_text, "binary32 engine").starts_with("can be evaluated for the whole run"));
     const std::string silent_text = described("silent.json");
-    const std::string silent = said(silent_text, "a float engine");
+    const std::string silent = said(silent_text, "binary32 engine");
     EXPECT_NE(silent.find("0.05 rad (by default)"), std::string::npos) << silent;
 }
 
-// A chain of 24 links: the page comes at once, with what a fixed number of steps reaches and how to get the rest.
+// A chain of 24 links: the output appears at once, for a fixed number of steps, and states how to compute the rest.
 TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
     std::string bodies, joints;
     for (int i = 0; i < 24; ++i) {
@@ -87,12 +87,12 @@ TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
     EXPECT_EQ(whole.out.find("only until t = "), std::string::npos) << whole.out;
     EXPECT_NE(whole.out.find("kappa(T)"), std::string::npos) << whole.out;
     EXPECT_EQ(whole.out.find("--conditioning"), std::string::npos);
-    // what both know is the same, but for what follows
+    // both outputs agree up to the section on conditioning
     EXPECT_EQ(brief.out.substr(0, brief.out.find("\nConditioning")),
               whole.out.substr(0, whole.out.find("\nConditioning")));
 }
 
-// 10^7 s on a spring are too much for a description: it says how far it looked, and what it found there.
+// 10^7 s on a spring take too long for a description: it reports the time reached and the results up to it.
 TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     write("long.json", R"({"name": "long", "duration": 1e7, "tolerated": {"attitude": 1e-5},
                            "loads": [{"type": "spring", "stiffness": 1}],
@@ -102,17 +102,17 @@ TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
     EXPECT_NE(limit.find("stopped at the limit of"), std::string::npos) << limit;
     EXPECT_EQ(said(text, "kappa(T)"), "");
     EXPECT_GT(std::stod(said(text, "kappa(")), 1000);
-    EXPECT_TRUE(said(text, "a float engine").starts_with("can be judged until t = "));
+    EXPECT_TRUE(said(text, "binary32 engine").starts_with("can be evaluated until t = "));
 }
 
-// A free body's closed form knows all of 10^7 s: the phase drifts by t times how its rate depends on w.
+// The closed form of a free body covers all of 10^7 s: the phase drifts by t times the derivative of its rate by w.
 TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
     write("long.json", R"({"name": "long", "duration": 1e7,
                            "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
     // d attitude = t dw, dw in units of w = 1
     const std::string text = described("long.json");
     EXPECT_NEAR(std::stod(said(text, "kappa(T)")), 1e7, 1e4);
-    EXPECT_NE(said(text, "by").find("closed form"), std::string::npos);
+    EXPECT_NE(said(text, "computed by").find("closed form"), std::string::npos);
 }
 
 TEST_F(Describe, TellsTheFaultOfAFileAsSolveDoes) {
@@ -131,7 +131,7 @@ TEST_F(Describe, TellsWhatAnExperimentWillRun) {
         "settings": {"steps": [0.1, 0.01, 0.001], "tolerances": [1e-4, 1e-8]}})");
     const Outcome told = run({"describe", "mine.json"});
     EXPECT_EQ(told.exit_code, 0) << told.err;
-    // as many as the command that lists them finds
+    // as many cases as `run --dry-run` lists
     const long cases = lines(run({"run", "mine.json", "--dry-run", "--quiet"}).out);
     for (const std::string& part : {"  cases    " + std::to_string(cases) + ",", std::string("Two by two"),
                                     std::string("gyroscopic_explicit, steps 0.1 to 0.001 (3)"),

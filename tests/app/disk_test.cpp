@@ -1,4 +1,4 @@
-// Writes that fail: a named failure in one line, exit code 1, and the old file as it was.
+// Failing writes: one line on stderr, exit code 1, the old file unchanged.
 #include <sys/resource.h>
 
 #include <csignal>
@@ -10,7 +10,7 @@ namespace {
 
 class FullDisk : public Program {
   protected:
-    // a file system that takes no more than `bytes` a file
+    // limits the size of files to `bytes`
     static std::function<void()> room_for(rlim_t bytes) {
         return [bytes] {
             const rlimit limit{bytes, bytes};
@@ -39,7 +39,7 @@ TEST_F(FullDisk, LeavesTheOldFileAsItWas) {
         arguments.insert(arguments.end(), {"--output", "old.csv"});
         expect_failed(run(arguments, room_for(1000)), "old.csv: cannot be written: File too large");
         EXPECT_EQ(read(directory / "old.csv"), "what was there\n");
-        EXPECT_EQ(names(), std::vector<std::string>{"old.csv"}) << "a temporary is left";
+        EXPECT_EQ(names(), std::vector<std::string>{"old.csv"}) << "a temporary file remains";
     }
 }
 
@@ -50,21 +50,21 @@ TEST_F(FullDisk, LeavesFinishedCasesAndOldTables) {
         "settings": {"steps": [0.5, 0.25, 0.125, 0.1, 0.0625, 0.05, 0.04, 0.03125]}, "vary": {"/duration": [1]}, "samples": 2, "repeats": 1})";
     ASSERT_EQ(run({"run", "e.json", "--output", "out", "--quiet"}).exit_code, 0);
     const std::string table = read(directory / "out/e.csv");
-    // a case fits, the table does not
+    // a case fits within the limit, the table does not
     expect_failed(run({"run", "e.json", "--output", "out", "--quiet"}, room_for(800)),
                   "e.csv: cannot be written: File too large");
     EXPECT_EQ(read(directory / "out/e.csv"), table);
-    // not even a case fits; stderr, a file here, has room for its line
+    // no case fits; stderr, a file here, still has room for one line
     fs::remove_all(directory / "out");
     expect_failed(run({"run", "e.json", "--output", "out", "--quiet"}, room_for(200)), "File too large");
     for (const auto& entry : fs::recursive_directory_iterator(directory / "out"))
         EXPECT_NE(entry.path().extension(), ".csv") << entry.path();
-    // and when there is room again the sweep goes on
+    // without the limit the sweep continues
     EXPECT_EQ(run({"run", "e.json", "--output", "out", "--quiet"}).exit_code, 0);
     ::unsetenv("POLHODE_CACHE"), ::unsetenv("TMPDIR");
 }
 
-// stdout on a full disk, and closed
+// stdout on a full disk, and closed stdout
 TEST_F(FullDisk, IsToldOfStandardOutput) {
     std::ofstream(directory / "run.csv") << "t,qw,qx,qy,qz\n0,1,0,0,0\n";
     std::ofstream(directory / "e.json") << R"({"name": "e", "scenes": ["symmetric"], "methods": ["odeint_rk4"],

@@ -1,5 +1,5 @@
-// The leaderboard as a user runs it, with programs of a user's own in the engines' place: sound ones, one that crashes,
-// one that hangs, one that is not there.
+// The leaderboard with user-defined engines: correct ones, one that crashes, one that hangs, one that is not
+// available.
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@
 namespace polhode {
 namespace {
 
-// This program as an engine: an update of the catalogue under another name.
+// This program as an engine: a method of the catalogue under another name.
 nlohmann::json itself(const std::string& name, const std::string& method) {
     return {{"name", name},
             {"command", {program_path(), "solve", "/dev/stdin", "--method", method, "--samples", "{samples}"}},
@@ -60,7 +60,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     const Outcome outcome = run({"run", "few.json", "--engines", "mine.json", "--output", "one"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
 
-    // what is an update of the catalogue has its errors, to the last digit
+    // an engine that runs a method of the catalogue has exactly its errors
     const Table rows = table("one", "few");
     int compared = 0;
     for (const auto& row : rows.rows) {
@@ -74,7 +74,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
             }
     }
     EXPECT_EQ(compared, 6);
-    // a crash is a row; a hang is a row whose curve ends there, and is waited for twice; planes are refused
+    // a crash fails one row; a hang fails one row and ends the curve after two timeouts; planes are refused
     const auto message = [&](const std::string& method, const std::string& scene, std::size_t nth) {
         for (const auto& row : rows.rows)
             if (cell(rows, row, "method") == method && cell(rows, row, "scene") == scene && nth-- == 0)
@@ -90,7 +90,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     EXPECT_EQ(message("good:default", "bouncing_ball", 0),
               "unsupported: good:default does not support impacts on planes");
 
-    // the order: the better update before the worse, and those that took no part behind them, without a place
+    // order: better updates first; engines that were not measured come last, without a place
     const Table leaders = table("one", "few_leaderboard");
     ASSERT_EQ(leaders.rows.size(), 6u);
     const auto leader = [&](std::size_t i, const char* column) { return cell(leaders, leaders.rows[i], column); };
@@ -106,7 +106,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     EXPECT_EQ(leader(0, "within_0.001"), "1/60 s");
     EXPECT_EQ(leader(2, "within_0.1"), "");
 
-    // who it is: which update it follows, and whether the gyroscopic term acts
+    // identity: the update that the engine matches, and whether the gyroscopic term acts
     const Table identity = table("one", "few_identity");
     EXPECT_EQ(cell(identity, identity.rows[0], "follows"), "gyroscopic_none");
     EXPECT_EQ(cell(identity, identity.rows[0], "gyroscopic_term"), "does not act");
@@ -125,7 +125,7 @@ TEST_F(Engines, AreARowEachWhateverTheyDo) {
     EXPECT_TRUE(fs::exists(directory / "one" / "few_default.svg"));
 }
 
-// A second run gives the same numbers, times aside.
+// A second run gives the same numbers, except for times.
 TEST_F(Engines, RepeatTheirRows) {
     for (const char* folder : {"one", "two"}) {
         const Outcome outcome = run(

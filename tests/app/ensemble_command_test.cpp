@@ -1,4 +1,4 @@
-// polhode ensemble: a body a row, from table to table.
+// polhode ensemble: one body per row, from table to table.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ class EnsembleCommand : public Program {
     fs::path inputs;
 };
 
-// The lines of a text, each cut at its commas.
+// Splits a text into lines and cells.
 std::vector<std::vector<std::string>> cells_of(const std::string& text) {
     std::vector<std::vector<std::string>> all;
     std::size_t begin = 0;
@@ -80,7 +80,7 @@ TEST_F(EnsembleCommand, ARowEach) {
         EXPECT_NEAR(number(11 + i), world.position_W[i], 1e-13);
         EXPECT_NEAR(number(14 + i), world.velocity_W[i], 1e-13);
     }
-    // one at rest stays as it is, and falls: z = -9.75 t^2 / 2
+    // a body at rest keeps its attitude and falls: z = -9.75 t^2 / 2
     EXPECT_EQ(rows[2][4], "1");
     EXPECT_EQ(rows[2][13], "-19.5");
     EXPECT_NE(outcome.err.find("2 ok"), std::string::npos) << outcome.err;
@@ -122,7 +122,7 @@ TEST_F(EnsembleCommand, BadRowsAreToldAndTheGoodOnesSolved) {
     for (const std::size_t bad : {1u, 3u, 5u}) {
         EXPECT_EQ(rows[bad][0], std::to_string(bad));
         EXPECT_EQ(rows[bad][2], "failed");
-        // the table's header is its first line
+        // line 1 of the table is the header
         const std::string told = "row " + std::to_string(bad) + ": " + table + ": line " + std::to_string(bad + 1);
         EXPECT_NE(outcome.err.find(told), std::string::npos) << told << "\n" << outcome.err;
     }
@@ -144,7 +144,7 @@ TEST_F(EnsembleCommand, SamplesOverTime) {
     }
 }
 
-// 1200 rows, each eleventh of them no body.
+// 1200 rows; every eleventh row is invalid.
 std::string many_rows() {
     std::string text = "id,wx,wy,wz,ixx,iyy,izz\n";
     for (int i = 1; i <= 1200; ++i) {
@@ -161,7 +161,7 @@ TEST_F(EnsembleCommand, TheSameBytesInPiecesOfAnySizeByAnyThreads) {
         const Outcome outcome = run({"ensemble", scene(), "--initial", table, "--rows-at-once", rows, "--threads",
                                      threads, "--samples", samples, "--output", "out.csv"});
         EXPECT_EQ(outcome.exit_code, 1);
-        EXPECT_NE(outcome.err.find("refused  9 rows more"), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find("refused  9 more rows"), std::string::npos) << outcome.err;
         EXPECT_NE(outcome.err.find("refused  row 11: "), std::string::npos) << outcome.err;
         return read(directory / "out.csv");
     };
@@ -169,7 +169,7 @@ TEST_F(EnsembleCommand, TheSameBytesInPiecesOfAnySizeByAnyThreads) {
     EXPECT_EQ(lines(whole), 1 + 2 * (1200 - 109) + 109);
     for (const auto& [rows, threads] : {std::pair("1", "1"), std::pair("600", "3"), std::pair("999", "2")})
         EXPECT_EQ(written(rows, threads, "2"), whole) << rows << " rows, " << threads << " threads";
-    // stdout and a pipe say the same
+    // stdout and a pipe give the same output
     const Outcome piped =
         run({"ensemble", scene(), "--initial", "/dev/stdin", "--samples", "2", "--rows-at-once", "500"},
             [&] { ::dup2(::open(table.c_str(), O_RDONLY), 0); });
@@ -188,7 +188,7 @@ TEST_F(EnsembleCommand, AFaultFarBehindLeavesNothing) {
                        "t.csv: line 1202: is blank; remove the line");
     expect_refused({"ensemble", scene(), "--initial", table}, "t.csv: line 1202: is blank; remove the line");
     expect_refused({"ensemble", scene(), "--initial", table, "--rows-at-once", "0"}, "--rows-at-once");
-    // a disk that is full
+    // a full disk
     const Outcome full = run({"ensemble", scene(), "--initial", write("good.csv", many_rows()), "--output", "out.csv",
                               "--rows-at-once", "500"},
                              [] {

@@ -1,4 +1,4 @@
-// An ensemble in parts, by the program, and the parts put together: the same bytes as one run.
+// An ensemble solved in parts by the program and merged has the same bytes as one run.
 #include "app/ensemble_parts.h"
 
 #include <random>
@@ -33,7 +33,7 @@ class EnsembleParts : public Program {
     }
 
     std::string path(const std::string& name) const { return (directory / name).string(); }
-    // Solves some parts of so many of a table into out.csv or out.npy in a folder.
+    // Solves parts of a table, out of `of` parts, into out.csv or out.npy in a directory.
     void solve(const std::string& folder, const std::string& ending, std::initializer_list<int> parts, int of,
                const std::vector<std::string>& more = {}) const {
         fs::create_directory(directory / folder);
@@ -54,7 +54,7 @@ class EnsembleParts : public Program {
         try {
             merge_ensemble_parts(dirs, path(output));
         } catch (const InputError& error) {
-            EXPECT_FALSE(fs::exists(path(output))) << "something was written";
+            EXPECT_FALSE(fs::exists(path(output))) << "a file was written";
             return error.what();
         }
         return "none";
@@ -95,11 +95,11 @@ TEST_F(EnsembleParts, AreTheWhole) {
         const std::string out = "out." + ending;
         const Outcome whole = run({"ensemble", "flight.json", "--initial", "t." + ending, "--output", out});
         EXPECT_EQ(whole.exit_code, ending == "npy" ? 0 : 1) << whole.err;
-        // in any order, in several folders, one part twice, by other threads and pieces
+        // in any order, in several directories, one part twice, with other numbers of threads and rows per piece
         solve("a" + ending, ending, {3, 1}, 3, {"--threads", "3"});
         EXPECT_TRUE(has_ensemble_parts(path("a" + ending)));
         EXPECT_FALSE(has_ensemble_parts(path("none")));
-        expect_fault({"a" + ending}, "merged." + ending, "lacks part 2 of 3; solve it: --shard 2/3");
+        expect_fault({"a" + ending}, "merged." + ending, "is missing part 2 of 3; solve it: --shard 2/3");
         solve("b" + ending, ending, {2, 3}, 3, {"--rows-at-once", "70"});
         for (int again = 0; again < 2; ++again) {
             const MergedEnsemble merged =
@@ -110,7 +110,7 @@ TEST_F(EnsembleParts, AreTheWhole) {
             EXPECT_EQ(merged.refused, ending == "npy" ? 0u : 20u);
             EXPECT_EQ(read(merged.output), read(directory / out));
         }
-        // into a folder, beside the parts
+        // into the directory of the parts
         EXPECT_EQ(read(merge_ensemble_parts({path("b" + ending), path("a" + ending)}, path("b" + ending)).output),
                   read(directory / out));
     }
@@ -125,41 +125,41 @@ TEST_F(EnsembleParts, MorePartsThanRows) {
     EXPECT_EQ(read(merge_ensemble_parts({path("p")}, path("merged.csv")).output), read(directory / "out.csv"));
     std::ofstream(directory / "t.csv") << "mass\n-1\n-2\n";
     solve("q", "csv", {1, 2}, 2);
-    expect_fault({"q"}, "none.csv", "has no row that was solved");
+    expect_fault({"q"}, "none.csv", "has no solved row");
 }
 
 TEST_F(EnsembleParts, FaultsAreTold) {
     expect_fault({"none"}, "m.csv", "none: cannot be read: No such file or directory");
     fs::create_directory(directory / "empty");
-    expect_fault({"empty"}, "m.csv", "holds no part of an ensemble");
+    expect_fault({"empty"}, "m.csv", "contains no part of an ensemble");
     solve("a", "csv", {1}, 2);
-    expect_fault({"a"}, "m.npy", "is to hold the parts of out.csv");
+    expect_fault({"a"}, "m.npy", "differs in format from the parts of out.csv");
     solve("options", "csv", {2}, 2, {"--duration", "1"});
-    expect_fault({"a", "options"}, "m.csv", "of a scene with hash");
+    expect_fault({"a", "options"}, "m.csv", "has scene hash");
     solve("tolerance", "csv", {2}, 2, {"--tolerance", "1e-6"});
-    expect_fault({"a", "tolerance"}, "m.csv", "of options tolerance");
+    expect_fault({"a", "tolerance"}, "m.csv", "has options tolerance");
     solve("number", "csv", {2}, 3);
-    expect_fault({"a", "number"}, "m.csv", "of a number of parts, 3");
+    expect_fault({"a", "number"}, "m.csv", "has number of parts 3");
     solve("b", "csv", {2}, 2);
     EXPECT_EQ(fault_of({"a", "b"}, "m.csv"), "none");
     fs::remove(directory / "m.csv");
-    // a byte that changed, and a copy that is another
+    // a changed byte, and two different copies of a part
     const fs::path part = directory / "b/out.part-0002-of-0002.csv";
     const std::string text = read(part);
     std::string other = text;
     other[300] = other[300] == '1' ? '2' : '1';
     std::ofstream(part) << other;
-    expect_fault({"a", "b"}, "m.csv", "is not what its .json says; solve it again: --shard 2/2");
+    expect_fault({"a", "b"}, "m.csv", "does not match its .json file; solve it again: --shard 2/2");
     std::ofstream(part) << text.substr(0, 200);
-    expect_fault({"a", "b"}, "m.csv", "is not what its .json says");
+    expect_fault({"a", "b"}, "m.csv", "does not match its .json file");
     fs::remove(part);
     expect_fault({"a", "b"}, "m.csv", "cannot be opened");
     std::ofstream(part) << text;
     std::string json = read(part.string() + ".json");
     for (const auto& [from, to, named] :
-         {std::tuple{"\"part\": 2", "\"part\": 3", "/part: is none of the parts"},
-          std::tuple{"\"kind\": \"part", "\"kind\": \"a part", "/kind: is something else"},
-          std::tuple{"\"output\": \"out.csv\"", "\"output\": \"../out.csv\"", "holds parts of "},
+         {std::tuple{"\"part\": 2", "\"part\": 3", "/part: is out of range"},
+          std::tuple{"\"kind\": \"part", "\"kind\": \"a part", "/kind: is a different kind"},
+          std::tuple{"\"output\": \"out.csv\"", "\"output\": \"../out.csv\"", "contains parts of "},
           std::tuple{"\"rows\": 501", "\"rows\": -501", "/rows: is -501"},
           std::tuple{"\"hash\"", "\"hush\"", "hash"}}) {
         std::string changed = json;
@@ -168,21 +168,21 @@ TEST_F(EnsembleParts, FaultsAreTold) {
         std::ofstream(part.string() + ".json") << changed;
         expect_fault({"a", "b"}, "m.csv", named);
     }
-    // a name that leads out of the folder is none
-    expect_fault({"a"}, "m.csv", "lacks part 2 of 2");
+    // a name outside the directory is refused
+    expect_fault({"a"}, "m.csv", "is missing part 2 of 2");
     fs::create_directory(directory / "c");
     std::string changed = read(directory / "a/out.part-0001-of-0002.csv.json");
     changed.replace(changed.find("out.csv"), 7, "../x.csv");
     std::ofstream(directory / "c/out.part-0001-of-0002.csv.json") << changed;
-    expect_fault({"c"}, "m.csv", "/output: is no file's name");
-    // another table, of as many rows
+    expect_fault({"c"}, "m.csv", "/output: is not a file name");
+    // a different table with the same number of rows
     std::ofstream(directory / "t.csv", std::ios::app) << "\n";
     solve("table", "csv", {2}, 2);
-    expect_fault({"a", "table"}, "m.csv", "of a table with hash");
+    expect_fault({"a", "table"}, "m.csv", "has table hash");
 }
 
 TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
-    // 70 MiB of rows of zeros, which the disk need not hold
+    // 70 MiB of zeros in a sparse file
     constexpr std::uint64_t many = 3'000'000;
     const std::string header = write_npy_header({{"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, many);
     const std::string table = path("long.npy");
@@ -194,7 +194,7 @@ TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
     EXPECT_EQ(identity.rows, many);
     EXPECT_EQ(identity.bytes, bytes);
     EXPECT_EQ(identity_of(table, scene).hash, identity.hash);
-    // the first and the last rows are among what is read, and rows all over the table
+    // the blocks that are read include the first rows, the last rows and rows throughout the table
     for (const std::uint64_t at : {std::uint64_t{header.size()}, bytes / 1023 * 500, bytes - 8}) {
         std::fstream file(table, std::ios::binary | std::ios::in | std::ios::out);
         file.seekp(static_cast<std::streamoff>(at));
@@ -215,10 +215,10 @@ TEST_F(EnsembleParts, RefusesBadUsage) {
         EXPECT_EQ(lines(outcome.err), 1) << outcome.err;
         EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
     };
-    refused({"--shard", "1/2"}, "--shard: parts are files; give --output");
-    refused({"--shard", "3/2", "--output", "o.csv"}, "--shard: 3/2 is not I/N");
+    refused({"--shard", "1/2"}, "--shard writes a file; give --output");
+    refused({"--shard", "3/2", "--output", "o.csv"}, "--shard is 3/2; give I/N");
     refused({"--shard", "1/2", "--output", "o.csv", "--initial", "/dev/stdin"}, "--initial");
-    refused({"--output", "o.npy"}, "t.csv: column id: has ids of any length, and an .npy file has none for them");
+    refused({"--output", "o.npy"}, "t.csv: column id: has ids of variable length, which .npy output does not support");
     EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 3);
 }
 

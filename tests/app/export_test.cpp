@@ -1,4 +1,4 @@
-// polhode export: golden data that engines' own tests can be built on.
+// polhode export: golden data for the tests of engines.
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -54,7 +54,7 @@ TEST_F(Export, JsonHoldsAllThatATestNeeds) {
     const auto& start = data["samples"][0];
     EXPECT_EQ(start[1], 0.8);
     EXPECT_EQ(start[3], 0.6);
-    // w in world axes: R(q) (0.3, 0.1, 2), with q a turn by 2 acos 0.8 about y: cos 0.28, sin 0.96
+    // w in world axes: R(q) (0.3, 0.1, 2), with q a rotation by 2 acos 0.8 about y: cos 0.28, sin 0.96
     EXPECT_NEAR(start[5], 0.28 * 0.3 + 0.96 * 2, 1e-15);
     EXPECT_NEAR(start[7], -0.96 * 0.3 + 0.28 * 2, 1e-15);
     EXPECT_EQ(data["samples"][7][0], 4);
@@ -73,18 +73,18 @@ TEST_F(Export, ConventionsGoThereAndBack) {
                   0);
         EXPECT_EQ(run({"check", "spin.json", "there.csv", "--max-attitude", "1e-3"}).exit_code, 1) << words;
     }
-    // the tensor of a mirrored body: y and z exchanged
+    // the inertia tensor of a mirrored body: y and z exchanged
     const nlohmann::json unity = exported_json({"--convention", "unity"});
     EXPECT_EQ(unity["body"]["inertia"][0], (std::vector<double>{1, 0, 0.1}));
     EXPECT_EQ(unity["body"]["inertia"][1], (std::vector<double>{0, 2.5, 0}));
     EXPECT_EQ(unity["body"]["center_of_mass"], (std::vector<double>{0.1, 0.5, 0.2}));
-    // a quarter turn changes the sign of a product of inertia
+    // a rotation by 90 degrees changes the sign of a product of inertia
     const nlohmann::json godot = exported_json({"--convention", "godot"});
     EXPECT_EQ(godot["body"]["inertia"][2], (std::vector<double>{-0.1, 0, 2}));
     EXPECT_EQ(godot["body"]["center_of_mass"], (std::vector<double>{0.1, 0.5, -0.2}));
 }
 
-// the header compiles as both languages without a warning, and its numbers are the same binary64
+// The header compiles as C and C++ without warnings, and its numbers are the same binary64.
 TEST_F(Export, TheHeaderCompilesAndReadsBack) {
     ASSERT_EQ(run({"export", "spin.json", "--samples", "7", "--format", "c", "--output", "golden.h"}).exit_code, 0);
     const std::string prefix = "polhode_9_lives_of_a_top_";
@@ -120,8 +120,8 @@ TEST_F(Export, TheHeaderCompilesAndReadsBack) {
     EXPECT_EQ(found, expected);
 }
 
-// What is exported is a scene of its own: solved as it stands, it moves as the samples say. Component by component the
-// equations are the same on either hand and in any unit of length.
+// The exported scene, solved as it is, gives the exported samples. By components the equations are the same in left-
+// and right-handed axes and in any unit of length.
 TEST_F(Export, TheSceneExportedMovesAsExported) {
     for (const char* scene : {"every_load", "thrown_hammer", "heavy_asymmetric_top", "torsional_spring"})
         for (const char* words : {"unity", "unreal", "godot", "left-handed,inches"}) {
@@ -171,7 +171,7 @@ TEST_F(Export, TheSceneExportedMovesAsExported) {
         }
 }
 
-// A block that is off is named, with how much, in every language that the machine compiles.
+// The comparison function reports a wrong block and its error, in every language that this machine compiles.
 TEST_F(Export, TheComparisonNamesTheBlock) {
     const std::string name = "polhode_9_lives_of_a_top";
     const auto exported = [&](const std::string& format, const std::string& file, bool floats) {
@@ -229,13 +229,13 @@ TEST_F(Export, HoldsWhatABodyMeets) {
                                  "unity", "--duration", "1"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const nlohmann::json data = nlohmann::json::parse(outcome.out);
-    EXPECT_EQ(data["planes"][0]["normal"], (std::vector<double>{0, 1, 0}));  // up is y there
-    EXPECT_EQ(data["shape"].size(), 8u);                                     // a box's corners
+    EXPECT_EQ(data["planes"][0]["normal"], (std::vector<double>{0, 1, 0}));  // y is up
+    EXPECT_EQ(data["shape"].size(), 8u);                                     // the corners of a box
     EXPECT_GT(data["float32_floor"], 0);
 }
 
 TEST_F(Export, ToleranceIsWhatAFloatEngineCanHold) {
-    // no word of the scene's: what check allows, or ten times what rounding the start leads to
+    // without "tolerated": the default of check, or ten times the error caused by rounding the initial state
     const auto tolerance = [&](const char* scene) {
         const Outcome outcome = run({"export", scene, "--samples", "2", "--format", "json"});
         return nlohmann::json::parse(outcome.out);

@@ -36,7 +36,7 @@ std::string chain_with(const std::string& shoulder, const std::string& elbow) {
 
 using CsvRow = std::map<std::string, std::string>;
 
-// A CSV file's lines by the names of their columns.
+// The lines of a CSV file, by column name.
 std::vector<CsvRow> rows_of(const std::string& text) {
     std::vector<CsvRow> rows;
     std::vector<std::string> names;
@@ -45,7 +45,7 @@ std::vector<CsvRow> rows_of(const std::string& text) {
         if (line.starts_with('#')) continue;
         std::vector<std::string> cells;
         for (std::size_t at = 0;;) {
-            // a message in quotes is the last cell
+            // the last cell is a quoted message
             const std::size_t comma = at < line.size() && line[at] == '"' ? line.npos : line.find(',', at);
             cells.push_back(line.substr(at, comma - at));
             if (comma == line.npos) break;
@@ -101,14 +101,14 @@ TEST_F(Mechanisms, SolveWritesALineForEachBody) {
     const std::vector<CsvRow> rows = rows_of(outcome.out);
     ASSERT_EQ(rows.size(), 10u);
     for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(rows[k].at("body"), k % 2 == 0 ? "upper" : "lower");
-    // at first 1.25 rad from hanging: the upper's centre at half a length
+    // at t = 0, 1.25 rad from hanging: the centre of the upper bar is at half its length
     EXPECT_NEAR(number(rows[0], "px"), -0.5 * std::sin(1.25), 1e-15);
     EXPECT_NEAR(number(rows[0], "pz"), -0.5 * std::cos(1.25), 1e-15);
     EXPECT_NE(outcome.err.find("joint_gap_max"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("joint_turn_max"), std::string::npos) << outcome.err;
 }
 
-// Hanging at rest each joint holds what hangs on it, all numbers exact.
+// At rest each joint carries the weight below it, and all numbers are exact.
 TEST_F(Mechanisms, ReactionsAtRestAreWeights) {
     for (const char* command : {"solve", "truth"}) {
         const Outcome outcome =
@@ -127,7 +127,7 @@ TEST_F(Mechanisms, ReactionsAtRestAreWeights) {
     }
 }
 
-// Newton's law of all: the shoulder's force is what the momentum gains beside the weight.
+// Newton's law for the whole system: the force at the shoulder is the rate of the momentum minus the weight.
 TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
     ASSERT_EQ(run({"truth", swinging, "--samples", "2000", "--reactions", "r.csv", "--output", "t.csv"}).exit_code, 0);
     const std::vector<CsvRow> motion = rows_of(written("t.csv")), reactions = rows_of(written("r.csv"));
@@ -141,7 +141,7 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
             const double rate = (momentum(k + 1, v) - momentum(k - 1, v)) / (2 * 5e-4);
             EXPECT_NEAR(number(reactions[2 * k], f), rate + (f[1] == 'z' ? 3 * 9.75 : 0), 1e-2) << k << f;
         }
-    // solve tells the same
+    // solve gives the same reactions
     ASSERT_EQ(run({"solve", swinging, "--samples", "2000", "--reactions", "s.csv", "--output", "s"}).exit_code, 0);
     const std::vector<CsvRow> solved = rows_of(written("s.csv"));
     ASSERT_EQ(solved.size(), reactions.size());
@@ -195,8 +195,9 @@ TEST_F(Mechanisms, CertifiedDigitsHaveALineForEachBody) {
 
 TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {
     expect_refused({"describe", resting, "--picture", "p.svg"}, "a polhode is drawn for one body");
-    expect_refused({"solve", resting, "--full"}, "--full: the full formulation is that of one body");
-    expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"}, "--reactions: there are no proven ones");
+    expect_refused({"solve", resting, "--full"}, "--full: the full formulation supports one body");
+    expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"},
+                   "--reactions: certified reactions are not available");
     const std::string experiment =
         write("e.json", R"({"name": "e", "about": "", "kind": "conservation", "methods": ["taylor"], "scenes": [")" +
                             resting + R"("], "settings": {"evaluations_per_revolution": [100]}})");
@@ -210,14 +211,14 @@ TEST_F(Mechanisms, DescribeDrawsTheTree) {
     for (const char* part : {"  world\n    shoulder: revolute about (0, 1, 0) -> upper, 1 kg; at 1.25 rad, 0.5 rad/s\n"
                              "      elbow: revolute about (0, 1, 0) -> lower, 2 kg; at -0.5 rad, 0 rad/s\n",
                              "degrees of freedom          2\n", "several bodies, 4 variables",
-                             "the third dimension         all stay in planes", "p and v of the base", "22 variables",
-                             "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
+                             "the third dimension         all bodies move in planes", "p and v of the base",
+                             "22 variables", "\n  energy   ", "\n  kappa(T)", "floor in binary32"})
         EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
     EXPECT_EQ(text.find("angular momentum"), std::string::npos) << text;
 }
 
 TEST_F(Mechanisms, DescribeTellsWhatIsKept) {
-    // a hinge along gravity through the origin keeps L about it, a damper in it does not; nor does one keep energy
+    // a hinge along gravity through the origin conserves L about it; a damper conserves neither L nor the energy
     const auto table = [&](const std::string& more) {
         const std::string scene = write("table.json", R"({"name": "table", "duration": 1,
             "bodies": [{"name": "disc", "body": {"mass": 2, "inertia": [1, 1, 1.5]}},
@@ -243,12 +244,14 @@ TEST_F(Mechanisms, DescribeTellsWhatIsKept) {
 TEST_F(Mechanisms, DescribeCountsWhatLoopsTake) {
     const Outcome outcome = run({"describe", "mechanisms/four_bar"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("5 conditions, of which 2 independent at the start and 3 redundant"), std::string::npos)
+    EXPECT_NE(outcome.out.find("5 conditions: 2 independent at the start, 3 redundant"), std::string::npos)
         << outcome.out;
-    EXPECT_NE(outcome.out.find("mobility                    1, the tree's 3 less 2"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("mobility                    1: 3 of the tree minus 2 independent loop conditions"),
+              std::string::npos)
+        << outcome.out;
 }
 
-// Two point masses on massless strings, and a rod fixed by a massless bracket: every command takes them.
+// Two point masses on massless strings and a rod fixed by a massless bracket work with every command.
 TEST_F(Mechanisms, EveryCommandTakesPointMassesAndMasslessBodies) {
     const std::string scene = write("points.json", R"({"name": "points", "duration": 1,
         "bodies": [{"name": "upper", "body": {"points": [[1, 0, 0, -1]]}},
@@ -265,7 +268,7 @@ TEST_F(Mechanisms, EveryCommandTakesPointMassesAndMasslessBodies) {
         "loads": [{"type": "gravity", "acceleration": [0, 0, -9.75]}]})");
     const Outcome page = run({"describe", scene});
     ASSERT_EQ(page.exit_code, 0) << page.err;
-    for (const char* words : {"1.75 kg together", "0 kg", "kappa(T)"})
+    for (const char* words : {"total mass 1.75 kg", "0 kg", "kappa(T)"})
         EXPECT_NE(page.out.find(words), std::string::npos) << words << page.out;
     for (const char* not_a_number : {"nan", "inf,"}) EXPECT_EQ(page.out.find(not_a_number), std::string::npos);
     ASSERT_EQ(run({"truth", scene, "--samples", "4", "--output", "truth.csv"}).exit_code, 0);
@@ -302,7 +305,7 @@ TEST_F(Mechanisms, EnsembleSolvesEachStart) {
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
     const std::vector<CsvRow> rows = rows_of(outcome.out);
     ASSERT_EQ(rows.size(), 10u) << outcome.out;
-    // the first is the scene itself
+    // the first row equals the scene
     const Outcome alone = run({"solve", swinging, "--samples", "2"});
     const std::vector<CsvRow> solved = rows_of(alone.out);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -314,18 +317,19 @@ TEST_F(Mechanisms, EnsembleSolvesEachStart) {
     EXPECT_EQ(rows[4].at("row") + rows[4].at("status"), "2failed");
     EXPECT_NE(rows[4].at("message").find("line 3"), std::string::npos) << rows[4].at("message");
     EXPECT_EQ(rows[5].at("row") + rows[5].at("status"), "3failed");
-    // another mass, as in a scene that has it
+    // a different mass, compared with a scene that has this mass
     std::string text = chain_with(R"(, "initial": {"angle": 0.25})", R"(, "initial": {"angle": 0})");
     text.replace(text.find("\"mass\": 2"), 9, "\"mass\": 3");
     const std::vector<CsvRow> heavy = rows_of(run({"solve", write("heavy.json", text), "--samples", "1"}).out);
     EXPECT_EQ(rows[9].at("row") + rows[9].at("id") + rows[9].at("body"), "4dlower");
     for (const char* column : {"qw", "qy", "wy", "px", "pz"})
         EXPECT_NEAR(number(rows[9], column), number(heavy[3], column), 1e-9) << column;
-    // the same for any number of threads
+    // the result is the same for any number of threads
     EXPECT_EQ(run({"ensemble", swinging, "--initial", table, "--samples", "2", "--threads", "3"}).out, outcome.out);
 }
 
-// Rows that differ in their starts alone share one right-hand side, a row a lane; each is the scene that starts so.
+// Rows that differ only in their initial states share one right-hand side, one row per lane. Each row equals the scene
+// with this initial state.
 TEST_F(Mechanisms, EnsembleOfStartsAlone) {
     const std::string scene = write("struck.json", [] {
         std::string text = chain_with(R"(, "initial": {"angle": 0.5})", R"(, "initial": {"angle": 0.25})");
@@ -346,7 +350,7 @@ TEST_F(Mechanisms, EnsembleOfStartsAlone) {
     for (std::size_t i = 0; i < 6; ++i)
         for (const char* column : {"t", "qw", "qy", "wy", "px", "pz", "vx", "vz"})
             EXPECT_NEAR(number(rows[i], column), number(solved[2 + i], column), 1e-8) << column << i;
-    // beside another column, all are solved one by one
+    // with a further column, all rows are solved one by one
     std::string other = table;
     other.replace(0, other.find('\n'), "shoulder.angle,shoulder.rate,elbow.angle,lower.mass");
     for (std::size_t at = other.find('\n', other.find('\n') + 1); at != std::string::npos;
@@ -362,7 +366,7 @@ TEST_F(Mechanisms, EnsembleOfStartsAlone) {
     EXPECT_EQ(run({"ensemble", scene, "--initial", starts, "--samples", "3", "--threads", "3"}).out, outcome.out);
 }
 
-// Starts of the swinging chain as CSV or as NumPy's structured array; of each `bad`-th row the angle is infinite.
+// Initial states of the swinging chain as CSV or NumPy structured array; in every `bad`-th row the angle is infinite.
 std::string table_of_starts(bool npy, int rows, int bad) {
     std::string text = "id,elbow.angle,shoulder.angle\n";
     if (npy)
@@ -381,7 +385,7 @@ std::string table_of_starts(bool npy, int rows, int bad) {
     return text;
 }
 
-// The same motions, bit for bit, from both kinds of table and to both.
+// Both input and output formats give the same motions bit for bit.
 TEST_F(Mechanisms, EnsembleReadsAndWritesNumpysFormat) {
     const std::string csv = write("t.csv", table_of_starts(false, 300, 100)),
                       npy = write("t.npy", table_of_starts(true, 300, 100));
@@ -447,9 +451,9 @@ TEST_F(Mechanisms, EnsembleHasTheSameBytesInPiecesAndParts) {
     }
 }
 
-// 22 MiB of output, whose samples and text would take twice as much: pieces of the table are held, not all of it.
+// 22 MiB of output, whose samples and text would need twice as much memory: only pieces of the table are kept.
 TEST_F(Mechanisms, EnsembleTakesTablesOfAnyLength) {
-    if (!optimised_build) GTEST_SKIP() << "sanitizers take memory of their own";
+    if (!optimised_build) GTEST_SKIP() << "sanitizers need additional memory";
     const std::string table = write("t.npy", table_of_starts(true, 80'000, 1'000'000));
     const Outcome outcome = run({"ensemble", swinging, "--initial", table, "--duration", "1e-3", "--tolerance", "1e-3",
                                  "--threads", "1", "--output", "o.npy"},
@@ -479,7 +483,7 @@ TEST_F(Mechanisms, EnsembleTellsWhichLoopsDoNotClose) {
     EXPECT_NE(rows[3].at("message"), "");
 }
 
-// Every kind of joint, each with what acts in it.
+// Every type of joint, with springs, dampers or motors.
 constexpr const char* all_joints = R"({"name": "all joints", "about": "every kind", "duration": 0.5,
     "bodies": [{"name": "a", "body": {"mass": 1, "inertia": [[0.5, 0.05, 0], [0.05, 0.5, 0], [0, 0, 0.625]], "center_of_mass": [0, 0.25, -0.5]}},
                {"name": "b", "body": {"mass": 2, "inertia": [0.5, 0.75, 0.625], "center_of_mass": [0.25, 0, -0.5]}},
@@ -506,8 +510,7 @@ constexpr const char* all_joints = R"({"name": "all joints", "about": "every kin
               {"type": "point_spring", "first": "a", "first_point": [0, 0.5, 0], "second": "world",
                "second_point": [1, 0, 0.5], "stiffness": 5, "rest_length": 0.25}]})";
 
-// What is exported is a scene of its own, in whatever axes and unit of length: solved as it stands, it moves as the
-// samples say.
+// The exported scene, in any axes and unit of length, solved as it is, gives the exported samples.
 TEST_F(Mechanisms, TheExportedSceneMovesAsExported) {
     const std::string scene = write("all.json", all_joints);
     for (const char* words : {"y-up", "unity", "unreal", "left-handed,inches"}) {
@@ -522,7 +525,7 @@ TEST_F(Mechanisms, TheExportedSceneMovesAsExported) {
                              {"bodies", data["bodies"]},
                              {"joints", data["joints"]},
                              {"loads", data["loads"]}};
-        // scene files have the scalar first
+        // quaternions in scene files start with the scalar
         const bool last = data["columns"][5] == "qw";
         ASSERT_EQ(data["columns"][1], "body");
         if (last)
@@ -541,7 +544,7 @@ TEST_F(Mechanisms, TheExportedSceneMovesAsExported) {
         ASSERT_EQ(truth.exit_code, 0) << truth.err << given.dump();
         const std::vector<CsvRow> rows = rows_of(truth.out);
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            // the attitude up to its sign
+            // q and -q are the same attitude
             double same = 0;
             for (std::size_t i = 2; i < 6; ++i) {
                 const std::string column = data["columns"][i];
@@ -565,7 +568,7 @@ TEST_F(Mechanisms, ExportedCsvPasses) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
 }
 
-// The headers compile without a warning; a body's own sample passes, another's does not.
+// The headers compile without warnings. The sample of a body passes; the sample of another body does not.
 TEST_F(Mechanisms, HeadersCompileAndCompare) {
     const std::string scene = write("all.json", all_joints);
     for (const auto& [format, file] : {std::pair("c", "golden.h"), std::pair("cpp", "golden.hpp")})

@@ -1,4 +1,4 @@
-// Put before the C library: a file system without locks.
+// Preloaded before the C library: a file system without locks.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,4 +1,4 @@
-// `polhode plot`: pictures of files, and what is refused.
+// `polhode plot`: plots of files, and refused input.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ class Plot : public Program {
     }
     void write(const std::string& name, const std::string& text) const { std::ofstream(directory / name) << text; }
 
-    // one line on stderr, nothing drawn
+    // one line on stderr, no plot
     void refused(const std::vector<std::string>& arguments, const std::string& named) const {
         const Outcome outcome = run(arguments);
         SCOPED_TRACE(testing::PrintToString(arguments) + "\n" + outcome.err);
@@ -40,7 +40,7 @@ TEST_F(Plot, DrawsErrorsOfSeveralFilesInCharacters) {
     const Outcome outcome = run({"plot", "a.csv", "b.csv", "--scene", "free_asymmetric"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
-    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << "colours in a file";
+    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << "colour codes in a file";
     for (const char* part : {"trajectories on free_asymmetric", "error (rad)", "time (s)", "a.csv", "b.csv", "0.001"})
         EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
     EXPECT_EQ(lines(outcome.out), 26) << outcome.out;
@@ -56,7 +56,7 @@ TEST_F(Plot, DrawsWhatFilesSayWithoutAScene) {
     EXPECT_NE(omega.out.find("angular velocity, world axes"), std::string::npos);
     EXPECT_NE(polhode.out.find("angular velocity, body axes"), std::string::npos);
     EXPECT_NE(omega.out, polhode.out);
-    // rates that the file has in body axes are shown in them
+    // rates given in body axes are plotted in body axes
     EXPECT_NE(run({"plot", "a.csv", "--of", "omega", "--convention", "body-rates"}).out.find("body axes"),
               std::string::npos);
     const Outcome ellipsoid = run({"plot", "a.csv", "--of", "polhode", "--scene", "free_asymmetric"});
@@ -88,9 +88,9 @@ TEST_F(Plot, LeavesAGapWhereAFileHasNoNumbers) {
     write("gap.csv", text);
     const Outcome outcome = run({"plot", "gap.csv", "--width", "80"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    // qx is zero: a level line with a hole of blanks
+    // qx is zero: a horizontal line with a gap of blanks
     EXPECT_TRUE(std::regex_search(outcome.out, std::regex("(⠉|⠤|⠒|⣀)+ {20,}(⠉|⠤|⠒|⣀)+"))) << outcome.out;
-    EXPECT_EQ(run({"check", "free_asymmetric", "gap.csv"}).exit_code, 2) << "check still wants numbers";
+    EXPECT_EQ(run({"check", "free_asymmetric", "gap.csv"}).exit_code, 2) << "check requires numbers";
     const Outcome drawn = run({"plot", "gap.csv", "--output", "f.svg"});
     EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
 }
@@ -113,7 +113,7 @@ TEST_F(Plot, DrawsAMillionRows) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const std::string svg = read(directory / "f.svg");
     EXPECT_LT(svg.size(), 2'000'000U);
-    // the one row that stands out is there
+    // the single outlier row is shown
     const Outcome shown = run({"plot", "many.csv", "--of", "omega"});
     EXPECT_NE(shown.out.find("100┤"), std::string::npos) << shown.out;
 }
@@ -123,7 +123,7 @@ TEST_F(Plot, RefusesWhatItCannotDraw) {
     refused({"plot", "a.csv", "--of", "momentum"}, "give --scene");
     refused({"plot", "a.csv", "--of", "speed"}, "--of");
     refused({"plot", "a.csv", "--width", "10"}, "give 40 to 1000");
-    refused({"plot", "a.csv", "--width", "80", "--output", "f.svg"}, "leave it out");
+    refused({"plot", "a.csv", "--width", "80", "--output", "f.svg"}, "remove --width or --output");
     refused({"plot", "a.csv", "--output", "f.png"}, ".svg");
     refused({"plot", "a.csv", "--output", "missing/f.svg"}, "missing");
     refused({"plot", "missing.csv"}, "missing.csv");

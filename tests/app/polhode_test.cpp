@@ -1,4 +1,4 @@
-// The polhode's curve, what of it is in front, and its pictures, against the geometry of ellipsoids.
+// The polhode curve, its visible part and its figures, compared with the geometry of ellipsoids.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -41,7 +41,7 @@ TEST(PolhodeCurve, OfAFreeBodyIsWhereEnergyAndMomentumMeet) {
 }
 
 TEST(PolhodeCurve, EndsOnceRound) {
-    // I = (1, 1, 0.5): the rate goes round the axis at w3 (I3 - I1)/I1 = -1 rad/s; samples are T / 8192 apart
+    // I = (1, 1, 0.5): w rotates about the axis at w3 (I3 - I1)/I1 = -1 rad/s; samples are T / 8192 apart
     const PolhodeCurve symmetric = curve_of("symmetric");
     EXPECT_TRUE(symmetric.closed);
     EXPECT_NEAR(symmetric.until, 2 * std::numbers::pi, 100.0 / 8192);
@@ -63,7 +63,7 @@ TEST(PolhodeCurve, SeparatrixHasTheMomentumOfTheMiddleAxis) {
             EXPECT_NEAR(twice_energy(polhode.moments, w), 2 * polhode.energy, 1e-13 * polhode.energy);
             EXPECT_NEAR(std::pow(momentum(polhode.moments, w), 2), 2 * polhode.energy * 4, 1e-12 * polhode.energy);
         }
-    // the scene runs within about 1e-3 of it
+    // the motion of the scene stays within about 1e-3 of it
     double nearest = 1;
     for (const V& w : polhode.separatrix[0]) nearest = std::min(nearest, length(w - polhode.curve[0][0]));
     EXPECT_LT(nearest, 0.1);
@@ -96,7 +96,7 @@ RC_GTEST_PROP(Simplified, KeepsEndsAndLeavesOutOnlyWhatIsClose, (std::uint64_t s
     const Polyline kept = simplified(line, scale, tolerance);
     RC_ASSERT(kept.front() == line.front());
     RC_ASSERT(kept.back() == line.back());
-    // every point lies within the tolerance of the piece that replaced it
+    // every point is within the tolerance of the segment that replaced it
     std::size_t piece = 0;
     for (const V& p : line) {
         if (piece + 1 < kept.size() && p == kept[piece + 1]) ++piece;
@@ -124,7 +124,7 @@ TEST(PolhodeView, TellsFrontFromBehind) {
     EXPECT_TRUE(view.hidden({0, 0, -1.5}));
     EXPECT_TRUE(view.hidden({0, 0, 0})) << "inside";
     EXPECT_TRUE(view.hidden({0, 0, 1})) << "inside, near";
-    EXPECT_FALSE(view.hidden({0, 0, 9})) << "before it";
+    EXPECT_FALSE(view.hidden({0, 0, 9})) << "in front of it";
     EXPECT_TRUE(view.hidden({2, 0.5, -9})) << "far behind it";
     EXPECT_FALSE(view.hidden({3.1, 0, -9})) << "beside it";
     // to scale, the longest semi-axis 1

@@ -1,4 +1,4 @@
-// The program run as a user's script runs it, in a directory of the test's own.
+// Runs the program in a temporary directory and returns its exit code and output.
 #pragma once
 
 #include <fcntl.h>
@@ -22,9 +22,9 @@ namespace polhode {
 namespace fs = std::filesystem;
 
 struct Outcome {
-    int exit_code;  ///< -1 where a signal ended it
+    int exit_code;  ///< -1 if a signal ended it
     std::string out, err;
-    double seconds;  ///< of processor time: what else the machine does is not the program's fault
+    double seconds;  ///< processor time, which does not depend on other processes
 };
 
 inline std::string read(const fs::path& path) {
@@ -32,9 +32,9 @@ inline std::string read(const fs::path& path) {
     return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
-// What a command wrote to stderr, without the notice that `check` gives where its reference takes more than 2 s.
+// Removes from stderr the notice that `check` prints if the reference takes more than 2 s.
 inline std::string without_notice(std::string err) {
-    const std::string notice = "polhode: computing the reference; it is kept, so that the next check takes less\n";
+    const std::string notice = "polhode: computing the reference; it is cached, and the next check is faster\n";
     if (const auto place = err.find(notice); place != std::string::npos) err.erase(place, notice.size());
     return err;
 }
@@ -50,8 +50,8 @@ class Program : public testing::Test {
     }
     void TearDown() override { fs::remove_all(directory); }
 
-    // Runs the program in `directory`; its output goes through files beside it, so that nothing can block. `prepare`
-    // is called in the new process first.
+    // Runs the program in `directory`. Its output goes to files next to it, so that it cannot block. `prepare` is
+    // called first in the new process.
     Outcome run(std::vector<std::string> arguments, const std::function<void()>& prepare = {}) const {
         const std::string out = directory.string() + ".out", err = directory.string() + ".err";
         arguments.insert(arguments.begin(), "polhode");
@@ -86,7 +86,7 @@ class Program : public testing::Test {
         EXPECT_EQ(lines(outcome.err), 1);
         EXPECT_EQ(outcome.err.find("polhode: "), 0u);
         EXPECT_NE(outcome.err.find(named), std::string::npos) << "wanted: " << named;
-        EXPECT_TRUE(fs::is_empty(directory)) << "something was written";
+        EXPECT_TRUE(fs::is_empty(directory)) << "a file was written";
     }
 
     fs::path directory;

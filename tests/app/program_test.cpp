@@ -1,4 +1,4 @@
-// The program as a user's script sees it: exit codes, stdout, stderr, files.
+// The program from a script: exit codes, stdout, stderr, files.
 #include <fmt/format.h>
 #include <sys/prctl.h>
 
@@ -16,7 +16,7 @@
 namespace polhode {
 namespace {
 
-// tests/ROOM/bad through the real program: exit code 2, one line on stderr, nothing written, at once
+// Files of tests/DIRECTORY/bad: the program ends at once with exit code 2 and one line on stderr and writes nothing.
 class BadFiles : public Program {
   protected:
     void expect_refused_whole(const std::string& room, const std::string& ending,
@@ -30,7 +30,7 @@ class BadFiles : public Program {
             EXPECT_EQ(lines(outcome.err), 1);
             EXPECT_NE(outcome.err.find(fs::path(bad.path).filename().string()), std::string::npos);
             EXPECT_NE(outcome.err.find(bad.place), std::string::npos) << "wanted: " << bad.place;
-            EXPECT_TRUE(fs::is_empty(directory)) << "something was written";
+            EXPECT_TRUE(fs::is_empty(directory)) << "a file was written";
             EXPECT_LT(outcome.seconds, 1);
         }
     }
@@ -38,7 +38,7 @@ class BadFiles : public Program {
 
 TEST_F(BadFiles, ScenesAreRefused) {
     expect_refused_whole("scene", ".json", [](const std::string& path) -> std::vector<std::string> {
-        return {"solve", path, "--output", "trajectory.csv", "--allow-outside"};  // to ../bodies
+        return {"solve", path, "--output", "trajectory.csv", "--allow-outside"};  // for ../bodies
     });
 }
 
@@ -80,8 +80,8 @@ TEST_F(Program, RefusesBadUsage) {
     expect_refused({"solve", scene, "--samples", "1000000000"}, "--samples");
     expect_refused({"solve", scene, "--step", "0.1", "--steps", "10"}, "--step");
     expect_refused({"solve", scene, "--step", "0.1", "--tolerance", "1e-6"}, "--step");
-    expect_refused({"solve", scene, "--method", "odeint_rk4", "--tolerance", "1e-6"}, "takes no tolerance");
-    expect_refused({"solve", scene, "--method", "cvode_adams", "--step", "0.1"}, "takes no step");
+    expect_refused({"solve", scene, "--method", "odeint_rk4", "--tolerance", "1e-6"}, "does not take a tolerance");
+    expect_refused({"solve", scene, "--method", "cvode_adams", "--step", "0.1"}, "does not take a step");
     expect_refused({"solve", scene, "--output", "no/such/directory.csv"}, "No such file");
     expect_refused({"solve", scene, "--output", "."}, "Is a directory");
     for (const std::string& expression :
@@ -105,25 +105,26 @@ TEST_F(Program, SolvesToStdoutAndToAFileAlike) {
     const Outcome written = run(to_file);
     EXPECT_EQ(written.exit_code, 0) << written.err;
     EXPECT_EQ(written.out, "");
-    // the file alone says what its columns are
+    // only the file has the comment on its columns
     const std::string file = read(directory / "trajectory.csv");
     EXPECT_EQ(file.substr(0, printed.out.size()), printed.out);
     EXPECT_EQ(file.find("# SI; q maps body to world"), printed.out.size());
-    EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 1) << "a temporary is left";
-    // the same bits as the library gives
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 1)
+        << "a temporary file remains";
+    // the same bits as from the library
     Settings settings;
     settings.step = 1e-3, settings.samples = 10;
     EXPECT_EQ(printed.out,
               trajectory_csv(polhode::solve(find_scene("lagrange_top"), *find_method("odeint_rk4"), settings)));
 }
 
-// by machine code or by the interpreter, by any instructions; also where the system lets nobody make code
+// With machine code or the interpreter, with any instruction set, and if the system forbids generated code.
 TEST_F(Program, GivesTheSameBitsWithAndWithoutMachineCode) {
     const auto set = [](const char* name, const char* value) { return [=] { ::setenv(name, value, 1); }; };
     const std::function<void()> ways[] = {
         set("POLHODE_CODE", "interpreted"), set("POLHODE_INSTRUCTION_SET", "avx2"),
         set("POLHODE_INSTRUCTION_SET", "plain"),
-        // PR_SET_MDWE (Linux 6.3): no memory gains the right to be executed; older systems take no notice
+        // PR_SET_MDWE (Linux 6.3): memory cannot become executable; older systems ignore it
         [] { ::prctl(65, 1, 0, 0, 0); }};
     for (const char* const scene : {"every_load", "lagrange_top", "mechanisms/double_pendulum", "mechanisms/four_bar"})
         for (const char* const method : {"taylor", "extrapolation"}) {
@@ -245,7 +246,7 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
     const Outcome listed = run({"list", "scenes", "--format", "markdown"});
     EXPECT_EQ(listed.exit_code, 0) << listed.err;
     for (std::string name : builtin_scene_names()) {
-        // as Markdown has it, which might take _- for the begin of an emphasis
+        // as escaped in Markdown, where _- could start emphasis
         if (const std::size_t at = name.find("_-"); at != std::string::npos) name.insert(at, 1, '\\');
         const std::string begin = fmt::format("\n| {} ", name);
         const std::size_t row = listed.out.find(begin);
@@ -268,7 +269,7 @@ TEST_F(Program, TheReferenceOfKeysColumnsAndConstructsIsTheOneGenerated) {
     }
 }
 
-// A key of the reference is one that the reader takes: with any other beside it that one is the fault.
+// The reader accepts each key of the reference: with an unknown key added, it reports only the unknown key.
 TEST_F(Program, EveryKeyOfTheReferenceIsRead) {
     for (const FileKey& key : scene_keys()) {
         if (!key.object.starts_with("load ") && key.object != "scene" && key.object != "plane" &&
@@ -309,7 +310,7 @@ TEST_F(Program, DrawsAPolhodeAndSaysWhyNot) {
         EXPECT_EQ(drawn.out + drawn.err, "");
         const std::string first = read(directory / name);
         EXPECT_EQ(run({"describe", "free_asymmetric", "--picture", name}).exit_code, 0);
-        EXPECT_EQ(read(directory / name), first) << "other bytes";
+        EXPECT_EQ(read(directory / name), first) << "different bytes";
     }
     EXPECT_NE(read(directory / "polhode.svg").find("</svg>"), std::string::npos);
     EXPECT_NE(read(directory / "polhode.svg").find("free_asymmetric"), std::string::npos);
@@ -320,7 +321,7 @@ TEST_F(Program, DrawsAPolhodeAndSaysWhyNot) {
     expect_refused({"describe", "cvode_adams", "--picture", "polhode.svg"}, "method");
     const Outcome rest = run({"describe", "at_rest", "--picture", "polhode.svg"});
     EXPECT_EQ(rest.exit_code, 1);
-    EXPECT_NE(rest.err.find("never turns"), std::string::npos) << rest.err;
+    EXPECT_NE(rest.err.find("does not rotate"), std::string::npos) << rest.err;
     EXPECT_TRUE(fs::is_empty(directory));
 }
 
@@ -330,7 +331,7 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
         const std::string& name = names[i];
         const Outcome outcome = run({"describe", name});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        std::vector<const char*> parts{"System posed", "Left out, and why", "What auto takes", "Invariants",
+        std::vector<const char*> parts{"System posed", "Omitted, and why", "Method selected by auto", "Invariants",
                                        "Conditioning"};
         if (is_mechanism(find_scene(name)))
             parts.insert(parts.end(), {"Tree", "Bodies at the start"});
@@ -354,7 +355,7 @@ TEST_F(Program, TellsWhyAMethodWasLeftOut) {
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         EXPECT_NE(outcome.out.find(method.reason), std::string::npos) << outcome.out;
         EXPECT_NE(list.find(method.reason), std::string::npos) << list;
-        expect_refused({"solve", "free_asymmetric", "--method", std::string(method.name)}, "tells why");
+        expect_refused({"solve", "free_asymmetric", "--method", std::string(method.name)}, "prints why");
     }
 }
 

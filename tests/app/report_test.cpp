@@ -1,4 +1,4 @@
-// polhode report as a user runs it, its document read back by another way.
+// polhode report, with its document read by an independent parser.
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ class Report : public Program {
   protected:
     void SetUp() override {
         Program::SetUp();
-        // a front-end of the least: what is built beforehand needs Node, which is no part of these tests
+        // a minimal front end: the real one is built with Node, which these tests do not require
         front_end = directory.string() + ".html";
         std::ofstream(front_end) << page_template;
     }
@@ -51,7 +51,7 @@ TEST_F(Report, TellsWhatTheTablesTell) {
     EXPECT_EQ(page["folder"], "here");
     EXPECT_EQ(page["experiments"][0]["about"], "Two by two");
     EXPECT_EQ(page["scenes"].size(), 2u);
-    // the table's rows, to five digits
+    // the rows of the table, to five digits
     const std::string table = read(directory / "here/small.csv");
     EXPECT_EQ(page["rows"]["count"], lines(table) - 1);
     EXPECT_EQ(page["rows"]["attitude"].size(), static_cast<std::size_t>(lines(table) - 1));
@@ -60,7 +60,7 @@ TEST_F(Report, TellsWhatTheTablesTell) {
         EXPECT_NE(method["documentation"], "");
         EXPECT_GT(method["family"], 0);
     }
-    // motions of both scenes: the series is drawn as the truth, the article's update has a motion of its own
+    // motions of both scenes: taylor is drawn as the truth, the article's update has a separate motion
     ASSERT_EQ(page["motions"].size(), 2u);
     for (const auto& motion : page["motions"])
         for (const auto& method : motion["methods"]) {
@@ -107,7 +107,7 @@ TEST_F(Report, JudgesAndDrawsTrajectoriesOfOnesOwn) {
     EXPECT_EQ(drawn["label"], "free_asymmetric.csv");
     EXPECT_EQ(drawn["method"], -1);
     EXPECT_FALSE(drawn["track"].is_null());
-    // what it is wrong by is what check says
+    // the error is the one that check reports
     EXPECT_NEAR(check["blocks"][0]["error"].get<double>(), drawn["difference"].get<double>(), 0.05);
 }
 

@@ -1,4 +1,4 @@
-// Several runs over one folder, and what stands between them where file systems and clocks are not what they should be.
+// Several runs in one directory, also with file systems without locks and with clocks that run backwards.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -36,7 +36,7 @@ class SeveralRuns : public Program {
         std::ofstream(directory / "shared.json") << shared_experiment;
     }
 
-    // Starts `polhode run`, its standard error going to `log`.
+    // Starts `polhode run` with standard error redirected to `log`.
     pid_t start(const std::string& output, const std::string& log,
                 const std::vector<std::pair<std::string, std::string>>& environment = {}) const {
         const std::string path = (directory / log).string();
@@ -65,7 +65,7 @@ class SeveralRuns : public Program {
         EXPECT_NE(end, text.npos) << text;
         return end == text.npos ? -1 : std::atol(text.c_str() + begin);
     }
-    // the table of a folder without its times
+    // the table of a directory without columns of times
     std::string rows(const std::string& output) const {
         const Table table = parse_csv(read(directory / output / "shared.csv"));
         std::vector<ColumnChoice> kept;
@@ -98,7 +98,7 @@ TEST_F(SeveralRuns, InOneFolderShareTheCases) {
 TEST_F(SeveralRuns, WhatADeadOneHadClaimedAnotherTakes) {
     const pid_t first = start("results", "log1");
     const auto killed_by = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    // at work on its cases
+    // wait until it works on its cases
     while (!fs::exists(directory / "results/.cases/claims") && std::chrono::steady_clock::now() < killed_by)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ::kill(first, SIGSTOP);
@@ -108,7 +108,7 @@ TEST_F(SeveralRuns, WhatADeadOneHadClaimedAnotherTakes) {
     code_of(first);
     EXPECT_EQ(code_of(second), 0) << log("log2");
     EXPECT_EQ(parse_csv(read(directory / "results/shared.csv")).rows.size(), static_cast<std::size_t>(shared_cases));
-    // the files that were locked lie there still, and hold up nobody
+    // the lock files remain and do not block other runs
     EXPECT_TRUE(fs::exists(directory / "results/.cases/claims"));
     EXPECT_EQ(code_of(start("results", "log3")), 0);
     EXPECT_EQ(run_now("log3"), 0);
@@ -128,7 +128,7 @@ TEST_F(SeveralRuns, GoOnWhereThereAreNoLocks) {
             "results/.cases/claims: cannot be locked: No locks available; continues as if no other";
         const std::size_t at = log(name).find(told);
         EXPECT_NE(at, std::string::npos) << log(name);
-        EXPECT_EQ(log(name).find(told, at + 1), std::string::npos) << "told twice:\n" << log(name);
+        EXPECT_EQ(log(name).find(told, at + 1), std::string::npos) << "reported twice:\n" << log(name);
     }
 }
 

@@ -1,4 +1,4 @@
-// What polhode submit writes is run here by stand-ins of the engines; tests/reliability/clusters runs the real ones.
+// Runs the scripts of polhode submit with stand-ins for the engines; tests/reliability/clusters runs the real engines.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -19,7 +19,7 @@ class Submit : public Program {
             << R"({"name": "e", "scenes": ["free_asymmetric"], "methods": ["odeint_dopri5"],
                    "settings": {"tolerances": [1e-4]}, "vary": {"/duration": [1, 2, 3]}, "samples": 5, "repeats": 1})";
     }
-    // a program of the test's own, found before others
+    // a test program that precedes others on the PATH
     void add_program(const std::string& name, const std::string& script) const {
         fs::create_directories(directory / "bin");
         std::ofstream(directory / "bin" / name) << "#!/usr/bin/env bash\n" << script;
@@ -56,7 +56,7 @@ TEST(SubmitScripts, FillEachPlaceholderOnce) {
         const std::string script = submit_script(engine, s);
         const std::regex placeholder("@[a-z_]+@");
         const std::vector<std::string> left{std::sregex_token_iterator(script.begin(), script.end(), placeholder), {}};
-        EXPECT_EQ(left, std::vector<std::string>{"@name@"}) << engine;  // the program's path
+        EXPECT_EQ(left, std::vector<std::string>{"@name@"}) << engine;  // from the path of the program
     }
     EXPECT_NE(submit_script("slurm", s)
                   .find("program='/a/@name@'\nexperiment='x y'\noutput=/o\nplan=/o/e.plan.csv\n"
@@ -76,7 +76,7 @@ TEST(SubmitScripts, TimesAreWrittenAsSlurmReadsThem) {
 TEST_F(Submit, ASlurmScriptSubmitsArraysThatTheClusterTakesAndAMergeBehindThem) {
     ASSERT_EQ(run({"submit", "slurm", "e.json", "--shards", "5", "--output", "o u't"}).exit_code, 0);
     add_program("scontrol", "echo 'MaxArraySize            = 3'\n");
-    // a stand-in runs what it is given at once, each task of an array in turn
+    // a stand-in that runs jobs at once and the tasks of an array in sequence
     add_program("sbatch", R"(
 echo "$*" >>"$PWD/submitted"
 number=$(($(cat number 2>/dev/null || echo 0) + 1)); echo $number >number
@@ -107,14 +107,14 @@ TEST_F(Submit, AShardThatIsOutOfTimeOrKilledIsQueuedAgain) {
                   .exit_code,
               0);
     add_program("scontrol", "echo \"$*\" >>\"$PWD/asked\"\n");
-    // it ends where it is told to, as polhode does
+    // ends on SIGTERM, as polhode does
     add_program("polhode", "trap 'exit 130' TERM\nkill -USR1 $PPID\nfor i in {1..100}; do sleep 0.1; done\n");
     EXPECT_NE(bash("SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=1 bash out/e.slurm.sh shard 0"), 0);
     EXPECT_EQ(read(directory / "asked"), "requeue 7_1\n") << read(directory / "log");
     add_program("polhode", "kill -KILL $$\n");
     bash("SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=2 bash out/e.slurm.sh shard 0");
     EXPECT_EQ(read(directory / "asked"), "requeue 7_1\nrequeue 7_2\n");
-    // not for ever, and not for what is no accident
+    // not more than five times, and not after exit code 2
     bash("SLURM_RESTART_COUNT=5 SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=3 bash out/e.slurm.sh shard 0");
     add_program("polhode", "exit 2\n");
     EXPECT_EQ(bash("SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=4 bash out/e.slurm.sh shard 0"), 2);
@@ -140,7 +140,7 @@ TEST_F(Submit, BadUsageIsRefused) {
     refused({"run", e, "--measured", "x"}, "--measured");
     refused({"merge", "--output", "x"}, "DIR");
     refused({"merge", "nowhere", "--output", "x"}, "nowhere");
-    refused({"merge", ".", "--output", "e.json"}, "e.json is no directory");
+    refused({"merge", ".", "--output", "e.json"}, "--output is e.json, not a directory");
     EXPECT_FALSE(fs::exists(directory / "x"));
 }
 

@@ -1,5 +1,5 @@
-// A new user's trial of check: a game engine of sixty lines, broken in 33 ways, its files judged by the program as a
-// user runs it. The engine knows nothing of polhode: arrays, world axes, one row a step.
+// A trial of check: a game engine of sixty lines with 33 different faults, whose files the program checks. The engine
+// does not use polhode: arrays, world axes, one row per step.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -27,7 +27,7 @@ Triple turn_of(const Turn& q, const Triple& v, bool back = false) {
     return {p[1], p[2], p[3]};
 }
 
-// The engine's body and its switches; a fault sets one of them wrong.
+// The engine's body and its switches. A fault changes one of them.
 struct SmallEngine {
     Triple moments, rate_B, position{}, velocity{}, gravity{};
     double gyroscopic = 1, turn_by = 1, clock = 1, damping = 0, kept_a_step = 1, fastest = 1e9, sleeps_at = 1e9;
@@ -65,9 +65,9 @@ struct Row {
 struct Break {
     const char* name;
     const char* scene;
-    const char* told;                                                         // the fault that is to be named
-    void (*engine)(SmallEngine&) = [](SmallEngine&) {};                       // what is wrong in it
-    void (*row)(Row&, const SmallEngine&) = [](Row&, const SmallEngine&) {};  // or in what it writes
+    const char* told;                                                         // the expected diagnosis
+    void (*engine)(SmallEngine&) = [](SmallEngine&) {};                       // fault in the engine
+    void (*row)(Row&, const SmallEngine&) = [](Row&, const SmallEngine&) {};  // or in its output
 };
 
 constexpr double circle = 6.283185307179586;
@@ -75,7 +75,7 @@ void scale_triple(Triple& v, double by) {
     for (double& x : v) x *= by;
 }
 void mirror(Row& r, std::size_t a, std::size_t b) {
-    // axes a and b exchanged: handedness changes, and with it the sense of every turn
+    // exchanges axes a and b: the handedness and the sense of every rotation change
     std::swap(r.q[1 + a], r.q[1 + b]), std::swap(r.w[a], r.w[b]), std::swap(r.p[a], r.p[b]), std::swap(r.v[a], r.v[b]);
     for (std::size_t i = 0; i < 3; ++i) r.q[1 + i] = -r.q[1 + i], r.w[i] = -r.w[i];
 }
@@ -140,7 +140,7 @@ const Break breaks[] = {
      "origin_for_center_of_mass",
      {},
      [](Row& r, const E& e) {
-         // the origin lies 0.297 m below the centre, body axes; it moves with v + w x r
+         // the origin is 0.297 m below the centre, body axes; it moves with v + w x r
          const Triple arm = turn_of(e.q, {0, 0, -0.297}), w = r.w;
          for (std::size_t i = 0; i < 3; ++i) {
              const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -167,7 +167,7 @@ constexpr Rate rates[] = {{"At60Hz", 60, 1}, {"At240Hz", 240, 1}, {"NearExact", 
 
 class SmallEngineFile : public Program {
   protected:
-    // Two seconds, or the scene's one, of the broken engine as it writes them, judged.
+    // Writes two seconds of the faulty engine (one for thrown_hammer) and checks them.
     nlohmann::json judged(const std::string& scene, const Rate& rate, const Break* broken, int& exit_code) const {
         SmallEngine engine = engine_on(scene);
         if (broken && broken->engine) broken->engine(engine);

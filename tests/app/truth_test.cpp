@@ -1,4 +1,4 @@
-// polhode truth --certified as a user's script sees it.
+// polhode truth: output, limits, and --certified.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,7 +66,7 @@ TEST_F(Truth, CertifiedJsonTellsHowItWasProven) {
     EXPECT_EQ(truth["samples"][0][1]["radius"], "0");
 }
 
-// A ball from a metre above the floor: each flight lasts 2 e^k v / g, v the speed of the first impact.
+// A ball dropped from 1 m above the floor: flight k lasts 2 e^k v / g, with v the speed of the first impact.
 TEST_F(Truth, TellsOfImpactsWhenTheyAre) {
     const Outcome outcome = run({"truth", "bouncing_ball", "--samples", "2", "--format", "json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -100,7 +100,7 @@ TEST_F(Truth, ProvenMotionsOfBodiesAreRowsOfTheirNames) {
     const nlohmann::json truth = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(truth["columns"][1], "body");
     ASSERT_EQ(truth["samples"].size(), 3u);
-    // the same numbers in both, and of length one
+    // the same numbers in both formats, and |q| = 1
     for (const nlohmann::json& sample : truth["samples"]) {
         EXPECT_EQ(sample[1], "pendulum");
         std::string row = sample[0].get<std::string>() + ",pendulum";
@@ -125,7 +125,7 @@ TEST_F(Truth, MoreDigitsThanCanBeHadAreRefused) {
 }
 
 TEST_F(Truth, ThatTakesTooLongIsGivenUp) {
-    // a duration that nobody asks for, so that no cache knows it
+    // an unusual duration, so that no cached truth exists
     std::vector<std::string> arguments{"truth", "every_load", "--duration", "987.654321", "--max-seconds", "0.01"};
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 1);

@@ -102,9 +102,9 @@ def callables() -> list[list[str]]:
     words = plain.copy().add_torque(by_components)
     rows = []
     for title, scene, base, method, by in (
-        ("torque of one's own, numpy, dop853", arrays, drag, "dop853", "dop853"),
-        ("torque of one's own, three numbers, dop853", words, drag, "dop853", "dop853"),
-        ("step of one's own (Runge-Kutta 4)", drag, drag, rk4, "odeint_rk4"),
+        ("user-defined torque, numpy, dop853", arrays, drag, "dop853", "dop853"),
+        ("user-defined torque, three numbers, dop853", words, drag, "dop853", "dop853"),
+        ("user-defined step (Runge-Kutta 4)", drag, drag, rk4, "odeint_rk4"),
     ):
         how: dict[str, Any] = {"step": 0.001} if by == "odeint_rk4" else {"tolerance": 1e-10}
         own, native = float("inf"), float("inf")

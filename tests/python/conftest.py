@@ -1,4 +1,4 @@
-"""What the tests of the Python module share: an empty cache of truths, and the program to compare with."""
+"""Fixtures of the tests of the Python module: an empty cache of truths, and the program for comparison."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PROGRAM = os.environ.get("POLHODE_PROGRAM", str(Path(__file__).parents[2] / "bui
 
 
 class Program:
-    """The built program, whose numbers the module's are compared with."""
+    """The built program, whose numbers are compared with those of the module."""
 
     def __call__(self, *arguments: str) -> str:
         return subprocess.run([PROGRAM, *arguments], check=False, capture_output=True, text=True).stdout

@@ -1,4 +1,4 @@
-"""Threads, Ctrl-C, and what is told of the module."""
+"""Threads, Ctrl-C, docstrings and types."""
 
 import ast
 import doctest
@@ -32,7 +32,7 @@ def test_other_threads_run_meanwhile():
     spent = time.perf_counter() - begin
     done.set()
     thread.join()
-    # 5 ms apart where the machine has nothing else to do; none at all where the lock is held
+    # 5 ms apart on an idle machine; no ticks while the lock is held
     assert len(ticks) > min(10, spent / 0.02)
 
 
@@ -86,7 +86,7 @@ def test_ctrl_c_ends_a_long_call_soon(what):
     """)
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert said.stdout, said.stderr
-    # 0.03 s on a machine that has nothing else to do
+    # 0.03 s on an idle machine
     assert float(said.stdout) < 2
 
 
@@ -143,7 +143,7 @@ def test_types_are_strict(tmp_path):
 
 
 def test_modules_import_one_another_in_one_direction() -> None:
-    """No module of the package needs itself by way of others, not even for its types."""
+    """No module of the package imports itself through others, not even for types."""
     imports: dict[str, set[str]] = {}
     for path in Path(polhode.__file__).parent.glob("*.py"):
         found = set()

@@ -1,4 +1,4 @@
-"""Truths, errors, checks, ensembles, experiments, methods of one's own, pictures."""
+"""Truths, errors, checks, ensembles, experiments, user-defined methods, figures."""
 
 import json
 
@@ -136,7 +136,7 @@ def test_ensembles_of_mechanisms_have_the_programs_bits(program, tmp_path):
 def test_ensembles_tell_what_is_wrong():
     bad = polhode.ensemble("free_asymmetric", inertia=[[1, 1, 1], [1, 1, 5], [1, 2, 2]])
     assert len(bad) == 3 and [row for row, _, _ in bad.failures] == [1] and not bad.ok
-    for wrong, words in [({"w": np.zeros((3, 2))}, "shape"), ({"x": [1]}, "there is no x"), ({}, "no arrays"),
+    for wrong, words in [({"w": np.zeros((3, 2))}, "shape"), ({"x": [1]}, "a body has no column x"), ({}, "no arrays"),
                          ({"w": np.zeros((3, 3)), "mass": [1]}, "rows")]:
         with pytest.raises(polhode.InputError, match=words):
             polhode.ensemble("free_asymmetric", wrong)
@@ -160,7 +160,7 @@ def test_a_method_of_ones_own_is_a_row_like_any_other(tmp_path):
     assert polhode.methods()["midpoint_here"].documentation == "The explicit midpoint rule."
     for x in ("seconds_median", "rhs_evaluations"):
         assert len(found.plot(x).axes[0].lines) >= 2
-    # on every system: a turn about one axis, 13 variables, several bodies
+    # on every system: rotation about one axis, 13 variables, several bodies
     for scene in ("lagrange_top", "every_load", "mechanisms/double_pendulum"):
         motion = polhode.solve(scene, midpoint, step=1e-3, duration=1, samples=4)
         assert motion.status == "ok" and motion.errors().max["attitude"] < 0.05, scene

@@ -1,4 +1,4 @@
-"""The notebooks run, store no results, and keep their promise of fifteen lines."""
+"""The notebooks run, store no results, and have at most fifteen lines of code."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Scenes as dicts and by attributes; what is wrong with one is told in one line."""
+"""Scenes as dicts and by attributes; errors are reported in one line."""
 
 import copy
 import functools
@@ -97,7 +97,7 @@ def test_unknown_names_are_told_with_near_misses():
         polhode.scene("lagrange_topp")
     with pytest.raises(polhode.InputError, match="taylor"):
         polhode.solve("lagrange_top", "taylr")
-    with pytest.raises(TypeError, match="a scene holds a set"):
+    with pytest.raises(TypeError, match="a scene contains a set"):
         polhode.solve(polhode.scene("lagrange_top", name={1}))
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# @name@ in @shards@ shards by GNU parallel, and their merge:
+# Runs @name@ in @shards@ shards with GNU parallel and merges the results:
 #
 #   bash @name@.parallel.sh [OPTION OF parallel, such as --sshloginfile F].. (default: --jobs 100%)
 #
-# Can be run again: by the log of jobs those that failed or never ran.
+# Can be run again: it then runs the jobs that failed or did not run according to the job log.
 set -euo pipefail
 
 program=@program@

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# @name@ in @shards@ shards by Slurm, and their merge:
+# Runs @name@ in @shards@ shards with Slurm and merges the results:
 #
 #   bash @name@.slurm.sh [OPTION OF sbatch, such as --partition=P]..
 #
-# Can be submitted again: what is finished stays. The time limit is three times what the dearest shard is expected to take,
-# and ten minutes.
+# Can be submitted again: finished cases are kept. The time limit is three times the expected time of the longest shard
+# plus ten minutes.
 set -euo pipefail
 
 program=@program@
@@ -18,10 +18,10 @@ merge_options=(@merge_options@)
 time=@time@
 name=@name@
 
-# requeue TASK REASON: queues this task again, five times at the most
+# requeue TASK REASON: requeues this task, at most five times
 requeue() {
     if ((${SLURM_RESTART_COUNT:-0} >= 5)); then
-        echo "$name: $2; it was queued again five times" >&2
+        echo "$name: $2; not queued again: the limit is five times" >&2
         return 1
     fi
     echo "$name: $2; queued again" >&2
@@ -33,19 +33,19 @@ shard)
     shard=$(($2 + SLURM_ARRAY_TASK_ID))
     task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID
     out_of_time=0 status=0 child=""
-    # told a minute before the end: the case at hand is finished, and the rest left to the next start
+    # signal one minute before the time limit: finish the current case; the next start runs the remaining cases
     trap 'out_of_time=1; [[ -z $child ]] || kill -TERM "$child" 2>/dev/null || true' USR1
     "$program" run "$experiment" "${options[@]}" --shard "$shard/$shards" --plan "$plan" \
         --output "$output/shards/$shard" --jobs "$jobs" --quiet &
     child=$!
-    # it may have been told before there was a child
+    # the signal may have arrived before the child started
     ((!out_of_time)) || kill -TERM "$child" 2>/dev/null || true
     wait "$child" || status=$?
     if ((out_of_time)); then
         wait "$child" || true
-        requeue "$task" "shard $shard is out of time"
+        requeue "$task" "shard $shard ran out of time"
     elif ((status > 128)); then
-        requeue "$task" "shard $shard ended by signal $((status - 128))"
+        requeue "$task" "shard $shard was terminated by signal $((status - 128))"
     fi
     exit "$status"
     ;;
@@ -55,7 +55,7 @@ merge)
 esac
 
 mkdir -p "$output/shards" "$output/logs"
-# a cluster's largest index of an array is one below its MaxArraySize
+# the largest array index of a cluster is MaxArraySize - 1
 most=$(scontrol show config | sed -nE 's/^MaxArraySize *= *([0-9]+).*/\1/p')
 most=$((${most:-1001} - 1))
 arrays=""

@@ -1,10 +1,10 @@
-"""Rigid bodies, with digits.
+"""Simulation of rigid bodies and mechanisms with measured errors.
 
-polhode computes how a rigid body, or several with joints between them, turns, flies and is pushed about, by every
-method worth comparing, and says of each how wrong it is for how much time.
+polhode simulates rigid bodies and mechanisms with more than a hundred integrators and reports each one's error,
+against a reference solution (the truth) with proven digits, next to its run time.
 
-Quantities are in SI units and radians. ``q`` is (w, x, y, z) and maps body vectors to world vectors; ``w`` is the
-angular velocity in world axes and ``w_B`` the same in the body's; ``p`` and ``v`` are of the centre of mass.
+Quantities are in SI units and radians. ``q`` is (w, x, y, z) and maps body vectors to world vectors. ``w`` is the
+angular velocity in world axes, ``w_B`` in body axes. ``p`` and ``v`` are position and velocity of the centre of mass.
 
 Examples
 --------

@@ -1,4 +1,4 @@
-"""Judging a trajectory of anyone's making."""
+"""Comparison of trajectories from any program with the truth."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ TrajectoryLike = Union[Solved, str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class Report:
-    """What ``polhode check`` found.
+    """Result of `check`, as ``polhode check`` reports it.
 
     Attributes
     ----------
     ok : bool
         Whether every error is within its limit.
     text : str
-        The report as the program prints it: errors, known faults that explain them, floors.
+        The report as the program prints it: errors, diagnosed faults, floors.
     data : dict
-        The same for machines.
+        The report as ``polhode check --format json`` prints it.
     explanation : str
-        The faults that were tried and what each leaves, where that was asked for.
+        The faults that were tried and the error that each leaves; empty without ``explain``.
     """
 
     def __init__(self, ok: bool, text: str, data: dict[str, Any], explanation: str) -> None:
@@ -75,22 +75,23 @@ def check(
     convention: str = "",
     explain: bool = False,
 ) -> Report:
-    """Judges trajectories against the truth, each block that they have against its limit, and says what ails them.
+    """Compares trajectories with the truth, each block with its limit, and diagnoses known faults.
 
     Parameters
     ----------
     trajectory : Trajectory, path, mapping of columns, or a list of them
-        Columns are named as in trajectory files: t, qw, qx, qy, qz, and where they are known wx.., px.., vx..
+        Columns are named as in trajectory files. Required: t, qw, qx, qy, qz. Optional: wx.., px.., vx..
     scene : scene, str, path or mapping, optional
-        What they are trajectories of; a Trajectory knows its own.
+        The scene of the trajectories. Default: the scene of the Trajectory.
     limits : mapping, optional
-        By block ("attitude", "angular_velocity", "position", "velocity", "energy", "momentum"): a number in SI, or a
-        part of the motion's size such as "2%". Default: what the scene tolerates, else what a game could live with.
+        Largest allowed error by block ("attitude", "angular_velocity", "position", "velocity", "energy", "momentum"):
+        a number in SI, or relative to the motion's size such as "2%". Default: the scene's ``tolerated``, otherwise
+        the defaults of ``polhode check``.
     convention : str, optional
-        What they are written in, words joined by commas: ``y-up``, ``left-handed``, ``degrees``, ``body-rates``,
-        ``scalar-last``, ``unity``, ``unreal``, .. as ``polhode check --help`` lists them.
+        Convention of the data, words joined by commas: ``y-up``, ``left-handed``, ``degrees``, ``body-rates``,
+        ``scalar-last``, ``unity``, ``unreal``, .. ``polhode check --help`` lists all words.
     explain : bool, optional
-        List the faults that were tried, of sound trajectories too.
+        List the faults that were tried, also for trajectories within their limits.
 
     Returns
     -------
@@ -109,7 +110,7 @@ def check(
     if scene is None:
         first = all_given[0]
         if not isinstance(first, Solved):
-            raise _polhode.InputError("no scene; say what it is a trajectory of: check(trajectory, scene)")
+            raise _polhode.InputError("no scene; give the scene of the trajectory: check(trajectory, scene)")
         scene = first.scene
     texts = [_named_text(one, i + 1) for i, one in enumerate(all_given)]
     said = {block: str(limit) for block, limit in (limits or {}).items()}

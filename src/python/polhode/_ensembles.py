@@ -1,4 +1,4 @@
-"""Bodies by the million."""
+"""Ensembles: one scene solved for many bodies or many initial states."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ _WIDTHS = {"q": 4, "w": 3, "p": 3, "v": 3, "inertia": 3, "mass": 1}
 
 
 class Ensemble:
-    """Where each body of an ensemble is at the end.
+    """The final state of each body of an ensemble, or the samples of each mechanism.
 
     Attributes
     ----------
-    q : ndarray, shape (n, 4), of mechanisms (n, samples, bodies, 4)
+    q : ndarray, shape (n, 4), for mechanisms (n, samples, bodies, 4)
         Attitudes (w, x, y, z), body to world.
-    w, p, v : ndarray, shape (n, 3), of mechanisms (n, samples, bodies, 3)
-        Angular velocity in world axes, centre of mass, its velocity.
+    w, p, v : ndarray, shape (n, 3), for mechanisms (n, samples, bodies, 3)
+        Angular velocity (rad/s), position (m) and velocity (m/s) of the centre of mass, world axes.
     failures : list of (int, str, str)
-        Row, status and reason of each run that did not end well; what its arrays hold is how far it came, or NaN.
+        Row, status and reason of each failed run. Its arrays hold the last computed state or NaN.
     seconds : float
-        Wall clock of the solution.
+        Wall clock time of the solution, s.
     """
 
     q: Array
@@ -45,13 +45,13 @@ class Ensemble:
 
     @cached_property
     def w(self) -> Array:
-        """Angular velocities in world axes, rad/s; made when they are first asked for."""
-        assert self._native is not None, "of mechanisms it is there from the beginning"
+        """Angular velocities in world axes, rad/s; computed on first access."""
+        assert self._native is not None, "the arrays of mechanisms include w"
         return self._native.w()
 
     @property
     def ok(self) -> bool:
-        """Whether every run ended well."""
+        """Whether every run succeeded."""
         return not self.failures
 
     def __len__(self) -> int:
@@ -79,28 +79,28 @@ def ensemble(
     max_seconds: float = 3600,
     **columns: npt.ArrayLike,
 ) -> Ensemble:
-    """Solves a scene for many bodies, each with its own inertia and start, or a mechanism from many starts.
+    """Solves a scene for many bodies with different inertia and initial states, or a mechanism from many states.
 
     Parameters
     ----------
     scene : scene, str, path or mapping
-        Its loads act on all; what the arrays do not tell is its own.
+        Its loads act on all bodies. Columns that are not given take the scene's values.
     arrays : mapping of str to array_like, optional
-        Of one body ``q`` (n, 4), ``w`` (n, 3, in the scene's angular_velocity_frame), ``p``, ``v`` (n, 3), ``inertia``
-        (n, 3) moments or (n, 3, 3) tensors, ``mass`` (n,). Of several bodies the columns that ``polhode ensemble``
+        One body: ``q`` (n, 4), ``w`` (n, 3, in the scene's angular_velocity_frame), ``p``, ``v`` (n, 3), ``inertia``
+        (n, 3) moments or (n, 3, 3) tensors, ``mass`` (n,). Several bodies: the columns that ``polhode ensemble``
         reads, each (n,): "JOINT.angle", "JOINT.rate", "BODY.mass", ..
     tolerance : float, optional
-        Relative tolerance, default 1e-10.
+        Relative tolerance. Default: 1e-10.
     duration : float, optional
-        T, s, in place of the scene's.
+        Duration T, s. Default: the scene's.
     samples : int, optional
-        Of several bodies: the motion at k T / N, k = 1..N.
+        Number of samples N at k T / N, k = 1..N (several bodies).
     threads : int, optional
-        0: as many as the machine runs at once. The result is the same for any number.
+        Number of threads; 0: all cores. The result does not depend on it.
     max_steps, max_seconds : int and float, optional
-        A body that needs more ends as failed, and stops no other.
+        A body that needs more steps or more CPU time (s) fails. The other bodies are still solved.
     **columns : array_like
-        The same as `arrays`, as keywords.
+        Columns as keywords, in addition to `arrays`.
 
     Returns
     -------
@@ -121,14 +121,14 @@ def ensemble(
         raise _polhode.InputError(f"no arrays; give at least one of {', '.join(_WIDTHS)}")
     lengths = {len(np.atleast_1d(values)) for values in given.values()}
     if len(lengths) > 1:
-        raise _polhode.InputError(f"the arrays have {sorted(lengths)} rows; give each as many")
+        raise _polhode.InputError(f"the arrays have {sorted(lengths)} rows; give arrays of equal length")
     settings = _polhode.EnsembleSettings(tolerance, threads, max_steps, max_seconds)
     read = posed._compiled()
     if read.bodies:
         return _mechanisms(read, given, samples, settings)
     for name, values in given.items():
         if name not in _WIDTHS:
-            raise _polhode.InputError(f"there is no {name} of a body; give {', '.join(_WIDTHS)}")
+            raise _polhode.InputError(f"a body has no column {name}; give {', '.join(_WIDTHS)}")
         rows = lengths.copy().pop()
         shapes: list[tuple[int, ...]] = [(rows, _WIDTHS[name])]
         if name == "inertia":

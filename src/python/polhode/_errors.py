@@ -1,4 +1,4 @@
-"""How wrong a trajectory is: attitude first, then the angular momentum as a vector, then energy."""
+"""Errors of a trajectory against the truth: attitude first, then angular momentum as a vector, then energy."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ _MEASURES: list[dict[str, str]] = _polhode.measures()
 
 
 class Errors:
-    """The errors of a trajectory, at each sample and of the whole run.
+    """The errors of a trajectory at each sample and over the run.
 
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times of the samples, s.
     series : dict of str to ndarray
-        By the names of measures: "attitude" (rad), "omega", "momentum" (the angular momentum as a vector), "energy"
-        (relative to their largest), "norm", and what the scene has besides.
+        Errors by measure: "attitude" (rad), "omega", "momentum" (the angular momentum as a vector) and "energy"
+        (relative to their largest values), "norm", and further measures that apply to the scene.
     max, final : dict of str to float or None
-        The largest over the samples, and at the end of the run.
+        Largest error over the samples, and error at the end of the run.
     bound : float
-        How far the truth itself may be off.
+        Error bound of the truth.
     """
 
     def __init__(self, trajectory: Sampled, found: dict[str, Any]) -> None:
@@ -46,7 +46,7 @@ class Errors:
         series = self.__dict__.get("series", {})
         if name in series:
             return series[name]  # type: ignore[no-any-return]
-        raise AttributeError(f"there is no error {name}; there are {', '.join(series)}")
+        raise AttributeError(f"there is no error {name}; the errors are {', '.join(series)}")
 
     def plot(self, **options: Any) -> Figure:
         """Draws the errors over time, on a logarithmic axis.
@@ -65,32 +65,33 @@ class Errors:
         return [[name, told(self.max[name]), told(self.final[name]), units[name]] for name in self.series]
 
     def __repr__(self) -> str:
-        return "<polhode.Errors, the largest: " + ", ".join(f"{row[0]} {row[1]}" for row in self._rows()) + ">"
+        return "<polhode.Errors, largest: " + ", ".join(f"{row[0]} {row[1]}" for row in self._rows()) + ">"
 
     def _repr_html_(self) -> str:
         return table_html(["error", "largest", "at the end", "unit"], self._rows(), caption=self.trajectory.method)
 
 
 def errors(trajectory: Sampled, truth: Truth | None = None, *, digits: int = 25) -> Errors:
-    """The errors of a trajectory against the truth of its scene.
+    """Computes the errors of a trajectory against the truth of its scene.
 
     Parameters
     ----------
     trajectory : Trajectory
+        The trajectory to compare.
     truth : Truth, optional
-        What it is judged by, at the trajectory's times; found where it is not given.
+        A truth at the trajectory's times. The errors are then computed with at least its digits.
     digits : int, optional
-        Of the truth that is found.
+        Digits of the truth that the errors are computed with.
 
     Returns
     -------
     Errors
-        Differences are formed in 128 bits.
+        Differences are computed with 128 bits.
 
     Raises
     ------
     NoTruthError
-        Where there is no truth to judge by.
+        If the truth is not available.
 
     Examples
     --------
@@ -101,6 +102,6 @@ def errors(trajectory: Sampled, truth: Truth | None = None, *, digits: int = 25)
     """
     if truth is not None:
         if list(truth.t) != list(trajectory.t):
-            raise _polhode.InputError("truth and trajectory have other times; give truth(scene, trajectory.t)")
+            raise _polhode.InputError("truth and trajectory have different times; give truth(scene, trajectory.t)")
         digits = max(digits, 25 if truth.certified else truth.digits)
     return Errors(trajectory, _polhode.errors(trajectory._native, min(digits, 80), 3600.0))

@@ -1,4 +1,4 @@
-"""Experiments: sweeps of scenes, methods and settings, as tables and pictures."""
+"""Experiments: sweeps of scenes, methods and settings, with tables and figures."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-#: An experiment's name, its file, or what would stand in one.
+#: The name of an experiment, its file, or the contents of one.
 ExperimentLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class Results:
-    """What an experiment found.
+    """Results of an experiment.
 
     Attributes
     ----------
     name : str
-        The experiment's.
+        Name of the experiment.
     directory : pathlib.Path
-        Where its files are: tables as CSV, Markdown, LaTeX and JSON, pictures, provenance.
+        Directory of its files: tables as CSV, Markdown, LaTeX and JSON, figures, provenance.
     """
 
     def __init__(self, name: str, directory: Path) -> None:
@@ -40,31 +40,31 @@ class Results:
 
     @cached_property
     def tables(self) -> dict[str, DataFrame]:
-        """All its tables by name; what the experiment's own name stands for is the rows of all runs."""
+        """All tables by name. The table named like the experiment has one row per run."""
         import pandas as pd
 
         return {path.stem: pd.read_csv(path) for path in sorted(self.directory.glob(f"{self.name}*.csv"))}
 
     @property
     def table(self) -> DataFrame:
-        """A row for each run: status, seconds, counts and errors, by the columns of the result table."""
+        """One row per run: status, seconds, counts and errors, in the columns of the result table."""
         return self.tables[self.name] if self.name in self.tables else next(iter(self.tables.values()))
 
     @property
     def pictures(self) -> list[Path]:
-        """The pictures that the experiment drew (SVG and PDF), where gnuplot is installed."""
+        """The figures of the experiment (SVG and PDF). They require gnuplot."""
         return [path for ending in ("svg", "pdf") for path in sorted(self.directory.glob(f"{self.name}*.{ending}"))]
 
     def plot(self, x: str = "seconds_median", y: str = "attitude_error_max", **options: Any) -> Figure:
-        """Draws a curve for each method and a frame for each scene; by default a work-precision diagram.
+        """Draws one curve per method in one frame per scene; by default a work-precision diagram.
 
         Parameters
         ----------
         x, y : str, optional
-            Columns of the table: ``x="rhs_evaluations"`` for work that is the same on every machine, ``x="setting"``
-            for convergence.
+            Columns of the table: ``x="rhs_evaluations"`` for work that does not depend on the machine,
+            ``x="setting"`` for convergence.
         **options
-            For ``matplotlib.pyplot.figure``.
+            Arguments of ``matplotlib.pyplot.figure``.
 
         Returns
         -------
@@ -72,7 +72,7 @@ class Results:
         """
         for name in (x, y):
             if name not in self.table:
-                raise _polhode.InputError(f"there is no column {name}; there are {', '.join(self.table)}")
+                raise _polhode.InputError(f"there is no column {name}; the columns are {', '.join(self.table)}")
         return plot_table(self.table, x, y, {one.name: one for one in methods()}, **options)
 
     def __repr__(self) -> str:
@@ -94,7 +94,7 @@ def _scene_files(scenes: Iterable[Any], folder: Path) -> list[str]:
         posed = make_scene(one)
         if posed._torques:
             raise _polhode.InputError(
-                f"{posed.name}: a torque of one's own has no truth, and an experiment measures errors; leave it out")
+                f"{posed.name}: a scene with a user-defined torque has no truth, which experiments require; remove it")
         path = folder / f"scene_{number}.json"
         path.write_text(_polhode.ReadScene(posed.json(), posed._file, posed._directory, []).canonical(), "utf-8")
         names.append(str(path))
@@ -110,28 +110,29 @@ def run(
     jobs: int = 0,
     quiet: bool = True,
 ) -> Results:
-    """Runs an experiment; goes on where it was interrupted, where it is given the same output.
+    """Runs an experiment. With the same output directory, an interrupted run is continued.
 
     Parameters
     ----------
     experiment : str, path or mapping
-        A built-in experiment, a file of one, or what would stand in it: ``scenes`` (also `Scene` and dicts),
-        ``methods`` (also functions made by `method` and `solver`), ``settings``, .. A mapping without name, about or
-        settings gets such as fit: tolerances from 1e-3 to 1e-13, steps from a hundredth of the duration on.
+        A built-in experiment, a file, or the contents of one: ``scenes`` (also `Scene` and dicts), ``methods`` (also
+        functions made by `method` and `solver`), ``settings``, .. A mapping without name, about or settings gets
+        defaults: tolerances from 1e-3 to 1e-13, steps from T/100 to T/1e5 for the duration T of the first scene.
     output : path, optional
-        The directory for tables, pictures and finished cases; a new temporary one if not given.
+        Directory for tables, figures and finished cases. Default: a new temporary directory.
     filter : str, optional
-        Only the cases whose SCENE/METHOD matches this expression.
+        Run only cases whose SCENE/METHOD matches this regular expression.
     quick : bool, optional
-        Every third setting, short runs.
+        Use every third setting and short runs.
     jobs : int, optional
-        Threads for truths and errors; 0: all cores. Timings run alone.
+        Threads for truths and errors; 0: all cores. Timed runs run one at a time.
     quiet : bool, optional
-        No progress on standard error.
+        Do not print progress to standard error.
 
     Returns
     -------
     Results
+        Tables and figures of the experiment.
 
     Examples
     --------
@@ -145,7 +146,7 @@ def run(
     directory.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="polhode-scenes-") as folder:
         if isinstance(experiment, Mapping):
-            data: dict[str, Any] = {"name": "own", "about": "An experiment of one's own", **experiment}
+            data: dict[str, Any] = {"name": "own", "about": "A user-defined experiment", **experiment}
             given = data.get("scenes", [])
             scenes = [given] if isinstance(given, (str, os.PathLike, Mapping)) else list(given)
             data["scenes"] = _scene_files(scenes, Path(folder))

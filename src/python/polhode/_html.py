@@ -1,4 +1,4 @@
-"""Tables as notebooks show them."""
+"""HTML tables for notebooks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from html import escape
 
 
 def table_html(columns: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "") -> str:
-    """A table, its cells as text."""
+    """Returns an HTML table with escaped cells."""
 
     def cells(tag: str, values: Sequence[object]) -> str:
         return "".join(f"<{tag} style='text-align: left'>{escape(str(value))}</{tag}>" for value in values)
@@ -18,5 +18,5 @@ def table_html(columns: Sequence[str], rows: Iterable[Sequence[object]], caption
 
 
 def pairs_html(title: str, pairs: Iterable[tuple[str, object]]) -> str:
-    """A table of names and values."""
+    """Returns an HTML table of names and values."""
     return table_html([title, ""], [list(pair) for pair in pairs])

@@ -1,4 +1,4 @@
-"""The methods, and methods of one's own."""
+"""Methods, and the registration of user-defined methods."""
 
 from __future__ import annotations
 
@@ -21,31 +21,32 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Method:
-    """A method and what is known of it.
+    """Description of a method.
 
     Attributes
     ----------
     name : str
+        Name of the method.
     documentation : str
-        Markdown, a paragraph.
+        One paragraph of Markdown.
     source : str
-        Author, year, where.
+        Author, year, publication.
     conserves : str
-        What it keeps by construction.
+        Quantities that the method conserves by construction.
     order : int or None
-        Claimed, of a fixed step; none where it varies.
+        Claimed order of the fixed-step method; None if it varies.
     control : str
-        "step", "tolerance", "step or tolerance" or "none".
+        Accepted settings: "step", "tolerance", "step or tolerance" or "none".
     library : str
-        Whose steps they are.
+        The library that implements the steps.
     planes : bool
-        Whether it follows impacts on planes.
+        Whether the method supports impacts on planes.
     dense : bool
-        Whether it gives values between its steps, as `Trajectory.at` asks for.
+        Whether the method computes values between its steps, which `Trajectory.at` requires.
     color : str
-        That of its family in pictures, "#rrggbb".
+        Color of the method's family in figures, "#rrggbb".
     mark : str
-        Its own within the family: "circle", "square-open", ..
+        Marker of the method within its family: "circle", "square-open", ..
     """
 
     name: str
@@ -62,7 +63,7 @@ class Method:
 
 
 class Methods(list[Method]):
-    """Methods; a table in a notebook."""
+    """A list of methods; displayed as a table in a notebook."""
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str):
@@ -78,12 +79,12 @@ class Methods(list[Method]):
 
 
 def methods() -> Methods:
-    """All methods, those of one's own last.
+    """Lists all methods. User-defined methods are last.
 
     Returns
     -------
     list of Method
-        Also by name: ``methods()["taylor"]``.
+        Can also be indexed by name: ``methods()["taylor"]``.
 
     Examples
     --------
@@ -97,8 +98,8 @@ def methods() -> Methods:
 def _add(function: Callable[..., Any], name: str | None, order: int, control: str, source: str, conserves: str,
          **how: Any) -> None:
     called = name or function.__name__
-    about = inspect.getdoc(function) or "A method of one's own."
-    # a name for what is kept of its runs: another definition has other results
+    about = inspect.getdoc(function) or "A user-defined method."
+    # the key of stored results: a new definition invalidates the results of the old one
     identity = uuid.uuid4().hex
     _polhode.add_method(called, " ".join(about.split()), source or "own", order, conserves or "nothing", control,
                         identity, **how)
@@ -113,22 +114,21 @@ def method(
     source: str = "",
     conserves: str = "",
 ) -> Any:
-    """Makes a step function a method, by name like any other in `solve`, `run` and their tables.
+    """Registers a step function as a method, which `solve`, `run` and their tables then take by name.
 
     Parameters
     ----------
     function : callable
-        ``step(f, t, y, h)`` gives the state at t + h from the state y at t, with the right-hand side ``f(t, y)``. y is
-        an ndarray, whose length is the scene's: what a scene does not need is not in it. Of one body it holds the
-        angular velocity in the axes that `describe` names, then the attitude (w, x, y, z), then, where the centre of
-        mass is solved for, p and v; of a turn about one axis the rate, then cosine and sine of half the angle; of
-        several bodies the joints' coordinates, then their rates.
+        ``step(f, t, y, h)`` returns the state at t + h from the state y at t, with the right-hand side ``f(t, y)``. y
+        is an ndarray with the variables of the scene's reduced formulation. One body: angular velocity in the axes
+        that `describe` prints, attitude (w, x, y, z), then p and v if the centre of mass is integrated. Rotation about
+        a fixed axis: rate, then cosine and sine of half the angle. Several bodies: joint coordinates, then rates.
     name : str, optional
-        The function's own if not given. Defined again, it replaces what was so called.
+        Name of the method. Default: the function's name. An existing user-defined method of that name is replaced.
     order : int, optional
-        Claimed; 0: none.
+        Claimed order; 0: not defined.
     source, conserves : str, optional
-        What tables say of it.
+        Source and conserved quantities, for tables.
 
     Returns
     -------
@@ -165,22 +165,22 @@ def solver(
     source: str = "",
     conserves: str = "",
 ) -> Any:
-    """Makes a function that gives whole trajectories a method: an engine, another library.
+    """Registers a function that computes whole trajectories as a method, such as an engine or another library.
 
     Parameters
     ----------
     function : callable
-        ``solve(scene, times, step, tolerance)`` gives a mapping with ``q`` (n, 4) or (n, bodies, 4), ``w`` (world
-        axes) and, where the bodies move, ``p`` and ``v``, at the times; also ``steps`` and ``rhs_evaluations``, where
-        they are known. Of step and tolerance one is None.
+        ``solve(scene, times, step, tolerance)`` returns a mapping with the motion at the times: ``q`` (n, 4) or
+        (n, bodies, 4), ``w`` (world axes) and, if the bodies move, ``p`` and ``v``. Optional entries are ``steps`` and
+        ``rhs_evaluations``. Either step or tolerance is None.
     name : str, optional
-        The function's own if not given.
+        Name of the method. Default: the function's name.
     control : str, optional
-        "step", "tolerance", "step or tolerance" or "none": what it is told.
+        Accepted settings: "step", "tolerance", "step or tolerance" or "none".
     order : int, optional
-        Claimed, of a fixed step.
+        Claimed order of a fixed-step method.
     source, conserves : str, optional
-        What tables say of it.
+        Source and conserved quantities, for tables.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Pictures, in the project's colours; matplotlib is loaded when one is drawn."""
+"""Figures in the colours of the project. matplotlib is imported when the first one is drawn."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class MethodStyle(Protocol):
-    """How a method is drawn."""
+    """Color and marker of a method."""
 
     @property
     def color(self) -> str: ...
@@ -25,15 +25,15 @@ class MethodStyle(Protocol):
     def mark(self) -> str: ...
 
 
-#: Of what is no method: those of the program's own pictures, in the order in which they take them. Told apart by those
-#: who see no red or green.
+#: Colours of curves that are not methods, in the order of the program's figures. They remain distinguishable with
+#: red-green colour blindness.
 COLORS = tuple(_polhode.plain_colors())
 
-#: matplotlib's markers by the names of `Method.mark`; an open one has the fill style none.
+#: matplotlib's markers by the names of `Method.mark`. Open markers have the fill style none.
 _MARKS = {"circle": "o", "square": "s", "triangle-up": "^", "diamond": "D", "triangle-down": "v", "pentagon": "p",
           "cross-thin": "+", "x-thin": "x", "asterisk": (6, 2, 0)}
 
-#: Headings of axes for columns of tables.
+#: Axis labels for columns of tables.
 _HEADINGS = {
     "seconds_median": "time (s)",
     "seconds_min": "shortest time (s)",
@@ -47,7 +47,7 @@ _HEADINGS = {
     "omega_error_max": "largest error of the angular velocity, relative",
 }
 
-#: Errors below this are those of rounding the start, which are formed in more than double precision.
+#: Lower end of the error axis. Errors below it stem from rounding the start; they are computed beyond double precision.
 _SMALLEST_SHOWN = 1e-18
 
 
@@ -69,7 +69,7 @@ def _frames(count: int, options: dict[str, Any]) -> tuple[Figure, list[Axes]]:
 
 
 def plot_trajectory(trajectory: Sampled, **options: Any) -> Figure:
-    """Attitude, angular velocity and, where it moves, the centre of mass over time."""
+    """Draws attitude, angular velocity and, if it moves, the centre of mass over time."""
     several = trajectory.q.ndim == 3
     blocks = [("q", "attitude q", "wxyz"), ("w_B", "angular velocity, body axes (rad/s)", "xyz")]
     if np.ptp(trajectory.p.reshape(-1, 3), axis=0).max(initial=0.0) > 0:
@@ -86,14 +86,14 @@ def plot_trajectory(trajectory: Sampled, **options: Any) -> Figure:
                            label=f"{called} {component}".strip())
         frame.set_xlabel("t (s)")
         frame.set_ylabel(heading)
-        # above the frame, where it covers no curve
+        # above the frame, so that it does not cover curves
         frame.legend(frameon=False, fontsize="small", ncols=len(components), loc="lower center", bbox_to_anchor=(0.5, 1.0))
     figure.suptitle(f"{trajectory.scene.get('name', '')}, {trajectory.method}", fontsize="medium")
     return figure
 
 
 def plot_errors(errors: SeriesOfErrors, **options: Any) -> Figure:
-    """Errors over time."""
+    """Draws errors over time."""
     options.setdefault("figsize", (8.0, 4.6))
     figure, (frame,) = _frames(1, options)
     largest = 0.0
@@ -112,7 +112,7 @@ def plot_errors(errors: SeriesOfErrors, **options: Any) -> Figure:
 
 
 def plot_table(table: DataFrame, x: str, y: str, known: Mapping[str, MethodStyle], **options: Any) -> Figure:
-    """A curve for each method and kind of setting, a frame for each scene; `known`: how methods are drawn."""
+    """Draws one curve per method and kind of setting, in one frame per scene. `known` has the styles of methods."""
     scenes = list(dict.fromkeys(table["scene"]))
     options.setdefault("figsize", (8.6, 5.0) if len(scenes) == 1 else (13.0, 4.4 * -(-len(scenes) // 2)))
     figure, frames = _frames(len(scenes), options)

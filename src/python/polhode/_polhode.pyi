@@ -9,10 +9,10 @@ _Array = npt.NDArray[np.float64]
 __version__: str
 
 class InputError(ValueError):
-    """A scene, a file, a name or a setting is at fault; one line names place, fault and remedy."""
+    """Invalid scene, file, name or setting. The message is one line with place, fault and remedy."""
 
 class NoTruthError(RuntimeError):
-    """There is no truth to judge by; the line says why."""
+    """The truth is not available. The message states the reason."""
 
 class LoadState:
     @property

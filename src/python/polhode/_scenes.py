@@ -1,4 +1,4 @@
-"""Scenes: which body, how it starts, what acts on it."""
+"""Scenes: bodies, initial state, loads."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ import numpy as np
 from polhode import _polhode
 from polhode._html import table_html
 
-#: What a scene can be made from.
+#: Types that `scene` makes a scene from.
 SceneLike = Union["Scene", str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 def _plain(value: Any) -> Any:
-    """What JSON has no word for: arrays and numbers of numpy."""
+    """Converts values that JSON does not support: numpy arrays and numbers, and paths."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise TypeError(f"a scene holds a {type(value).__name__}; give numbers, words, lists, arrays or dicts")
+    raise TypeError(f"a scene contains a {type(value).__name__}; give numbers, strings, lists, arrays or dicts")
 
 
 class Changes:
-    """How often anything of a scene has been changed: shared by all that it is made of."""
+    """Number of changes of a scene, shared by all its blocks."""
 
     count = 0
 
 
 def _comfortable(value: Any, changes: Changes) -> Any:
-    """The value with its objects and lists as blocks, all the way down: a copy, whose changes are counted."""
+    """Returns a copy with all objects and lists as blocks, recursively, whose changes are counted."""
     if isinstance(value, Mapping):
         return Block(value, changes)
     if isinstance(value, (list, tuple)):
@@ -57,7 +57,7 @@ def _counted(base: type, name: str) -> Callable[..., Any]:
 
 
 class Blocks(list):  # type: ignore[type-arg]
-    """A JSON array, whose objects have their keys as attributes."""
+    """A JSON array. The keys of its objects are attributes."""
 
     __slots__ = ("_changes",)
 
@@ -93,7 +93,7 @@ class Blocks(list):  # type: ignore[type-arg]
 
 
 class Block(dict):  # type: ignore[type-arg]
-    """A JSON object: a dict whose keys are attributes as well."""
+    """A JSON object: a dict whose keys are also attributes."""
 
     __slots__ = ("_changes",)
     _changes: Changes
@@ -109,7 +109,7 @@ class Block(dict):  # type: ignore[type-arg]
         try:
             return self[name]
         except KeyError:
-            raise AttributeError(f"there is no {name}; there are {', '.join(self)}") from None
+            raise AttributeError(f"there is no {name}; the keys are {', '.join(self)}") from None
 
     def __setattr__(self, name: str, value: Any) -> None:
         self[name] = value
@@ -152,10 +152,10 @@ for _name in ("__delitem__", "pop", "remove", "clear", "sort", "reverse", "__imu
 
 
 class Scene(Block):
-    """A scene: the JSON of a scene file as a dict, whose keys are attributes as well.
+    """A scene: the JSON of a scene file as a dict whose keys are also attributes.
 
-    What stands in it is read and checked when it is used; a key that is none, or a number that cannot be, is refused
-    then with one line that names place, fault and remedy.
+    The contents are checked when the scene is used. Unknown keys and invalid values raise `InputError` with place,
+    fault and remedy in one line.
 
     Examples
     --------
@@ -186,11 +186,11 @@ class Scene(Block):
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._torques:
-            raise TypeError("a scene with a torque of one's own is not pickled; add the torque afterwards")
+            raise TypeError("a scene with a user-defined torque cannot be pickled; add the torque after unpickling")
         return (Scene, (json.loads(self.json()), self._file, self._directory))
 
     def copy(self, **changes: Any) -> Scene:
-        """Another scene alike, with some keys changed.
+        """Returns a copy of the scene with some keys changed.
 
         Parameters
         ----------
@@ -200,7 +200,7 @@ class Scene(Block):
         Returns
         -------
         Scene
-            It shares nothing with this one but the functions of torques.
+            A deep copy that shares only the functions of user-defined torques.
         """
         other = Scene(self, self._file, self._directory)
         other._torques.extend(self._torques)
@@ -218,28 +218,28 @@ class Scene(Block):
     ) -> Scene:
         """Adds a user-defined torque, smooth in its arguments, to a scene of one body.
 
-        There is no truth for a scene that has one, and methods that need derivatives answer ``unsupported``.
+        The truth is not available for such a scene, and methods that need derivatives report ``unsupported``.
 
         Parameters
         ----------
         function : callable
-            Called with the state at hand (`LoadState`: ``t``, ``q``, ``w_B``, ``p``, ``v``), perhaps by several
-            threads; gives three numbers, the torque in body axes, N m.
+            Called with the current state (`LoadState`: ``t``, ``q``, ``w_B``, ``p``, ``v``), possibly from several
+            threads. Returns three numbers, the torque in body axes, N m.
         name : str, optional
-            For messages; the function's own if there is none.
+            Name for messages. Default: the function's name.
         start, until : float, optional
-            When it acts, s; always if not given.
+            Times at which the torque starts and ends, s. Default: it acts all the time.
 
         Returns
         -------
         Scene
-            This one.
+            This scene.
 
         Raises
         ------
         InputError
-            In a scene of several bodies, where a load of type ``torque`` or ``force`` with ``body``, or a motor on a
-            joint, acts instead.
+            If the scene has several bodies. Use a load of type ``torque`` or ``force`` with ``body``, or a motor on a
+            joint, instead.
 
         Examples
         --------
@@ -252,30 +252,29 @@ class Scene(Block):
         key = "bodies" if "bodies" in self else "import" if "import" in self else None
         if key is not None:
             raise _polhode.InputError(
-                f"{self._file}: /{key}: makes a scene of several bodies, and a user-defined torque needs a scene of one "
-                "body; append to \"loads\" a load of type \"torque\" or \"force\" with \"body\", or a \"motor\" with "
-                "\"joint\"")
+                f"{self._file}: /{key}: defines several bodies, and user-defined torques support one body; append a "
+                "load of type \"torque\" or \"force\" with \"body\", or a \"motor\" with \"joint\", to \"loads\"")
         self._changes.count += 1
         self._torques.append((function, name or getattr(function, "__name__", "torque"), start, until))
         return self
 
     def json(self, *, indent: int | None = None) -> str:
-        """The scene as the text of a scene file, without torques of one's own."""
+        """Returns the scene as the text of a scene file, without user-defined torques."""
         return json.dumps(self, default=_plain, indent=indent)
 
     def describe(self) -> str:
-        """Mass properties, the system posed, what was left out and why, invariants, conditioning.
+        """Describes mass properties, the system posed, omitted terms, invariants and conditioning.
 
         Returns
         -------
         str
-            As ``polhode describe`` prints it.
+            The output of ``polhode describe``.
         """
         return self._compiled().describe()
 
     @property
     def body_names(self) -> list[str]:
-        """The names of several bodies; empty where there is one alone."""
+        """The names of the bodies of a scene of several bodies; empty for one body."""
         return self._compiled().bodies
 
     @property
@@ -296,7 +295,7 @@ class Scene(Block):
         return self._compiled().assumed
 
     def _compiled(self) -> _polhode.ReadScene:
-        # counted before it is read: what another thread changes meanwhile is read the next time
+        # count before reading, so that changes made by another thread meanwhile are read the next time
         count = self._changes.count
         if self._read is not None and self._read[0] == count:
             return self._read[1]
@@ -305,34 +304,34 @@ class Scene(Block):
         return read
 
     def __repr__(self) -> str:
-        return f"<polhode.Scene {self.get('name', 'without a name')}: {self.get('about', '')}>"
+        return f"<polhode.Scene {self.get('name', '(unnamed)')}: {self.get('about', '')}>"
 
     def _repr_html_(self) -> str:
         rows = [[key, json.dumps(value, default=_plain)] for key, value in self.items()]
-        rows += [["torque of one's own", name] for _, name, _, _ in self._torques]
+        rows += [["user-defined torque", name] for _, name, _, _ in self._torques]
         return table_html(["key", "value"], rows, caption=str(self.get("name", "")))
 
 
 def scene(source: SceneLike, **changes: Any) -> Scene:
-    """A scene by its name, from a file or from a dict.
+    """Makes a scene from a name, a file or a dict.
 
     Parameters
     ----------
     source : str, path, mapping or Scene
-        A built-in scene (see `scenes`), a scene file, or what would stand in one. A mapping without a ``name`` is
-        called "own".
+        A built-in scene (see `scenes`), a scene file, or the contents of one. A mapping without a ``name`` gets the
+        name "own".
     **changes
         Keys of the scene and their new values.
 
     Returns
     -------
     Scene
-        A new one, which may be changed.
+        A new scene.
 
     Raises
     ------
     InputError
-        Where there is none of that name, or the file is at fault.
+        If there is no scene of that name, or the file is invalid.
 
     Examples
     --------
@@ -358,7 +357,7 @@ def scene(source: SceneLike, **changes: Any) -> Scene:
 
 
 def describe(what: SceneLike) -> str:
-    """All that is known of a scene, or of a method by its name, before anything is solved.
+    """Describes a scene, or a method given by its name.
 
     Parameters
     ----------
@@ -368,7 +367,7 @@ def describe(what: SceneLike) -> str:
     Returns
     -------
     str
-        As ``polhode describe`` prints it.
+        The output of ``polhode describe``.
 
     Examples
     --------
@@ -382,19 +381,19 @@ def describe(what: SceneLike) -> str:
 
 
 class Catalogue(list[tuple[str, str]]):
-    """Names and what they stand for; a table in a notebook."""
+    """Names and descriptions; displayed as a table in a notebook."""
 
     def _repr_html_(self) -> str:
         return table_html(["name", "about"], [list(entry) for entry in self])
 
 
 def scenes() -> Catalogue:
-    """The built-in scenes.
+    """Lists the built-in scenes.
 
     Returns
     -------
     list of (str, str)
-        Name and what it is about.
+        Names and descriptions.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Solving, and the trajectories that come of it."""
+"""Solving scenes, and the resulting trajectories."""
 
 from __future__ import annotations
 
@@ -22,54 +22,53 @@ from polhode._types import Array
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Runs beyond these limits end as ``failed``.
+#: No sample times: samples are equally spaced.
 _NO_TIMES = np.empty(0)
 
 
 class Motion(NamedTuple):
-    """Where the bodies are at some times, and how they move."""
+    """The motion of the bodies at some times."""
 
     t: Array  #: s
     q: Array  #: (.., 4): w, x, y, z, body to world
     w: Array  #: (.., 3): angular velocity, world axes, rad/s
-    p: Array  #: (.., 3): centre of mass, m
-    v: Array  #: (.., 3): its velocity, m/s
+    p: Array  #: (.., 3): position of the centre of mass, m
+    v: Array  #: (.., 3): velocity of the centre of mass, m/s
 
 
 class Trajectory:
-    """What a method gave: the motion at the sample times, how the run ended and what it cost.
+    """The result of a method: the motion at the sample times, the status and the cost of the run.
 
-    Arrays lie over the samples' own memory and cannot be written to. Of several bodies each has one more axis, after
-    that of time.
+    Arrays are read-only views of the samples. For several bodies each array except ``t`` has a second axis, of bodies.
 
     Attributes
     ----------
     t : ndarray, shape (n,)
         Times of the samples, s.
     q : ndarray, shape (n, 4)
-        Attitude (w, x, y, z), body to world, as the method left it (not normalised).
+        Attitude (w, x, y, z), body to world, as the method computed it (not normalised).
     w_B : ndarray, shape (n, 3)
         Angular velocity, body axes, rad/s.
     p, v : ndarray, shape (n, 3)
-        Centre of mass and its velocity, world axes, m and m/s.
+        Position and velocity of the centre of mass, world axes, m and m/s.
     scene : Scene
-        What was solved.
+        The scene that was solved.
     method : str
-        The name of the method.
+        Name of the method.
     status : str
         ``ok``, ``unsupported``, ``diverged``, ``tolerance_not_met`` or ``failed``.
     message : str
-        Why, where the status is not ``ok``.
+        The reason if the status is not ``ok``.
     steps : int
-        Accepted steps.
+        Number of accepted steps.
     rhs_evaluations : int
-        Evaluations of the right-hand side by the whole run, samples between steps included. For a torque added by
-        `Scene.add_torque` that acts all the time, this is the number of its calls, apart from those made to pose the
-        scene. Methods that evaluate no right-hand side count their own unit of work (see ``polhode.describe(METHOD)``).
+        Evaluations of the right-hand side by the whole run, including those for samples between steps. For a torque
+        added by `Scene.add_torque` that acts all the time, this is the number of its calls, apart from those made to
+        pose the scene. Methods without a right-hand side count another unit of work (``polhode.describe(METHOD)``).
     sample_evaluations : int
-        Those of ``rhs_evaluations`` that only the samples cost.
+        The part of ``rhs_evaluations`` that was caused by samples only.
     seconds : float
-        Wall clock of the integration alone.
+        Wall clock time of the integration alone, s.
     """
 
     def __init__(self, native: _polhode.SolvedScene, scene: Scene, limits: dict[str, Any] | None = None,
@@ -86,7 +85,7 @@ class Trajectory:
         self.seconds: float = native.seconds
 
     def __getattr__(self, name: str) -> Any:
-        # arrays are made when they are first asked for, and kept
+        # arrays are created on first access and stored
         if name in ("t", "q", "w_B", "p", "v", "message", "step", "tolerance", "counts", "impact_times"):
             value = getattr(self._native, name)
         elif name == "w":
@@ -95,7 +94,7 @@ class Trajectory:
         elif name == "reactions":
             value = self._native.reactions()
         else:
-            raise AttributeError(f"a trajectory has no {name}")
+            raise AttributeError(f"a trajectory has no attribute {name}")
         self.__dict__[name] = value
         return value
 
@@ -115,24 +114,24 @@ class Trajectory:
 
     @property
     def ok(self) -> bool:
-        """Whether the run came to its end."""
+        """Whether the status is ``ok``."""
         return self.status == "ok"
 
     @property
     def why(self) -> str:
-        """Why `auto` chose the method; empty where it was asked for by name."""
+        """The reason why `auto` selected the method; empty for a method given by name."""
         return self._native.why
 
     def at(self, times: npt.ArrayLike) -> Motion:
-        """The motion at any times, by the method's own means of looking between its steps.
+        """Computes the motion at any times, with the method's own evaluation between its steps.
 
-        The run is repeated with these as its sample times. The steps are the same, since they do not depend on where
-        samples are taken; so is what it costs. Ask for many times at once.
+        The run is repeated with these sample times. Steps do not depend on sample times, so the steps and the cost are
+        the same. Pass all times in one call.
 
         Parameters
         ----------
         times : array_like
-            s, in any order, of any shape, from 0 to the scene's duration.
+            Times, s, in any order and shape, from 0 to the scene's duration.
 
         Returns
         -------
@@ -142,7 +141,7 @@ class Trajectory:
         Raises
         ------
         InputError
-            Where the method goes by a fixed step, whose samples are at whole steps alone, or a time is out of range.
+            If the method uses a fixed step, whose samples are at whole steps only, or a time is out of range.
 
         Examples
         --------
@@ -154,27 +153,27 @@ class Trajectory:
         asked = np.asarray(times, dtype=np.float64)
         if self._native.step > 0:
             raise _polhode.InputError(
-                f"{self.method} goes by a fixed step and has no values between; give the times to solve()"
+                f"{self.method} uses a fixed step and has no values between steps; pass the times to solve()"
             )
         ordered, places = np.unique(asked.ravel(), return_inverse=True)
         settings = _polhode.Settings(tolerance=self._native.tolerance, times=ordered, **self._limits)
         found = Trajectory(_polhode.solve(self._native.scene, self.method, settings, self._full, False), self.scene)
         if len(found.t) != len(ordered):
-            raise _polhode.InputError(f"no motion at these times: {found.message}")
+            raise _polhode.InputError(f"there is no motion at these times: {found.message}")
         shape = asked.shape
         return Motion(asked.copy(), *(a[places].reshape(shape + a.shape[1:]) for a in
                                       (found.q, found.w, found.p, found.v)))
 
     def errors(self, truth: Truth | None = None, *, digits: int = 25) -> Errors:
-        """The errors of this trajectory against the truth; see `polhode.errors`."""
+        """Computes the errors of this trajectory against the truth; see `polhode.errors`."""
         return errors(self, truth, digits=digits)
 
     def check(self, **options: Any) -> Report:
-        """The judgement of ``polhode check``; see `polhode.check`."""
+        """Compares this trajectory with the truth and diagnoses known faults; see `polhode.check`."""
         return check(self, **options)
 
     def csv(self) -> str:
-        """The trajectory as a trajectory file has it: shortest decimals that read back to the same numbers."""
+        """Returns the text of a trajectory file: the shortest decimals that read back to the same numbers."""
         return self._native.csv()
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -182,12 +181,12 @@ class Trajectory:
         Path(path).write_text(self.csv(), encoding="utf-8")
 
     def plot(self, **options: Any) -> Figure:
-        """Draws attitude, angular velocity and, where it moves, the centre of mass over time.
+        """Draws attitude, angular velocity and, if it moves, the centre of mass over time.
 
         Parameters
         ----------
         **options
-            For ``matplotlib.pyplot.figure``.
+            Arguments of ``matplotlib.pyplot.figure``.
 
         Returns
         -------
@@ -243,36 +242,36 @@ def solve(
     scene : scene, str, path or mapping
         A scene or what `polhode.scene` makes one from.
     method : str or callable, optional
-        A method's name (see `methods`), or a function made one by `method` or `solver`. ``auto`` chooses
-        one for the scene: `describe` says which and why.
+        Name of a method (see `methods`), or a function registered by `method` or `solver`. ``auto`` selects a method
+        for the scene; `describe` prints which and why.
     step : float, optional
-        Fixed step, s; rounded down so that whole steps meet every sample. Default: the duration / 10^4.
+        Fixed step, s, rounded down so that whole steps meet every sample. Default: duration / 10^4.
     tolerance : float, optional
-        Relative tolerance; the absolute one is this times each component's scale. Default: 1e-10.
+        Relative tolerance. The absolute tolerance is this times each component's scale. Default: 1e-10.
     samples : int, optional
-        N: samples at k T / N, k = 0..N. Default: 100.
+        Number of sample intervals N: samples at k T / N, k = 0..N. Default: 100.
     times : array_like, optional
-        Sample times in their place, s, increasing from 0 or later. The run lasts to the last of them.
+        Sample times instead of `samples`, s, increasing from 0 or later. The run ends at the last of them.
     duration : float, optional
-        T, s, in place of the scene's.
+        Duration T, s. Default: the scene's.
     full : bool, optional
-        Integrate all 13 variables and leave nothing out (of one body).
+        Integrate all 13 variables instead of the reduced formulation (one body).
     reactions : bool, optional
-        Samples carry the reactions of joints, where the method gives them.
+        Compute the reactions of joints at the samples, if the method supports it.
     max_steps, max_evaluations : int, optional
-        A run that needs more ends as ``failed``.
+        The run ends as ``failed`` after this many steps or right-hand-side evaluations.
     max_seconds : float, optional
-        Likewise, of the thread's own time.
+        The run ends as ``failed`` after this CPU time of the thread, s.
 
     Returns
     -------
     Trajectory
-        Also of a run that failed: its `status` says so.
+        Failed runs also return a trajectory; its `status` reports the failure.
 
     Raises
     ------
     InputError
-        Where the scene or a setting is at fault.
+        If the scene or a setting is invalid.
 
     Examples
     --------
@@ -298,13 +297,13 @@ def solve(
 
 
 def rows_of(q: npt.ArrayLike, *others: npt.ArrayLike | None) -> Array:
-    """Rows of 13 numbers from q and from w, p, v, which are zero where they are not given."""
+    """Returns rows of 13 numbers: q, w, p, v. Missing blocks (None) are zero."""
     blocks = [np.asarray(q, dtype=np.float64).reshape(-1, 4)]
     for block in others:
         blocks.append(np.zeros((len(blocks[0]), 3)) if block is None else
                       np.asarray(block, dtype=np.float64).reshape(-1, 3))
     if len({len(block) for block in blocks}) > 1:
-        raise _polhode.InputError("q, w, p and v are of different lengths; give a row of each for each time and body")
+        raise _polhode.InputError("q, w, p and v have different lengths; give one row of each per time and body")
     return np.hstack(blocks)
 
 
@@ -318,24 +317,25 @@ def trajectory(
     *,
     made_by: str = "own",
 ) -> Trajectory:
-    """A trajectory from arrays of anyone's making, for `errors` and pictures.
+    """Makes a trajectory from arrays that another program computed, for `errors` and figures.
 
     Parameters
     ----------
     scene : scene, str, path or mapping
-        What it is a trajectory of.
+        The scene of the trajectory.
     t : array_like, shape (n,)
         Times, s, increasing.
     q : array_like, shape (n, 4) or (n, bodies, 4)
         Attitudes (w, x, y, z), body to world.
     w, p, v : array_like, shape (n, 3) or (n, bodies, 3), optional
-        Angular velocity in world axes, centre of mass and its velocity; zero where they are not given.
+        Angular velocity (rad/s), position (m) and velocity (m/s) of the centre of mass, world axes. Default: zero.
     made_by : str, optional
-        What the trajectory's `method` is to say.
+        Value of the trajectory's `method`.
 
     Returns
     -------
     Trajectory
+        The trajectory with these samples.
     """
     posed = make_scene(scene)
     times = np.ascontiguousarray(t, dtype=np.float64)
@@ -343,22 +343,26 @@ def trajectory(
 
 
 class OdeResult:
-    """What `solve_ivp` gives, with the names that SciPy's has.
+    """Result of `solve_ivp`, with the attributes of SciPy's result.
 
     Attributes
     ----------
     t : ndarray, shape (n,)
+        Sample times, s.
     y : ndarray, shape (13 bodies, n)
-        Of each body q, w (world axes), p, v.
+        q, w (world axes), p, v of each body.
     sol : callable or None
-        The motion at other times, shape (13 bodies, m).
+        Function that returns the motion at other times, shape (13 bodies, m).
     status : int
-        0 at the end, -1 where the run failed.
+        0 if the run reached the end, -1 if it failed.
     success : bool
+        Whether the run reached the end.
     message : str
+        Why the run ended.
     nfev : int
+        Evaluations of the right-hand side.
     trajectory : Trajectory
-        The same under polhode's names.
+        The result as polhode's trajectory.
     """
 
     def __init__(self, trajectory: Trajectory, dense: bool) -> None:
@@ -388,26 +392,27 @@ def solve_ivp(
     *,
     rtol: float | None = None,
 ) -> OdeResult:
-    """Solves a scene by a call shaped as ``scipy.integrate.solve_ivp``: the scene stands where the function would.
+    """Solves a scene with the interface of ``scipy.integrate.solve_ivp``; the scene replaces the function.
 
     Parameters
     ----------
     scene : scene, str, path or mapping
-        Also how the motion starts, at t = 0.
+        The scene, including the initial state at t = 0.
     t_span : (float, float), optional
-        From 0 to the end, s; the scene's duration if not given.
+        (0, end), s. Default: the scene's duration.
     method : str or callable, optional
-        As for `solve`.
+        Method as for `solve`.
     t_eval : array_like, optional
-        Sample times, s; 101 equally spaced ones if not given.
+        Sample times, s. Default: 101 equally spaced times.
     dense_output : bool, optional
         Whether the result has ``sol``.
     rtol : float, optional
-        Relative tolerance.
+        Relative tolerance. Default: 1e-10.
 
     Returns
     -------
     OdeResult
+        The samples and the status of the run.
 
     Examples
     --------
@@ -419,7 +424,7 @@ def solve_ivp(
     posed = make_scene(scene)
     if t_span is not None:
         if t_span[0] != 0:
-            raise _polhode.InputError(f"t_span begins at {t_span[0]}; a scene begins at 0: give (0, end)")
+            raise _polhode.InputError(f"t_span starts at {t_span[0]}, and scenes start at 0; give (0, end)")
         posed.duration = float(t_span[1])
     settings: dict[str, Any] = {}
     if rtol is not None:

@@ -1,4 +1,4 @@
-"""The truth: motions to digits that are agreed on, or proven."""
+"""The reference solution (truth) with agreed or proven digits."""
 
 from __future__ import annotations
 
@@ -18,26 +18,27 @@ _BLOCKS = {"q": slice(0, 4), "w": slice(4, 7), "p": slice(7, 10), "v": slice(10,
 
 
 class Truth:
-    """The reference motion: decimals, their binary64, and how far it may be off.
+    """The reference motion: decimals, the nearest binary64 numbers, and an error bound.
 
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
-    q, w, p, v : ndarray, shape (n, 4) or (n, 3), of several bodies (n, bodies, ..)
-        The binary64 nearest to the decimals; w in world axes.
+        Times of the samples, s.
+    q, w, p, v : ndarray, shape (n, 4) or (n, 3), for several bodies (n, bodies, ..)
+        The binary64 numbers nearest to the decimals; w in world axes.
     decimals : dict of str to list
-        By the columns of trajectory files, "qw" to "vz": a decimal string a sample, of several bodies a list of them.
+        By column of trajectory files, "qw" to "vz": one decimal string per sample, or a list of them (several bodies).
     radii : dict of str to list, or None
-        Of a certified truth: the radius about each decimal within which the true number lies, for certain.
+        For a certified truth: the radius about each decimal that encloses the exact value.
     bound : float
-        The largest error: of the attitude in rad, of other blocks relative to their largest length; of a certified
-        truth the largest radius.
+        Error bound: attitude in rad, other blocks relative to their largest length. For a certified truth: the largest
+        radius.
     digits : int
-        That were asked for; of a certified truth those that were proven.
+        Requested digits. For a certified truth: proven digits.
     certified : bool
+        Whether the digits are proven.
     message : str
-        How it was made.
+        The method that computed the truth.
     """
 
     def __init__(self, scene: Scene, native: Any, digits: int, certified: bool) -> None:
@@ -72,7 +73,7 @@ class Truth:
 
     @cached_property
     def mpmath(self) -> dict[str, list[Any]]:
-        """The decimals as mpmath's numbers (``mpf``), with as many digits as they have.
+        """The decimals as mpmath numbers (``mpf``) with all their digits.
 
         Examples
         --------
@@ -100,7 +101,7 @@ class Truth:
             ("digits", f"{self.digits} proven" if self.certified else self.digits),
             ("bound", f"{self.bound:.2e}"),
             ("samples", len(self)),
-            ("made by", self.message),
+            ("computed by", self.message),
         ]
 
     def __repr__(self) -> str:
@@ -119,33 +120,35 @@ def truth(
     certified: bool = False,
     max_seconds: float = 3600,
 ) -> Truth:
-    """The reference motion of a scene.
+    """Computes the reference motion of a scene.
 
-    Made twice, in two formulations with two orders and steps, until they agree; or enclosed in ball arithmetic, which
-    proves each digit. Truths that agree are kept in a cache on disk (``$POLHODE_CACHE``).
+    It is computed in two formulations with different orders and steps until they agree. With ``certified`` it is
+    enclosed by ball arithmetic, which proves each digit. Agreed truths are cached on disk (``$POLHODE_CACHE``).
 
     Parameters
     ----------
     scene : scene, str, path or mapping
+        A scene or what `polhode.scene` makes one from.
     times : array_like, optional
-        s, increasing from 0 or later. A certified truth has none beyond the scene's duration.
+        Sample times, s, increasing from 0 or later; for a certified truth at most the scene's duration.
     samples : int, optional
-        N: times k T / N, k = 0..N, in their place. Default: 100.
+        Number of sample intervals N: times k T / N, k = 0..N, instead of ``times``. Default: 100.
     digits : int, optional
-        Right digits, relative to the largest length of each block; at most 80 unless they are to be proven.
+        Correct digits, relative to the largest length of each block; at most 80 without ``certified``.
     certified : bool, optional
-        Whether they are to be proven.
+        Whether to prove the digits.
     max_seconds : float, optional
-        How long it may take.
+        Limit of the CPU time, s.
 
     Returns
     -------
     Truth
+        The truth at the sample times.
 
     Raises
     ------
     NoTruthError
-        Where there is none: the line says why, and to how many digits there would be one.
+        If the truth is not available. The message states the reason and, if known, the available digits.
 
     Examples
     --------

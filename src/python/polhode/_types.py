@@ -1,4 +1,4 @@
-"""What modules share: arrays, and what they need of a trajectory without knowing who made it."""
+"""Types that the modules share: arrays, and protocols of trajectories that do not depend on the class."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = npt.NDArray[np.float64]
 
 @runtime_checkable
 class Solved(Protocol):
-    """A scene solved by a method, as `Trajectory` is: it knows its scene, and writes itself as a trajectory file."""
+    """A scene solved by a method, such as `Trajectory`. It has its scene and can be written as a trajectory file."""
 
     _native: Any
     scene: Scene
@@ -24,7 +24,7 @@ class Solved(Protocol):
 
 
 class Sampled(Solved, Protocol):
-    """One whose samples are asked for, too."""
+    """A solved scene with access to its samples."""
 
     t: Array  #: s
     q: Array  #: (w, x, y, z), body to world
@@ -32,7 +32,7 @@ class Sampled(Solved, Protocol):
 
 
 class SeriesOfErrors(Protocol):
-    """Errors of a trajectory over time, as `Errors` has them."""
+    """Errors of a trajectory over time, such as `Errors`."""
 
     trajectory: Sampled
     t: Array  #: s

@@ -92,7 +92,7 @@ TEST(ExternalMethod, PassesOnTheFailureOfItsCommand) {
     const Trajectory failed = solve(find_scene("every_load"), *polhode_itself("exact"));
     EXPECT_EQ(failed.status, Status::failed);
     EXPECT_EQ(failed.message.substr(failed.message.find("exited")),
-              "exited with code 2: polhode: exact takes no tolerance; leave out --tolerance");
+              "exited with code 2: polhode: exact does not take a tolerance; remove --tolerance");
 }
 
 TEST(ExternalMethod, NamesWhatWentWrong) {

@@ -1,5 +1,5 @@
-# Run by CPack between gathering and packing: what Debian asks of a package beyond what is installed everywhere. The
-# licence under its own name, the changelog in Debian's form, manual pages compressed.
+# Run by CPack before packing: makes the files that Debian requires in a package. Writes the copyright file and the
+# changelog in Debian's form, and compresses the manual pages.
 if(NOT CPACK_GENERATOR STREQUAL "DEB")
   return()
 endif()
@@ -13,10 +13,10 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
   set(staged ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr)
   if(NOT IS_DIRECTORY ${staged})
-    message(FATAL_ERROR "nothing of the component ${component} in ${staged}")
+    message(FATAL_ERROR "component ${component} has no files in ${staged}")
   endif()
   set(documents ${staged}/share/doc/${package})
-  # each package has a directory of its own there
+  # each package has a separate documentation directory
   if(NOT package STREQUAL "polhode" AND EXISTS ${staged}/share/doc/polhode)
     file(RENAME ${staged}/share/doc/polhode ${documents})
   endif()
@@ -34,7 +34,7 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   foreach(page IN LISTS pages)
     compress(${page})
   endforeach()
-  # whatever the umask and the permissions of the working tree are
+  # permissions must not depend on the umask or the working tree
   file(GLOB_RECURSE entries LIST_DIRECTORIES true ${staged}/*)
   foreach(entry ${staged} ${entries})
     if(IS_SYMLINK ${entry})

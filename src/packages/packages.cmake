@@ -1,13 +1,13 @@
-# What `cpack` makes: three Debian packages of the three components, and with CPackSourceConfig.cmake the source as git
-# has it. README.md tells how.
+# Configures `cpack`: one Debian package per component, and with CPackSourceConfig.cmake the source package of all files
+# that git tracks. README.md describes the commands.
 set(CPACK_PACKAGE_NAME polhode)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_VENDOR "polhode developers")
-# a name of no one's: mail to .invalid goes nowhere
+# not a valid address: mail to .invalid is not delivered
 set(CPACK_PACKAGE_CONTACT "polhode developers <developers@polhode.invalid>")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_VERBATIM_VARIABLES ON)
-# each package has a summary of its own, in the first line of its description: none stands before all of them
+# the summary of each package is the first line of its description: no common summary
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 
 set(CPACK_GENERATOR DEB)
@@ -15,7 +15,7 @@ set(CPACK_COMPONENTS_ALL program development)
 if(POLHODE_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
-# a package a component
+# one package per component
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_STRIP_FILES ON)
@@ -34,17 +34,16 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-polhode, libpolhode-dev")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "high-accuracy rigid-body integrator and laboratory
-polhode computes how a rigid body, or several with joints between them, turns
-and flies, by many methods, and says of each how wrong it is for how much time.
-A scene is solved in closed form where there is one, by integrators of
-polhode's own, by SUNDIALS and by Boost.Odeint, and is contrasted with the
-update loops of game physics. All are held against a reference motion whose
-digits can be proven.
+polhode simulates rigid bodies and mechanisms with more than a hundred
+integrators and reports each one's error, against a reference solution with
+proven digits, next to its run time. The methods include closed forms, Taylor
+series, extrapolation, Runge-Kutta, geometric and stiff methods, SUNDIALS,
+Boost.Odeint and the update loops of game physics.
 .
-This package has the program with its manual pages, the catalogue of scenes and
-experiments, and examples.")
+This package contains the program with its manual pages, the catalogue of
+scenes and experiments, and examples.")
 
-# what polhodeConfig.cmake looks for and what the static libraries are linked with
+# the libraries that polhodeConfig.cmake finds and that users of the static libraries link
 set(development_depends "libfmt-dev, libtinyxml2-dev, libmpfr-dev, libgmp-dev")
 if(POLHODE_ARB)
   string(APPEND development_depends ", libflint-arb-dev, libflint-dev")
@@ -60,14 +59,15 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${development_depends}")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "cmake, polhode")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "high-accuracy rigid-body integrator - static library
-polhode computes how a rigid body, or several with joints between them, turns
-and flies, by many methods, and says of each how wrong it is for how much time.
+polhode simulates rigid bodies and mechanisms with more than a hundred
+integrators and reports each one's error, against a reference solution with
+proven digits, next to its run time.
 .
-This package has the static libraries, the C++20 headers, the files by which
-CMake's find_package finds them, and a project that uses them.")
+This package contains the static libraries, the C++20 headers, the CMake
+package files for find_package, and an example project.")
 
 if(POLHODE_PYTHON)
-  # the module is of one minor version of Python
+  # the module supports one minor version of Python
   math(EXPR next_minor "${POLHODE_PYTHON_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-polhode)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
@@ -78,17 +78,18 @@ if(POLHODE_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
     "${CMAKE_CURRENT_LIST_DIR}/python/postinst;${CMAKE_CURRENT_LIST_DIR}/python/prerm")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "high-accuracy rigid-body integrator - Python 3 module
-polhode computes how a rigid body, or several with joints between them, turns
-and flies, by many methods, and says of each how wrong it is for how much time.
+polhode simulates rigid bodies and mechanisms with more than a hundred
+integrators and reports each one's error, against a reference solution with
+proven digits, next to its run time.
 .
-This package has the Python module: scenes, solving into NumPy arrays,
-reference motions, errors, ensembles and experiments. Pictures need Matplotlib,
-tables pandas, and proven digits mpmath.")
+This package contains the Python module: scenes, solutions as NumPy arrays,
+reference solutions, errors, ensembles and experiments. Figures need
+Matplotlib, tables need pandas, and certified digits need mpmath.")
 endif()
 
 set(CPACK_SOURCE_GENERATOR TGZ)
 set(CPACK_SOURCE_PACKAGE_FILE_NAME polhode-${PROJECT_VERSION})
-# nothing is copied as it lies there: source.cmake asks git
+# source.cmake copies the files that git tracks
 set(CPACK_SOURCE_INSTALLED_DIRECTORIES "")
 set(CPACK_INSTALL_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/source.cmake)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian.cmake)

@@ -1,5 +1,5 @@
-# Run by CPack while it gathers what to pack. For the source package: the files that git tracks, as they lie in the tree;
-# where there is no git, in a tree that came as a package itself, all but the build directory.
+# Run by CPack while it collects files. For the source package, copies the files that git tracks. Without git, in an
+# unpacked source package, copies everything except the build directory.
 if(NOT CPACK_SOURCE_PACKAGE_FILE_NAME STREQUAL CPACK_PACKAGE_FILE_NAME)
   return()
 endif()
@@ -14,12 +14,12 @@ if(no_git EQUAL 0)
     COMMAND tar -C ${source} --null -T - -cf -
     COMMAND tar -C ${CMAKE_INSTALL_PREFIX} -xf - COMMAND_ERROR_IS_FATAL ANY)
 else()
-  message(STATUS "no git: the whole tree is packed")
+  message(STATUS "not a git checkout: packing the whole tree")
   file(RELATIVE_PATH build ${source} ${CPACK_POLHODE_BINARY_DIR})
   execute_process(COMMAND tar -C ${source} --exclude=./${build} --exclude=./build --exclude=__pycache__ -cf - .
     COMMAND tar -C ${CMAKE_INSTALL_PREFIX} -xf - COMMAND_ERROR_IS_FATAL ANY)
 endif()
-# whoever has no Node gets the page as it was built here
+# includes the built page of reports, for users without Node
 if(EXISTS ${source}/build/report/page.html)
   configure_file(${source}/build/report/page.html ${CMAKE_INSTALL_PREFIX}/src/report/page/built.html COPYONLY)
 endif()

@@ -229,7 +229,7 @@ std::string refused_pivot(const Problem& problem) {
 
 constexpr std::string_view source =
     "an article on rotational dynamics for game programmers (apply_torque, "
-    "update_body_orientation); mended after Euler's equations";
+    "update_body_orientation); corrected by Euler's equations";
 
 constexpr Method each[] = {
     {.name = "article_as_written",

@@ -44,7 +44,7 @@ struct Piece {
 
 struct Plan {
     std::vector<Piece> pieces;
-    bool one_by_one = false;  // planes, or a torque of the user's own
+    bool one_by_one = false;  // planes, or a user-defined torque
     bool drifts = false;      // p and v move by themselves
 };
 

@@ -14,8 +14,8 @@ namespace polhode {
 
 /// How an ensemble is solved.
 struct EnsembleSettings {
-    /// Of a step: its error, as told from a result of lower order, relative to the rates' size, and in rad for the
-    /// attitude. Bodies with a closed form are as near as rounding leaves them.
+    /// Error per step, estimated by comparison with a result of lower order: relative to the size of the rates, and in
+    /// rad for the attitude. Bodies with a closed form are accurate to round-off.
     double tolerance = 1e-10;
     int threads = 1;              ///< at least 1
     long max_steps = 1'000'000;   ///< a body that needs more between two events is `failed`
@@ -44,7 +44,7 @@ struct EnsembleRow {
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
                                         const EnsembleSettings& settings = {});
 
-/// A scene made ready to move bodies: for whoever has many of them, and some at a time.
+/// A prepared scene that solves bodies in several calls, for tables that are too large for one call.
 class EnsembleSolver {
   public:
     /// Copies both. Throws as solve_ensemble().

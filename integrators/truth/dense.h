@@ -1,4 +1,4 @@
-// The reference as polynomials in time, for files with so many samples that multiprecision would take minutes.
+// The reference as polynomials in time, for files whose samples would take minutes in multiprecision.
 #pragma once
 
 #include <cstddef>

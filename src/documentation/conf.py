@@ -47,7 +47,7 @@ numpydoc_class_members_toctree = False
 html_theme = "furo"
 html_title = f"polhode {release}"
 html_static_path = ["static"]
-# a changed style changes this setting, so that Sphinx writes all pages anew
+# a changed style changes this setting, so that Sphinx writes all pages again
 html_css_files = ["polhode.css?" + hashlib.sha256((_here / "static/polhode.css").read_bytes()).hexdigest()[:8]]
 html_copy_source = False
 html_show_sphinx = False

@@ -62,9 +62,9 @@ def main() -> int:
     """The command line; `build` calls it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=Path, required=True)
-    parser.add_argument("--output", type=Path, required=True, help="folder of pages to be made")
-    parser.add_argument("--work", type=Path, required=True, help="folder for what is kept between builds")
-    parser.add_argument("--site", type=Path, required=True, help="what Sphinx makes of them")
+    parser.add_argument("--output", type=Path, required=True, help="folder for the generated pages")
+    parser.add_argument("--work", type=Path, required=True, help="folder for files reused by later builds")
+    parser.add_argument("--site", type=Path, required=True, help="folder of the site that Sphinx builds")
     options = parser.parse_args()
     pages = Pages(options.output, TOP)
     program = Program(options.program, options.work / "program")

@@ -4,10 +4,10 @@
     notebook.py run FILE.ipynb [--markdown DIRECTORY]
 
 Code cells run in order in one namespace, in the notebook's own directory. A cell shows what it prints, the figures it
-draws (SVG) and the value of its last expression. Lines that begin with % are Jupyter's and are left out. The first
+draws (SVG) and the value of its last expression. Lines that begin with % are Jupyter's and are omitted. The first
 exception ends the run: its traceback, the notebook's name and the cell's number go to stderr, and the exit code is 1.
 
-With --markdown the page is DIRECTORY/FILE.md, in MyST, and its figures stand in DIRECTORY/FILE_files.
+With --markdown the page is DIRECTORY/FILE.md, in MyST, and its figures are in DIRECTORY/FILE_files.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from typing import Any
 
 @dataclass
 class Cell:
-    """A cell as it stands in the file, without lines that begin with %; `number` counts from 1, all kinds together."""
+    """A cell of the file, without lines that begin with %. `number` counts cells of all kinds from 1."""
 
     number: int
     kind: str

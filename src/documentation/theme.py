@@ -46,6 +46,6 @@ def _mend(app: Sphinx, fault: Exception | None) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Mends the theme's files after each build."""
+    """Corrects the theme's files after each build."""
     app.connect("build-finished", _mend)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

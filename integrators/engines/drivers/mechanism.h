@@ -1,6 +1,6 @@
 // Several bodies and joints as a driver receives them, and the loop over their steps.
 //
-// A driver provides a MechanismWorld: the engine with all bodies and joints, created anew for every run.
+// A driver provides a MechanismWorld: the engine with all bodies and joints, created for each run.
 #pragma once
 
 #include <concepts>

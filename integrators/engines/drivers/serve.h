@@ -1,6 +1,6 @@
 // Common part of the engine drivers: the protocol, and the loop over a request's steps.
 //
-// A driver provides an EngineWorld: the engine with one body, created anew for every run.
+// A driver provides an EngineWorld: the engine with one body, created for each run.
 #pragma once
 
 #include <chrono>

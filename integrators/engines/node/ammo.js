@@ -16,7 +16,7 @@ class Scene {
     this.world = this.take(new Ammo.btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration));
     this.world.setGravity(this.vector(gravity));
   }
-  // What was made is given back, the last first.
+  // Registers an object to be freed. Objects are freed in reverse order.
   take(object) {
     this.taken.push(object);
     return object;
@@ -25,7 +25,7 @@ class Scene {
   place(p, [w, x, y, z]) {
     return this.take(new Ammo.btTransform(this.take(new Ammo.btQuaternion(x, y, z, w)), this.vector(p)));
   }
-  // `groups`: its own, and those that it collides with; all that there are without them
+  // `groups`: the body's collision group and the groups that it collides with; by default all
   bodyOf(mass, shape, p, q, inertia, groups = []) {
     const motion = this.take(new Ammo.btDefaultMotionState(this.place(p, q)));
     const body =

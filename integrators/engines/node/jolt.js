@@ -49,7 +49,7 @@ class Taking {
     this.bodies.AddBody(created.GetID(), Jolt.EActivation_Activate);
     return created;
   }
-  // What is made of numbers alone has to be given back, once nobody looks at it any more.
+  // Registers a temporary object of numbers. It must be freed explicitly when it is no longer used.
   take(object) {
     this.taken.push(object);
     return object;

@@ -32,7 +32,7 @@ class Scene {
     }
     return body;
   }
-  // What is made of numbers alone has to be given back.
+  // Registers a temporary object of numbers. It must be freed explicitly.
   take(object) {
     this.taken.push(object);
     return object;

@@ -34,7 +34,7 @@ class World {
       const joint = RAPIER.JointData.spherical(vector(body.pivot), {x: 0, y: 0, z: 0});
       this.world.createImpulseJoint(joint, this.body, ground, true);
     }
-    // the mass of a new body counts from its first step on, unless it is asked for
+    // without this call, the mass of a new body is computed only in its first step
     this.body.recomputeMassPropertiesFromColliders();
   }
   addContact(body) {

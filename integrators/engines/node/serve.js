@@ -1,17 +1,17 @@
-// What the drivers share: the protocol, and the march through a request's steps.
+// Common part of the drivers: the protocol, and the loop over a request's steps.
 //
-// A driver gives a World: the engine with one body in it, whose origin is its centre of mass and whose axes are its
-// principal ones. new World(body) makes it, with the engine's own gravity and joint; then
+// A driver provides a World: the engine with one body, whose origin is its centre of mass and whose axes are principal.
+// new World(body) makes it, with gravity and joint of the engine. Its methods:
 //   motion()              {q: [w, x, y, z] body to world, w, p, v} in world axes
-//   setVelocities(w, v)   after an impulse
+//   setVelocities(w, v)   sets the velocities after an impulse
 //   setGravity(g)
-//   apply(force, torque)  for the next step, world axes, at the centre of mass
+//   apply(force, torque)  applies loads at the centre of mass during the next step, world axes
 //   step(h)
-//   mass(), moments()     read back from the engine, undefined where it does not tell
-//   free()                gives back what was taken
-// Of several bodies it gives a Mechanism, made of {bodies, joints, loops, gravity, setting} as the request has them:
-//   motions()             of all bodies, in their order
-//   step(h), free()       as above
+//   mass(), moments()     the engine's values, undefined if not available
+//   free()                frees the engine's objects
+// For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting}:
+//   motions()             motions of all bodies, in their order
+//   step(h), free()       as for a World
 import fs from 'node:fs';
 import path from 'node:path';
 import {createRequire} from 'node:module';
@@ -60,7 +60,7 @@ function say(line) {
   }
 }
 
-// Force on the centre of mass and torque about it, world axes, gravity left out.
+// Force on the centre of mass and torque about it, world axes, without gravity.
 function loadsOf(piece, at) {
   const q = normalized(at.q);
   let force = [0, 0, 0], torque = [0, 0, 0];

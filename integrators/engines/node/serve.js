@@ -33,11 +33,11 @@ export const normalized = (q) => {
   const length = Math.hypot(...q);
   return q.map((x) => x / length);
 };
-// From body to world axes, and back; q of unit length.
+// Rotates a vector from body to world axes, and back; q has unit length.
 export const rotate = (q, a) => product(product(q, [0, ...a]), conjugate(q)).slice(1);
 export const rotateBack = (q, a) => rotate(conjugate(q), a);
 
-// "1.2.3" of an installed package.
+// Version of an installed package, such as "1.2.3".
 export function versionOf(name) {
   const require = createRequire(import.meta.url);
   let folder = path.dirname(require.resolve(name));
@@ -101,7 +101,7 @@ function strike(world, body, impulses) {
   world.setVelocities(add(at.w, rotate(q, change)), v);
 }
 
-// The shortest turn to axes with z along `z`; x along `x`, where that is given, which must be perpendicular.
+// The smallest rotation to axes with z along `z`, and with x along `x` if given, which must be perpendicular to z.
 export function frameAbout(z, x) {
   if (!x) {
     const least = z.map(Math.abs).indexOf(Math.min(...z.map(Math.abs)));
@@ -134,7 +134,7 @@ export function framesOf(bodies, joint, main = 'z') {
 const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
 const zero = [0, 0, 0];
 
-// One run; `samples` is filled where it is given. Returns seconds and steps.
+// Runs a request and fills `samples` if given. Returns seconds and steps.
 function march(world, request, samples) {
   const {duration, samples: count, steps_per_sample: perSample, pieces} = request;
   const isLoaded = pieces.map((p) => Boolean(p.torque_B || p.torque_W || p.forces || p.drag || p.springs));
@@ -166,7 +166,7 @@ function march(world, request, samples) {
         step(h);
         continue;
       }
-      // what happens within a step cuts it in two
+      // an event within a step splits the step
       while (due(stop)) {
         const event = pieces[next].begin;
         if (event > t) step(event - t);
@@ -180,7 +180,7 @@ function march(world, request, samples) {
   return {seconds: (performance.now() - start) / 1e3, steps};
 }
 
-// The same for several bodies.
+// Like march(), for several bodies.
 function marchMechanism(world, request, samples) {
   const {duration, samples: count, steps_per_sample: perSample} = request;
   const moment = () => samples?.push(world.motions().map(row));
@@ -232,8 +232,8 @@ function answerTo({World, Mechanism}, settings, line) {
   return {status: 'ok', message: '', seconds: seconds / request.repetitions, steps, samples, readback};
 }
 
-// Answers requests until there are no more. `load` brings {World, Mechanism} or throws where the package is missing;
-// `joints` and `loops` are the types that its Mechanism takes.
+// Answers requests until input ends. `load` returns {World, Mechanism}, or throws if the package is missing. `joints`
+// and `loops` are the types that its Mechanism supports.
 export async function serve({engine, packageName, precision, settings, load, joints = [], loops = []}) {
   let loaded;
   try {

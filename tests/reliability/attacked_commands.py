@@ -38,7 +38,7 @@ commands: dict[str, tuple[str, list[str]]] = {
     "merge": ("done", ["merge", "results", "--output", "merged"]),
     "report": ("done", ["report", "results", "--jobs", "1", "--quiet", "--output", "out.html"]),
 }
-old_text = "what stood here before\n"
+old_text = "content before the run\n"
 # output files that exist before the command runs
 old_outputs = ["out.csv", "more.csv", "out.json", "out.h", "out.txt", "out.svg", "out.pdf", "out.html",
                "results/sweep.csv", "results/sweep.json", "merged/sweep.csv", "results/study.csv", "results/growth.csv"]

@@ -1,4 +1,4 @@
-"""Sphinx' configuration. Sphinx reads the pages that generate.py has gathered, not this folder."""
+"""Configuration of Sphinx, which reads the pages collected by generate.py, not this folder."""
 
 import hashlib
 import os
@@ -21,7 +21,7 @@ author = "the polhode authors"
 copyright = "the polhode authors, BSD-3-Clause"  # the name is Sphinx'
 release = version = _version[1] if _version else ""
 language = "en"
-smartquotes = False  # --option stays what it is
+smartquotes = False  # keeps --option unchanged
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "formulas", "theme"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -60,6 +60,6 @@ pygments_dark_style = "native"
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """JSON with comments is not among Pygments' languages; as JavaScript it is coloured well."""
+    """Highlights JSON with comments, which Pygments does not support, as JavaScript."""
     app.add_lexer("jsonc", JavascriptLexer)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,4 +1,4 @@
-"""Formulas as HTML and MathML, made by KaTeX when the pages are built: pages need neither scripts nor a network.
+"""Renders formulas as HTML and MathML by KaTeX when the pages are built. Pages need no scripts and no network.
 
 KaTeX is Debian's libjs-katex, run by one Node process that answers each formula with a line. A formula that KaTeX does
 not understand is a warning that names its place.
@@ -37,15 +37,15 @@ _logger = logging.getLogger(__name__)
 
 
 class Katex:
-    """A running KaTeX, started by the first formula, that keeps what it has made."""
+    """A KaTeX process, started by the first formula. Caches its results."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[str] | None = None
-        self._owner = 0  # pages are written by forked processes, each with a KaTeX of its own
+        self._owner = 0  # pages are written by forked processes, each with a separate KaTeX
         self._made: dict[tuple[str, bool], str] = {}
 
     def html(self, latex: str, display: bool, node: nodes.Node) -> str:
-        """A formula's HTML. `display`: in a line of its own. `node` says where a fault is."""
+        """The HTML of a formula. `display`: on a separate line. `node` is the place for errors."""
         key = (latex, display)
         if key not in self._made:
             answer = self._ask({"latex": latex, "display": display})
@@ -87,7 +87,7 @@ def _displayed(writer: HTML5Translator, node: nodes.math_block) -> None:
 
 
 def _depart(writer: HTML5Translator, node: nodes.Node) -> None:
-    """Nothing is left to write."""
+    """Nothing to write: the formula has been rendered."""
 
 
 def _copy_style(app: Sphinx, fault: Exception | None) -> None:
@@ -101,7 +101,7 @@ def _copy_style(app: Sphinx, fault: Exception | None) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Makes this the renderer `katex` of `html_math_renderer`."""
+    """Registers this module as the renderer `katex` of `html_math_renderer`."""
     app.add_html_math_renderer("katex", (_inline, _depart), (_displayed, _depart))
     app.add_css_file("katex/katex.min.css")
     app.connect("build-finished", _copy_style)

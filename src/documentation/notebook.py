@@ -38,7 +38,7 @@ class Cell:
 
 @dataclass
 class Output:
-    """What one cell has shown: Markdown blocks and the figures that they name."""
+    """The output of one cell: Markdown blocks and the figures that they refer to."""
 
     blocks: list[str] = field(default_factory=list)
     figures: dict[str, bytes] = field(default_factory=dict)
@@ -57,7 +57,7 @@ def read(path: Path) -> list[Cell]:
 
 
 def fenced(text: str, language: str) -> str:
-    """A literal block, whatever fences the text itself holds."""
+    """A literal block, with a fence that does not occur in the text."""
     fence = "```"
     while fence in text:
         fence += "`"
@@ -65,7 +65,7 @@ def fenced(text: str, language: str) -> str:
 
 
 class Notebook:
-    """A notebook at work: one namespace, cell after cell."""
+    """A running notebook: one namespace for all cells."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -73,7 +73,7 @@ class Notebook:
         self._output = Output()
 
     def run(self, cell: Cell) -> Output:
-        """Runs a code cell and returns what it shows; its exceptions pass."""
+        """Runs a code cell and returns its output. Does not catch its exceptions."""
         self._output = Output()
         source, place = cell.source, f"{self.path.name}, cell {cell.number}"
         linecache.cache[place] = (len(source), None, source.splitlines(keepends=True), place)
@@ -95,7 +95,7 @@ class Notebook:
         return self._output
 
     def _display(self, *values: Any) -> None:
-        """What Jupyter calls `display`: the best form that a value has."""
+        """Jupyter's `display`: shows values in the best form available."""
         for value in values:
             if type(value).__module__ == "matplotlib.figure":
                 continue  # shown with the cell's figures
@@ -120,7 +120,7 @@ class Notebook:
 
 
 def run(path: Path, markdown: Path | None) -> int:
-    """Runs a notebook, and writes its page where `markdown` is a directory. Returns the exit code."""
+    """Runs a notebook, and writes its page to the directory `markdown` if given. Returns the exit code."""
     os.environ["MPLBACKEND"] = "Agg"
     warnings.filterwarnings("ignore", message=".*non-GUI backend.*")
     path, markdown = path.resolve(), markdown.resolve() if markdown else None

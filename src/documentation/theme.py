@@ -1,4 +1,4 @@
-"""Puts right what Debian's package of the theme furo 2022.12 lacks when pages are read from the disk.
+"""Corrects Debian's package of the theme furo 2022.12 for pages that are read from the disk.
 
 Its script is an unbundled module, which browsers do not load from files; its style imports normalize.css from a web
 server's root, and has no rule for systems that ask for dark colours. Where a later package has all that, nothing is

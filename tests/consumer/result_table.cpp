@@ -30,7 +30,7 @@ constexpr long samples = 20;
 struct Run {
     const Method* method;
     Settings settings;
-    double limit;  // of the attitude error, rad
+    double limit;  // maximum attitude error, rad
 };
 
 // Appends one row per run of a scene, and checks that the attitude error is below its limit.

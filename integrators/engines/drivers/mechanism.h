@@ -92,7 +92,7 @@ inline Quaternion<double> frame_about(const Vector3<double>& z, Vector3<double> 
 /// An engine with several bodies.
 template <class World>
 concept MechanismWorld = std::constructible_from<World, const Mechanism&> && requires(World world, double h) {
-    { world.motions() } -> std::same_as<std::vector<Motion>>;  // of all bodies, in their order
+    { world.motions() } -> std::same_as<std::vector<Motion>>;  // motions of all bodies, in their order
     world.step(h);
 };
 

@@ -1,5 +1,5 @@
-# Builds one driver program per physics engine whose package is found, build/engines/NAME. Copies the list of engines and
-# the drivers for Node there. polhode does not need them: a missing engine is reported in its row of a table.
+# Builds one driver program per physics engine whose package is found, build/engines/NAME. Copies the list of engines
+# and the drivers for Node there. polhode does not need them: a missing engine is reported in its row of a table.
 find_package(PkgConfig QUIET)
 set(drivers ${PROJECT_SOURCE_DIR}/integrators/engines/drivers)
 set(POLHODE_ENGINES_DIRECTORY ${PROJECT_BINARY_DIR}/engines)

@@ -3,8 +3,8 @@
 #
 #   engine.sh N
 #
-# Supports one motion: a free body that rotates about its z axis and starts with the identity attitude. The angle is w t,
-# and q = (cos w t/2, 0, 0, sin w t/2).
+# Supports one motion: a free body that rotates about its z axis and starts with the identity attitude. The angle is
+# w t, and q = (cos w t/2, 0, 0, sin w t/2).
 scene=$(cat)
 
 # number KEY: prints the last number of the line that contains the key

@@ -1,6 +1,7 @@
-"""What pyproject.toml cannot say: the version is that of CMakeLists.txt, and CMake compiles the extension.
+"""Complements pyproject.toml: reads the version from CMakeLists.txt and compiles the extension by CMake.
 
-Environment: CMAKE_ARGS, options for CMake; POLHODE_BUILD_DIRECTORY, a build directory to use as it is, else build/wheel.
+Environment variables: CMAKE_ARGS, options for CMake; POLHODE_BUILD_DIRECTORY, an existing build directory to use instead
+of build/wheel.
 """
 
 import os
@@ -16,25 +17,25 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 TOP = Path(__file__).resolve().parent
-# beside CMake's own files, which git does not track
+# in the build directory, which git does not track
 SCRATCH = TOP / "build" / "wheel"
 
 
 def version() -> str:
-    """The version that CMakeLists.txt states."""
+    """The version in CMakeLists.txt."""
     found = re.search(r"^project\(polhode VERSION ([0-9.]+)", (TOP / "CMakeLists.txt").read_text(), re.MULTILINE)
     if not found:
-        raise SystemExit("setup.py: CMakeLists.txt states no version")
+        raise SystemExit("setup.py: CMakeLists.txt: no version found")
     return found.group(1)
 
 
 class CMakeExtension(build_ext):
-    """Has CMake build the module and takes what it installs."""
+    """Builds the module by CMake and copies the file that CMake installs."""
 
     def build_extension(self, ext: Extension) -> None:
         given = os.environ.get("POLHODE_BUILD_DIRECTORY")
         directory = Path(given).resolve() if given else SCRATCH / f"python{sys.version_info[0]}.{sys.version_info[1]}"
-        # a directory that was given and configured stays as it is
+        # a given directory that is already configured is not configured again
         if not given or not (directory / "CMakeCache.txt").exists():
             generator = ["-G", "Ninja"] if shutil.which("ninja") and "CMAKE_GENERATOR" not in os.environ else []
             self.cmake("-S", TOP, "-B", directory, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DPOLHODE_PYTHON=ON",
@@ -47,7 +48,7 @@ class CMakeExtension(build_ext):
             self.cmake("--install", directory, "--component", "python", "--strip", "--prefix", installed)
             made = list(Path(installed).rglob(target.name))
             if len(made) != 1:
-                raise SystemExit(f"setup.py: {directory} makes no {target.name}: it is for another Python")
+                raise SystemExit(f"setup.py: {directory} does not build {target.name}; configure it for this Python")
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(made[0], target)
 
@@ -61,6 +62,6 @@ setup(
     version=version(),
     ext_modules=[Extension("polhode._polhode", sources=[])],
     cmdclass={"build_ext": CMakeExtension},
-    # the tree of the source stays as git has it
+    # no files are written to the source tree outside the build directory
     options={"build": {"build_base": str(SCRATCH / "setuptools")}, "egg_info": {"egg_base": str(SCRATCH)}},
 )

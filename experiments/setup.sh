@@ -21,7 +21,7 @@ engine_packages=(pkgconf libbullet-dev libode-dev libmujoco-dev libsimbody-dev l
 # browsers in which the report page is tested
 browser_packages=(chromium firefox-esr)
 # for tests/run --all
-check_packages=(libbenchmark-dev clang libclang-rt-14-dev lld clang-format clang-tidy)
+check_packages=(libbenchmark-dev clang libclang-rt-14-dev lld clang-format clang-tidy codespell)
 
 die() {
     echo "$(basename "$0"): $*" >&2

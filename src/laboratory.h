@@ -1,4 +1,4 @@
-// The laboratory's public face: the program with methods of one's own.
+// Public header of the program's library: runs the program with user-defined methods.
 #pragma once
 
 #include "app/laboratory.h"

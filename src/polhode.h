@@ -1,4 +1,4 @@
-// The whole of polhode for a program: include <polhode/polhode.h>, link polhode::polhode.
+// Public header of the library: include <polhode/polhode.h>, link polhode::polhode.
 //
 //     const polhode::Scene scene = polhode::find_scene("lagrange_top");          // or read_scene, or built in code
 //     polhode::Settings settings;
@@ -8,9 +8,9 @@
 //     const polhode::Errors off = polhode::errors(polhode::error_series(scene, motion, truth), motion, truth);
 //     std::cout << polhode::trajectory_csv(motion) << *off["attitude"].max << " rad, truth to " << truth.bound;
 //
-// Quantities are in SI units and radians. A name's suffix tells its axes: _W the inertial world frame, _B the body
-// frame. Functions throw InputError where a scene or a file is at fault and std::invalid_argument where an argument is
-// out of range; an integration that fails says so in Trajectory::status and throws nothing.
+// Quantities are in SI units and radians. Suffixes of names denote axes: _W the inertial world frame, _B the body
+// frame. Functions throw InputError for invalid scenes and files, and std::invalid_argument for arguments out of range.
+// A failed integration does not throw: Trajectory::status and message report it.
 #pragma once
 
 #include "integrators/engines/external_method.h"

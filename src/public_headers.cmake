@@ -1,6 +1,6 @@
-# The public headers: polhode.h, laboratory.h and whatever they include, directly or not. In the source tree a header is named from src/
-# or from the top; a user has one include directory and writes <polhode/..>. So each is copied to OUTPUT/polhode with its
-# includes written that way.
+# Copies the public headers to OUTPUT/polhode: polhode.h, laboratory.h and all headers that they include, directly or
+# indirectly. In the source tree, includes are relative to src/ or to the root. Users have one include directory and
+# write <polhode/..>, so the includes are rewritten in this form.
 #
 #   cmake -DSOURCE=top -DOUTPUT=directory -P public_headers.cmake
 cmake_minimum_required(VERSION 3.22)
@@ -27,10 +27,10 @@ while(waiting)
   if(EXISTS ${OUTPUT}/polhode/${header})
     file(READ ${OUTPUT}/polhode/${header} old)
   endif()
-  # what is not new makes nobody compile again
+  # unchanged headers are not written, so that nothing is compiled again
   if(NOT old STREQUAL text)
     file(WRITE ${OUTPUT}/polhode/${header} "${text}")
   endif()
-  # where this is a part of an installation
+  # for the manifest of an installation
   list(APPEND CMAKE_INSTALL_MANIFEST_FILES ${CMAKE_INSTALL_PREFIX}/${INCLUDEDIR}/polhode/${header})
 endwhile()

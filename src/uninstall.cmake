@@ -1,17 +1,17 @@
-# Removes what the last installation of a build put in place, and the folders that are empty then.
+# Removes the files of the last installation of a build, and the directories of polhode that are then empty.
 #
 #   cmake -DMANIFEST=build/install_manifest.txt -P uninstall.cmake
 cmake_minimum_required(VERSION 3.22)
 
 if(NOT EXISTS ${MANIFEST})
-  message(FATAL_ERROR "${MANIFEST}: there is none, so nothing was installed from here")
+  message(FATAL_ERROR "${MANIFEST}: does not exist; this build was not installed")
 endif()
 file(STRINGS ${MANIFEST} files)
 foreach(file IN LISTS files)
   set(path $ENV{DESTDIR}${file})
   file(REMOVE ${path})
   get_filename_component(folder ${path} DIRECTORY)
-  # folders of our own alone: those named after the program, and what lies in them
+  # only directories named after the program, and their subdirectories
   while(folder MATCHES "polhode")
     file(GLOB left ${folder}/* ${folder}/.*)
     if(left)

@@ -1,5 +1,5 @@
-# The programs that hold an engine, each where its package is found: build/engines/NAME. Beside them the list of all
-# engines, and those under Node. Nothing of polhode needs them: an engine that is missing is a row that says so.
+# Builds one driver program per physics engine whose package is found, build/engines/NAME. Copies the list of engines
+# and the drivers for Node there. polhode does not need them: a missing engine is reported in its row of a table.
 find_package(PkgConfig QUIET)
 set(drivers ${PROJECT_SOURCE_DIR}/integrators/engines/drivers)
 set(POLHODE_ENGINES_DIRECTORY ${PROJECT_BINARY_DIR}/engines)
@@ -16,7 +16,7 @@ function(polhode_engine name source)
   add_executable(polhode_engine_${name} ${drivers}/${source})
   set_target_properties(polhode_engine_${name} PROPERTIES OUTPUT_NAME ${name} UNITY_BUILD OFF
     RUNTIME_OUTPUT_DIRECTORY ${POLHODE_ENGINES_DIRECTORY})
-  # their headers are not ours to warn of
+  # no warnings from the engines' headers
   target_include_directories(polhode_engine_${name} SYSTEM PRIVATE ${engine_INCLUDES})
   target_compile_definitions(polhode_engine_${name} PRIVATE ${engine_DEFINITIONS})
   target_link_libraries(polhode_engine_${name} PRIVATE polhode_engine_driver ${engine_LIBRARIES})
@@ -24,7 +24,7 @@ function(polhode_engine name source)
   set(found ${found} ${name} PARENT_SCOPE)
 endfunction()
 
-# Debian's Bullet has both precisions side by side
+# Debian's Bullet has libraries in both precisions
 find_path(BULLET_INCLUDE btBulletDynamicsCommon.h PATH_SUFFIXES bullet)
 set(parts BulletDynamics BulletCollision LinearMath)
 foreach(precision IN ITEMS "" -float64)
@@ -70,7 +70,7 @@ if(DART_INCLUDE AND DART_LIBRARY)
   polhode_engine(dart dart.cpp INCLUDES ${DART_INCLUDE} LIBRARIES ${DART_LIBRARY})
 endif()
 
-# the list, and the drivers under Node, as they stand in the tree
+# copies the list of engines and the drivers for Node
 set(copied "")
 file(GLOB node_drivers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/integrators/engines/node/*.js
   ${PROJECT_SOURCE_DIR}/integrators/engines/node/*.json)

@@ -33,7 +33,7 @@ struct EngineReadback {
     std::optional<Vector3<double>> moments;  ///< kg m^2
     std::optional<Quaternion<double>> q;     ///< its axes to world axes
     std::optional<Vector3<double>> w;        ///< world axes, rad/s
-    std::optional<Vector3<double>> p, v;     ///< of the centre of mass, m and m/s
+    std::optional<Vector3<double>> p, v;     ///< centre of mass, m and m/s
 };
 
 /// The largest difference between the readback and the requested values: mass, moments, w, p and v relative to their

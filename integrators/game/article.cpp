@@ -211,8 +211,8 @@ class Article {
 
     Quaternion<S> orientation_;
     Vector3<S> angular_velocity_;  ///< world axes; body axes in the body-frame form
-    Vector3<S> linear_velocity_;   ///< of the centre of mass
-    Vector3<S> position_;          ///< of the body's origin
+    Vector3<S> linear_velocity_;   ///< velocity of the centre of mass
+    Vector3<S> position_;          ///< position of the body's origin
     long steps_ = 0;
 };
 
@@ -229,7 +229,7 @@ std::string refused_pivot(const Problem& problem) {
 
 constexpr std::string_view source =
     "an article on rotational dynamics for game programmers (apply_torque, "
-    "update_body_orientation); mended after Euler's equations";
+    "update_body_orientation); corrected by Euler's equations";
 
 constexpr Method each[] = {
     {.name = "article_as_written",

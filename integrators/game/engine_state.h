@@ -71,7 +71,7 @@ class EngineState {
     bool held_;
     Quaternion<S> q_;
     Vector3<S> w_;      ///< world axes
-    Vector3<S> x_, v_;  ///< of the centre of mass
+    Vector3<S> x_, v_;  ///< centre of mass
     long steps_ = 0;
 };
 

@@ -103,7 +103,7 @@ class MujocoRungeKutta : public EngineState<S> {
         const Quaternion<S> q = q_;
         const Vector3<S> x = x_, v = v_, w = rotate_back(q_, w_);
         constexpr S along[4] = {0, S(0.5), S(0.5), 1}, weight[4] = {S(1) / 6, S(1) / 3, S(1) / 3, S(1) / 6};
-        Vector3<S> rate, change, speed, acceleration;  // of the previous stage
+        Vector3<S> rate, change, speed, acceleration;  // values of the previous stage
         Vector3<S> mean_rate, mean_change, mean_speed, mean_acceleration;
         for (int i = 0; i < 4; ++i) {
             const S part = h * along[i];

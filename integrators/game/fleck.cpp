@@ -136,7 +136,7 @@ class ResummedInertia {
     }
 
   private:
-    S mass_;  ///< of one point
+    S mass_;  ///< mass of one point
     std::array<Vector3<S>, 8> points_B_;
 };
 
@@ -196,7 +196,7 @@ class Fleck {
     bool held_;
     Attitude attitude_;
     Vector3<S> L_, w_;  ///< world axes
-    Vector3<S> x_, v_;  ///< of the centre of mass
+    Vector3<S> x_, v_;  ///< centre of mass
     long steps_ = 0;
 };
 

@@ -188,7 +188,7 @@ class Projection {
     Vector3<double> spin_axis_;
     std::array<double, most> target_{}, length_{};
     std::array<std::array<double, N>, most> slope_{};      // gradients of unit length
-    std::array<std::array<double, most>, most> column_{};  // of the factor, one per pivot
+    std::array<std::array<double, most>, most> column_{};  // columns of the factor, one per pivot
     std::array<int, most> order_{};
 };
 

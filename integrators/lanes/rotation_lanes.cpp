@@ -11,7 +11,7 @@ using Polynomial = QuadraticPolynomial<7>;
 /// Index pairs of the monomials, in the order of RotationCoefficients::monomial.
 constexpr int pairs[10][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}, {0, 0}, {1, 1}, {2, 2}, {3, 3}};
 
-/// Returns whether the torque has the form (0, 0, m) x (2(xz - wy), 2(yz + wx), ..) and nothing else.
+/// Returns whether the torque has the form (0, 0, m) x (2(xz - wy), 2(yz + wx), ..) and no other terms.
 bool axial_field(const Vector3<Polynomial>& tau) {
     const double twice = tau[1].quadratic[4][6];
     for (int i = 0; i < 3; ++i)

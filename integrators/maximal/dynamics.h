@@ -178,8 +178,8 @@ class Dynamics {
     std::vector<std::vector<int>> kept_;           // by link
     std::vector<int> order_, first_row_;           // elimination order of the links; by link
     int rows_count_ = 0, trees_ = 0;               // all rows; rows of joints, which come first
-    int rank_ = 0;                                 // of the loops' rows
-    std::vector<P> scales_;                        // of the loops' rows, if they are redundant
+    int rank_ = 0;                                 // rank of the loops' rows
+    std::vector<P> scales_;                        // scales of the loops' rows, if they are redundant
     std::vector<std::vector<Attached>> attached_;  // by movable body
     SparsePattern pattern_;
     std::vector<int> targets_;  // by product of two rows, in the order of for_pairs()

@@ -69,10 +69,10 @@ struct Link {
     std::array<Vector3<P>, 2> across_from;    ///< perpendicular to it and to each other, fixed in `from`
     P between = P(0);                         ///< universal joint: cosine of the angle between the axes
     P length = P(0);                          ///< distance link: m
-    std::array<P, 2> stiffness{P(0), P(0)};   ///< of the joint's spring
+    std::array<P, 2> stiffness{P(0), P(0)};   ///< joint spring
     std::array<P, 2> rest{P(0), P(0)};        ///< rest position of the spring, rad or m
     Quaternion<P> rest_orientation;           ///< rest orientation of a spherical joint's spring
-    std::array<P, 2> damping{P(0), P(0)};     ///< of the joint's damper
+    std::array<P, 2> damping{P(0), P(0)};     ///< joint damper
     std::array<P, 2> coordinate{P(0), P(0)};  ///< at t = 0
     int angles = -1;                          ///< index of its first angle that counts revolutions, or -1
     std::vector<int> rows;                    ///< indices of its constraints that are kept

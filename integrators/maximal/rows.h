@@ -19,8 +19,8 @@ template <class S>
 struct Placement {
     Matrix3<S> axes;                ///< R(q), body to world
     Quaternion<S> q;                ///< body to world
-    Vector3<S> position_W;          ///< of the centre of mass, m
-    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
+    Vector3<S> position_W;          ///< centre of mass, m
+    Vector3<S> velocity_W;          ///< centre of mass, m/s
     Vector3<S> angular_velocity_B;  ///< rad/s
 
     /// Transforms a body vector to world axes.

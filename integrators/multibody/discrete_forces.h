@@ -23,7 +23,7 @@ class JointSweeps {
              DiscreteForces& out);
 
   private:
-    std::vector<Vector3<double>> speed_;  // of the links' origins, in link axes
+    std::vector<Vector3<double>> speed_;  // velocities of the links' origins, in link axes
     std::vector<Pair6<double>> momentum_, acceleration_, wrench_;
 
     void sweep_out(const Tree<double>& tree, const TreeWork<double>& at, const double* y, const double* a);

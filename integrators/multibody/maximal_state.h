@@ -124,11 +124,11 @@ class MaximalState {
         maximal::Mechanism<double> mechanism;
         std::vector<MovingBody<S>> start;
         std::vector<HeldPair<S>> pairs;
-        std::vector<std::array<S, 2>> coordinates;  // of each pair
+        std::vector<std::array<S, 2>> coordinates;  // one entry per pair
     };
     std::shared_ptr<const Shared> shared_;
     Acting<S> acting_;
-    std::vector<std::array<S, 2>> coordinates_;  // of each pair; updated for joints with a spring
+    std::vector<std::array<S, 2>> coordinates_;  // one entry per pair; updated for joints with a spring
     std::vector<WorldWrench<S>> wrenches_;
 };
 

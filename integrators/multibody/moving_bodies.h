@@ -23,7 +23,7 @@ struct MovingBody {
     BodyInertia<S> inertia;  ///< about the centre of mass, body axes
 
     Quaternion<S> q;         ///< body to world
-    Vector3<S> x, v;         ///< of the centre of mass
+    Vector3<S> x, v;         ///< centre of mass
     Vector3<S> w;            ///< world axes
     Matrix3<S> R;            ///< of q
     Matrix3<S> inverse_I_W;  ///< R I^-1 R^T

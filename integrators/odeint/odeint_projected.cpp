@@ -69,7 +69,7 @@ constexpr Method each[] = {
          "of the motion's invariants: energy, angular and linear momentum (or their conserved components), the spin "
          "about an axis of symmetry. Distances are in units of the components' scales; the projection is computed by "
          "Gauss-Newton steps to round-off. It does not reduce the error along the manifold, which is most of the "
-         "attitude error; the errors of the invariants therefore say nothing about the attitude error. Invariants that "
+         "attitude error; the errors of the invariants therefore do not indicate the attitude error. Invariants that "
          "an event ends are not projected at all.",
      .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Kutta 1901",
      .control = Control::fixed_step,

@@ -44,7 +44,7 @@ struct Piece {
 
 struct Plan {
     std::vector<Piece> pieces;
-    bool one_by_one = false;  // planes, or a torque of the user's own
+    bool one_by_one = false;  // planes, or a user-defined torque
     bool drifts = false;      // p and v move by themselves
 };
 
@@ -265,7 +265,7 @@ class Block {
         double y[BodyState::motion], rate[BodyState::motion]{};
         BodyState::set_rotation(y, t.w, t.q), BodyState::set_translation(y, t.p, t.v);
         law.derivative(y, rate);
-        // w against itself, or against what it reaches in the time that it takes to turn by a radian
+        // the larger of w and the rate that w reaches in the time of a rotation by one radian
         const double turning = std::max({largest(y), std::sqrt(largest(rate)), 1e-100});
         double speed = 1, place = 1;
         if (law.moves) {

@@ -3,7 +3,7 @@
 //
 // advance_free() sorts the axes, then evaluates the symmetric and the asymmetric formulas where the eight bodies need
 // them. Nomes come from their series instead of a second period. Lattice8 holds the trigonometric or hyperbolic
-// lattice of each lane; both are evaluated if the bodies differ in theirs. Theta8 and Point hold theta sums and
+// lattice of each lane; both are evaluated if the bodies have different kinds. Theta8 and Point hold theta sums and
 // elliptic functions.
 #pragma once
 

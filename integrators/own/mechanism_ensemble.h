@@ -1,4 +1,4 @@
-// One mechanism from many starts, each row of a table a run of its own.
+// Ensembles of mechanisms: solves one mechanism from many initial states, one run per row of a table.
 #pragma once
 
 #include <optional>
@@ -13,40 +13,40 @@
 
 namespace polhode {
 
-/// What became of one row.
+/// The result for one row.
 struct MechanismRow {
     Status status = Status::ok;  ///< how its run ended
-    std::string message;         ///< why, wherever status is not ok
-    /// The motion of every body at k T/N, k = 1..N, as far as it was reached: by time and then by body.
+    std::string message;         ///< the reason if status is not ok
+    /// The motion of every body at k T/N, k = 1..N, up to the end of the run: by time and then by body.
     std::vector<Sample> samples;
 };
 
-/// A mechanism prepared for many starts, some of which are solved at a time.
+/// A prepared mechanism that solves rows of initial states in several calls.
 class MechanismEnsembleSolver {
   public:
-    /// Copies the scene and the settings. `only_starts` says that the tables set starts alone, `samples` is N. Throws
-    /// InputError where the scene cannot be posed, std::invalid_argument for settings out of range or N < 1.
+    /// Copies the scene and the settings. `only_starts`: the tables set only initial states. `samples` is N. Throws
+    /// InputError if the scene cannot be posed, std::invalid_argument for settings out of range or N < 1.
     MechanismEnsembleSolver(const Scene& scene, bool only_starts, long samples, const EnsembleSettings& settings);
 
-    /// How many rows are solved together by one thread.
+    /// The number of rows that one thread solves per block.
     std::size_t block() const { return shared_ ? 256 : 1; }
-    /// The motion of each row's mechanism at k T/N, k = 1..N, of the scene's duration T, into as many rows; several
-    /// threads may call it at once. Where the table sets starts alone, and there is no loop and no stiff damping, the
-    /// rows share one right-hand side and are extrapolated sixteen at once, each by steps of its own, with errors
-    /// relative to the larger of the row's sizes and those of the scene's own start. Otherwise each row is posed and
-    /// solved by itself, by the method `auto`. A row that fails, or whose loops do not close, reports why and stops no
-    /// other. The same bits for any number of threads and any division into tables. Throws std::invalid_argument where
-    /// there are not as many rows as in the table.
+    /// Writes the motion of each row's mechanism at k T/N, k = 1..N, T the scene's duration, to `rows`. Thread-safe. If
+    /// the table sets only initial states, and there are no loops and no stiff damping, all rows share one right-hand
+    /// side and are extrapolated sixteen at a time with individual steps. Errors are then relative to the larger of the
+    /// sizes of the row and of the scene's start. Otherwise each row is posed and solved separately by the method
+    /// `auto`. A row that fails, or whose loops do not close, gets the reason; the others are not affected. The bits
+    /// are the same for any number of threads and any division into tables. Throws std::invalid_argument if the numbers
+    /// of `rows` and of the table's rows differ.
     void solve(const MechanismTable& table, std::span<MechanismRow> rows) const;
 
   private:
     Scene scene_;
     EnsembleSettings settings_;
     long samples_;
-    std::optional<Problem> shared_;  // the right-hand side of all rows, where they have one
+    std::optional<Problem> shared_;  // the common right-hand side of all rows, if there is one
 };
 
-/// All rows of a table, solved by a MechanismEnsembleSolver.
+/// Solves all rows of a table with a MechanismEnsembleSolver.
 std::vector<MechanismRow> solve_mechanism_ensemble(const Scene& scene, const MechanismTable& table, long samples,
                                                    const EnsembleSettings& settings = {});
 

@@ -46,7 +46,7 @@ struct Equations {
     explicit Equations(int n) : y(n), weight(n), J(n * n), matrix(matrix_of(n)), Z(n) {}
 
     Numbers<N> y;          ///< at the start of the step
-    Numbers<N> weight;     ///< of each component in norms
+    Numbers<N> weight;     ///< weight of each component in norms
     Numbers<squared> J;    ///< df/dy, row by row
     Systems matrix;        ///< eigenvalue / h - J
     Numbers<N, Stages> Z;  ///< y at the stages minus y at the start

@@ -17,7 +17,7 @@ template <class P>
 struct MechanismMoment {
     Motions<P> motions;
     std::vector<Reaction<P>> reactions;
-    std::vector<std::array<double, 2>> coordinates;  ///< of each joint, rad or m; empty if not available
+    std::vector<std::array<double, 2>> coordinates;  ///< one entry per joint, rad or m; empty if not available
 };
 
 /// A formulation whose motion() returns all of these.

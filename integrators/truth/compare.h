@@ -150,7 +150,7 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
 /// Further quantities that a formulation of several bodies provides, at every sample time or not at all.
 template <class P>
 struct Beside {
-    std::vector<std::vector<Reaction<P>>> reactions;  ///< of all joints, then of all loops
+    std::vector<std::vector<Reaction<P>>> reactions;  ///< all joints, then all loops
     /// Of each joint, as in JointCoordinates. If empty, the angles are tracked from sample to sample.
     std::vector<std::vector<std::array<double, 2>>> coordinates;
 };

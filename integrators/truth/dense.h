@@ -1,4 +1,4 @@
-// The reference as polynomials in time, for files with so many samples that multiprecision would take minutes.
+// The reference as polynomials in time, for files whose samples would take minutes in multiprecision.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ class DenseTruth {
         Pair begin;             // s
         double per_length = 0;  // 1/s
         int degree = 0;
-        // of the coefficients: degree + 1 rows of `width` from order 0 up, then the low parts of order 0
+        // coefficients: degree + 1 rows of `width` from order 0 up, then the low parts of order 0
         std::size_t offset = 0;
     };
     Scene scene_;

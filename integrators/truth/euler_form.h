@@ -21,7 +21,7 @@ class EulerForm : public BodyState {
 
     int dimension() const { return body_.pivoted ? BodyState::rotation : BodyState::motion; }
     const ExactBody<P>& body() const { return body_; }
-    const Forcing<P>& forcing() const { return forcing_; }  ///< of the piece entered last
+    const Forcing<P>& forcing() const { return forcing_; }  ///< forcing of the piece entered last
 
     std::vector<truth::Block> blocks(const Scales& scales, const Vector3<double>&) const {
         const double size[] = {scales.angular_velocity, 1, scales.position, scales.velocity};

@@ -47,7 +47,7 @@ constexpr int usual_digits = 25;
 constexpr int guard_digits = 2;
 
 // Beyond this rotation, rad, a series takes hours; a closed form, if there is one, costs the same at any time. Below it
-// the series is the reference, so that no closed form is compared with itself.
+// the series is the reference, so that a closed form is not compared with the same closed form.
 constexpr double most_radians_by_series = 2e5;
 bool is_long(const Problem& problem) {
     return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&

@@ -10,8 +10,8 @@ template <class S>
 struct BodyMotion {
     Quaternion<S> q;                ///< body to world; of unit length unless documented otherwise
     Vector3<S> angular_velocity_B;  ///< rad/s
-    Vector3<S> position_W;          ///< of the centre of mass, m
-    Vector3<S> velocity_W;          ///< of the centre of mass, m/s
+    Vector3<S> position_W;          ///< centre of mass, m
+    Vector3<S> velocity_W;          ///< centre of mass, m/s
 };
 
 /// Converts the motion to another scalar.

@@ -32,7 +32,7 @@ std::string mark_name(int mark);
 /// The gnuplot point type of a mark.
 int point_type_of(int mark);
 
-/// The gnuplot dash type of a curve: its own dash, plus one each time the marks wrap around.
+/// The gnuplot dash type of a curve: its dash index, plus one for every wrap-around of the marks.
 std::string dash_of(const Curve& curve);
 
 /// The dash index of a curve's line; 0 is solid.

@@ -113,7 +113,7 @@ std::vector<std::vector<Point>> polygons_of(const OutcomeMap& map, int cell, con
     return polygons;
 }
 
-/// The extent of what the panel shows, except guides: its map, or its curves' points. Nothing if there are none.
+/// The extent of the panel's map, or of its curves' points; guides do not count. Empty if there are none.
 std::optional<Extent> extent_of(const Panel& panel) {
     std::optional<Extent> extent;
     if (panel.map) {

@@ -14,7 +14,7 @@ struct NamedFigure {
     Figure figure;
 };
 
-/// The maximum number of curves that readers can tell apart in one figure.
+/// The maximum number of curves that readers can distinguish in one figure.
 inline constexpr std::size_t most_curves = 12;
 
 /// Returns the figure itself if it has at most `most` curve labels or its curves have no groups. Otherwise returns an

@@ -39,9 +39,9 @@ struct ComparedBody {
 template <class S>
 struct ComparedMotion {
     std::vector<ComparedBody<S>> bodies;  ///< in the order of the scene
-    SystemInvariants<S> own;              ///< of the whole system, from the method's numbers
-    SystemInvariants<S> truth;            ///< of the whole system, from the reference
-    JointViolations<S> joints;            ///< of the method's numbers
+    SystemInvariants<S> own;              ///< whole system, from the method's numbers
+    SystemInvariants<S> truth;            ///< whole system, from the reference
+    JointViolations<S> joints;            ///< from the method's numbers
     S reaction_error = S(0);              ///< worst of all joints, relative to the run's largest reaction
 };
 

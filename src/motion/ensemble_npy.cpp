@@ -95,7 +95,7 @@ class NpyEnsemble : public EnsembleStream {
         if (const auto fault = columns().fault_of_id(id_)) refuse(*fault);
     }
 
-    // Reads the records from the one at hand on.
+    // Reads records, starting at the current one.
     void hold() {
         held_begin_ = passed_ - 1;
         const std::uint64_t rows =

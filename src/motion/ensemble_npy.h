@@ -15,7 +15,7 @@ namespace polhode {
 /// InputError.
 std::unique_ptr<EnsembleStream> open_npy_ensemble(const std::string& path, const Scene& scene);
 
-/// The same of a file's content. It outlives what is returned.
+/// Reads an ensemble from a file's content, which must outlive the returned stream.
 std::unique_ptr<EnsembleStream> npy_ensemble_of(std::string_view content, const std::string& file, const Scene& scene);
 
 }  // namespace polhode

@@ -80,7 +80,7 @@ class CsvEnsemble : public EnsembleStream {
 
     std::unique_ptr<InputFile> input_;
     CsvLines lines_;
-    std::vector<std::size_t> places_;  // of each cell's column among all
+    std::vector<std::size_t> places_;  // index of each cell's column among all columns
 };
 
 }  // namespace

@@ -23,7 +23,8 @@ bool is_diagonal(const Matrix3<double>& J) {
     return J[0][1] == 0 && J[0][2] == 0 && J[1][2] == 0 && J[1][0] == 0 && J[2][0] == 0 && J[2][1] == 0;
 }
 
-// Whether a body about its own axes keeps all rules by a margin: most do, and it is told in a tenth of the time.
+// Whether a body in its principal axes satisfies all rules with a margin. Most bodies do; this test is ten times
+// faster.
 bool is_plain(const EnsembleBody& b, bool pivoted) {
     constexpr double least = 1e-300, most = 1e300;  // both have inverses
     const Vector3<double>&w = b.angular_velocity, &p = b.position_W, &v = b.velocity_W;

@@ -18,8 +18,8 @@ struct EnsembleBody {
     Matrix3<double> inertia_B;         ///< kg m^2, about the centre of mass, off-diagonal entries -int xy dm
     Quaternion<double> orientation;    ///< body to world; stands for its normalised value
     Vector3<double> angular_velocity;  ///< rad/s, in the scene's angular_velocity_frame
-    Vector3<double> position_W;        ///< of the centre of mass, m; zero with a pivot
-    Vector3<double> velocity_W;        ///< of the centre of mass, m/s; zero with a pivot
+    Vector3<double> position_W;        ///< centre of mass, m; zero with a pivot
+    Vector3<double> velocity_W;        ///< centre of mass, m/s; zero with a pivot
 
     /// Whether all numbers are equal.
     bool operator==(const EnsembleBody&) const = default;
@@ -47,10 +47,10 @@ struct RefusedRow {
 
 /// The rows of a table, or some of them. Columns that the table lacks have the scene's values.
 struct EnsembleTable {
-    std::vector<EnsembleBody> bodies;  ///< of a scene of one body, else empty
+    std::vector<EnsembleBody> bodies;  ///< for scenes of one body, else empty
     std::vector<std::string> ids;      ///< the column `id`; empty without it
     std::vector<RefusedRow> refused;   ///< in the file's order; empty if the first such row ends the reading
-    MechanismTable mechanisms;         ///< of a scene of several bodies, else empty
+    MechanismTable mechanisms;         ///< for scenes of several bodies, else empty
 
     /// How many rows were not refused.
     std::size_t rows() const { return bodies.size() + mechanisms.rows(); }

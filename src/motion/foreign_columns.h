@@ -19,7 +19,7 @@ struct ForeignColumns {
     /// may be the nine entries of a matrix, "r11" to "r33", or Euler angles, "e1" to "e3". Other columns of the file
     /// are ignored. Where this is empty, the file's header names its columns.
     std::map<std::string, std::size_t> places;
-    EulerSequence sequence = EulerSequence::zyx;  ///< of the Euler angles
+    EulerSequence sequence = EulerSequence::zyx;  ///< axes of the Euler angles
     bool degrees = false;                         ///< unit of the Euler angles
 };
 

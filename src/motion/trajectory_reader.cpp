@@ -330,22 +330,22 @@ class Reader {
     const std::string& file_;
     const ForeignColumns& foreign_;
     QuaternionColumns quaternion_;
-    std::vector<std::size_t>* gaps_;                // where it is null, NaN is refused
+    std::vector<std::size_t>* gaps_;                // if null, NaN is refused
     std::set<std::string, std::less<>> lost_;       // times at which a cell is NaN
-    bool in_gap_ = false;                           // the last line was at one of them
-    std::size_t times_ = 0;                         // so far
-    std::vector<std::string> names_;                // of the file's columns
-    std::vector<FileColumn> columns_;               // those that are read, in the file's order
-    bool has_matrix_ = false, has_angles_ = false;  // in place of the quaternion
+    bool in_gap_ = false;                           // whether the last line was at one of these times
+    std::size_t times_ = 0;                         // number of times read so far
+    std::vector<std::string> names_;                // names of the file's columns
+    std::vector<FileColumn> columns_;               // the columns that are read, in the file's order
+    bool has_matrix_ = false, has_angles_ = false;  // read instead of the quaternion
     std::size_t time_place_ = nowhere;
     std::size_t body_place_ = nowhere;
-    bool bodies_known_;                                      // to the caller
-    std::vector<std::string> bodies_;                        // names, in the order of the rows of a moment
-    std::map<std::string, std::size_t, std::less<>> index_;  // of a name
-    std::size_t moment_ = 0;                                 // the first row of the moment at hand
-    std::vector<char> there_;                                // which of the bodies have a row in it
-    std::vector<char> in_file_;                              // which have a row at the first time
-    long last_line_ = 0;                                     // of a body's row
+    bool bodies_known_;                                      // whether the caller gave the bodies
+    std::vector<std::string> bodies_;                        // names, in the order of the rows at one time
+    std::map<std::string, std::size_t, std::less<>> index_;  // index of each name
+    std::size_t moment_ = 0;                                 // first row at the current time
+    std::vector<char> there_;                                // whether each body has a row at the current time
+    std::vector<char> in_file_;                              // whether each body has a row at the first time
+    long last_line_ = 0;                                     // line of the last row of a body
     TrajectoryFile result_;
 };
 

@@ -38,7 +38,7 @@ struct PointsBody {
 /// A closed surface from a file.
 struct MeshBody {
     std::string file;  ///< as written in the scene
-    std::string hash;  ///< of the file's bytes
+    std::string hash;  ///< hash of the file's bytes
     Mesh mesh;
     Amount amount;
 };
@@ -63,7 +63,7 @@ struct EulerTurn {
 /// the axes of the inertial's frame.
 struct ImportedBody {
     std::string file, link;  ///< as written in the scene
-    std::string hash;        ///< of the file's bytes
+    std::string hash;        ///< hash of the file's bytes
     double mass = 0;
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;

@@ -1,6 +1,6 @@
 # polhode_embed(OUT FUNCTION DIRECTORY FILE..): writes a source file that defines
 #   std::span<const BuiltinText> FUNCTION()
-# with one entry a file, named by its path in DIRECTORY without the extension .json, sorted by name. The files' contents
+# with one entry per file, named by its path in DIRECTORY without the extension .json, sorted by name. The files' contents
 # are dependencies of the configure step, so that an edited file is in the next build.
 function(polhode_embed out function directory)
   set(names "")

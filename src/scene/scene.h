@@ -158,7 +158,7 @@ struct Initial {
 struct NamedBody {
     std::string name;  ///< unique among the bodies, and not "world"
     Body body;         ///< its mass properties
-    Initial initial;   ///< initial state of a free base, a body that is no joint's child
+    Initial initial;   ///< initial state of a free base, a body that is not the child of a joint
     /// For an imported robot: place in the robot's file, for messages ("arm.urdf: line 5"). No file form.
     std::string place = "";
 };

@@ -6,7 +6,7 @@
 
 namespace polhode {
 
-/// 128-bit FNV-1a (Fowler, Noll & Vo). It tells contents apart but is not cryptographic.
+/// 128-bit FNV-1a (Fowler, Noll & Vo). It identifies contents, but is not cryptographic.
 std::string content_hash(std::string_view content);
 
 /// Computes content_hash() incrementally.

@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// An open file. Errors are InputError, name the file as `called` and ask for what was `expected`.
+/// An open file. Errors are InputError; they name the file as `called` and state the `expected` kind of file.
 class InputFile {
   public:
     /// Opens `path`. Refuses a device, a socket, a directory or a FIFO without blocking on it.
@@ -22,9 +22,9 @@ class InputFile {
     const std::optional<std::size_t>& size() const { return size_; }
     /// Reads the next bytes, at most `count`. Returns their number, 0 only at the end. Throws InputError.
     std::size_t read(char* bytes, std::size_t count);
-    /// The next `count` bytes: how many there were, fewer at the end alone. Throws InputError.
+    /// Reads the next `count` bytes. Returns their number, which is smaller only at the end. Throws InputError.
     std::size_t read_fully(char* bytes, std::size_t count);
-    /// Goes on at an offset from the beginning of a regular file. Throws InputError.
+    /// Continues at an offset from the start of a regular file. Throws InputError.
     void seek(std::size_t offset);
     /// Throws InputError with this fault of the file.
     [[noreturn]] void refuse(const std::string& fault) const;

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Measures what Python adds to polhode's own work, and writes a table with its provenance.
+"""Measures the overhead of the Python module, and writes a table with its provenance.
 
     PYTHONPATH=build/python tests/benchmarks/python_overheads.py DIRECTORY
 
-writes DIRECTORY/python.md, python.csv and an entry in provenance.json. Ratios are of runs in one process, in turn, the
-shortest of several.
+Writes DIRECTORY/python.md, python.csv and an entry in provenance.json. Each time is the shortest of several runs in one
+process.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def shortest(work: Callable[[], object], repeats: int) -> float:
 
 
 def call_overhead() -> list[list[str]]:
-    """A call on small scenes, beside the same solve() by C++ in the same process."""
+    """A call on small scenes, compared with solve() in C++ in the same process."""
     rows = []
     for name, method in (("free_asymmetric", "exact"), ("lagrange_top", "taylor"), ("every_load", "dop853")):
         scene = polhode.scene(name)
@@ -53,7 +53,7 @@ def call_overhead() -> list[list[str]]:
 
 
 def ensembles() -> list[list[str]]:
-    """10^6 free bodies from arrays to arrays, beside solve_ensemble()."""
+    """10^6 free bodies from arrays to arrays, compared with solve_ensemble() in C++."""
     scene = polhode.scene("free_asymmetric")
     rates = np.random.default_rng(1).normal(size=(1_000_000, 3))
     threads = os.cpu_count() or 1
@@ -63,13 +63,13 @@ def ensembles() -> list[list[str]]:
         begin = time.perf_counter()
         ends = polhode.ensemble(scene, w=rates, threads=threads)
         outside = min(outside, time.perf_counter() - begin)
-        del ends  # as in C++, what it takes to give the rows back is not counted
+        del ends  # as in C++, freeing the rows is not timed
     return [["ensemble of 10^6 free bodies", f"{within:.3f} s", f"{outside:.3f} s", f"{outside / within:.2f} times",
              "1.05 times"]]
 
 
 def memory() -> list[list[str]]:
-    """How much more memory a million samples take once all arrays have been looked at."""
+    """The additional memory of 10^6 samples after all arrays have been accessed."""
     code = """if True:
         import resource, polhode
         motion = polhode.solve("free_asymmetric", "exact", samples=1_000_000)
@@ -81,7 +81,7 @@ def memory() -> list[list[str]]:
 
 
 def callables() -> list[list[str]]:
-    """A torque and a step of one's own, beside the same by polhode."""
+    """A user-defined torque and a user-defined step, compared with polhode's."""
 
     @polhode.method(name="rk4_in_python", order=4)
     def rk4(f, t, y, h):  # type: ignore[no-untyped-def]
@@ -112,27 +112,27 @@ def callables() -> list[list[str]]:
             one, other = polhode.solve(scene, method, samples=1, **how), polhode.solve(base, by, samples=1, **how)
             own = min(own, one.seconds / one.rhs_evaluations)
             native = min(native, other.seconds / other.rhs_evaluations)
-        rows.append([title + ", a right-hand side", f"{1e6 * native:.3f} us", f"{1e6 * own:.2f} us",
+        rows.append([title + ", per right-hand side", f"{1e6 * native:.3f} us", f"{1e6 * own:.2f} us",
                      f"{own / native:.0f} times", ""])
     return rows
 
 
 def starting() -> list[list[str]]:
-    """The import, the interpreter's own start and numpy's left out and counted."""
+    """The time of the import, without the start of the interpreter."""
 
     def run(code: str) -> float:
         return shortest(lambda: subprocess.run([sys.executable, "-c", code], check=True), 7)
 
     bare, numpy, module = run("pass"), run("import numpy"), run("import polhode")
-    return [["import polhode (numpy's import in it)", f"{numpy - bare:.3f} s for numpy", f"{module - bare:.3f} s", "",
+    return [["import polhode (includes numpy)", f"{numpy - bare:.3f} s for numpy", f"{module - bare:.3f} s", "",
              "0.2 s"]]
 
 
 def main() -> None:
-    """Measures, and writes what was found."""
+    """Measures, and writes the tables."""
     directory = Path(sys.argv[1])
     directory.mkdir(parents=True, exist_ok=True)
-    head = ["what", "C++", "Python", "difference", "asked, at most"]
+    head = ["what", "C++", "Python", "difference", "target, at most"]
     rows = [*starting(), *call_overhead(), *ensembles(), *memory(), *callables()]
     widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
     lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in [head, *rows]]

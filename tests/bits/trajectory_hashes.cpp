@@ -283,7 +283,9 @@ int compare(const std::vector<Kind>& kinds, const Expected& expected) {
     std::map<std::string, std::string> rest = expected.hash_of;
     const auto here = rest.extract("libm");
     const bool other_libm = !here || here.mapped() != libm().hash();
-    if (other_libm) fmt::print("the C library's functions have other last bits here; what they enter may depart\n");
+    if (other_libm)
+        fmt::print(
+            "the C library's functions have other last bits here; the methods listed under `departs` may differ\n");
     for (const Kind& kind : kinds) {
         const auto found = rest.extract(kind.name);
         const std::string wanted = found ? found.mapped() : "not in the list";
@@ -296,8 +298,8 @@ int compare(const std::vector<Kind>& kinds, const Expected& expected) {
             fmt::print("{}: {}, expected {}\n", kind.name, kind.hash(), wanted);
         }
     }
-    for (const auto& [name, hash] : rest) fmt::print("{} is not in this build\n", name);
-    fmt::print("{} equal, {} departed with the C library as is known, {} not equal\n", equal, departed, faults);
+    for (const auto& [name, hash] : rest) fmt::print("{} is not available in this build\n", name);
+    fmt::print("{} equal, {} differ with the C library as listed, {} not equal\n", equal, departed, faults);
     return faults;
 }
 
@@ -317,7 +319,7 @@ int run(const Asked& asked) {
     if (!asked.instructions.empty()) ::setenv("POLHODE_INSTRUCTION_SET", asked.instructions.c_str(), 1);
     if (asked.interpreted) ::setenv("POLHODE_CODE", "interpreted", 1);
     if (!asked.instructions.empty() && asked.instructions != name_of(instruction_set())) {
-        fmt::print(stderr, "this processor has no {}; ask for plain, avx2 or avx512\n", asked.instructions);
+        fmt::print(stderr, "this processor does not support {}; choose plain, avx2 or avx512\n", asked.instructions);
         return 3;
     }
     std::vector<Kind> kinds = trajectories(asked);
@@ -335,15 +337,15 @@ int run(const Asked& asked) {
 
 int main(int argc, char** argv) try {
     polhode::Asked asked;
-    CLI::App app("Hashes of all bits of the catalogue's trajectories, a method a line: NAME SCENES HASH.");
-    app.add_option("--threads", asked.threads, "Threads, at least 1")->check(CLI::PositiveNumber);
-    app.add_option("--instructions", asked.instructions, "plain, avx2 or avx512; without it the widest there are")
+    CLI::App app("Prints hashes of all catalogue trajectories, one method per line: NAME SCENES HASH.");
+    app.add_option("--threads", asked.threads, "Number of threads, at least 1")->check(CLI::PositiveNumber);
+    app.add_option("--instructions", asked.instructions, "plain, avx2 or avx512 (default: the widest available)")
         ->check(CLI::IsMember({"plain", "avx2", "avx512"}));
-    app.add_flag("--interpreted", asked.interpreted, "Tapes are interpreted, not compiled");
-    app.add_option("--expect", asked.expected, "File of lines NAME HASH: exit 1 unless they are the same");
-    app.add_flag("--each", asked.each, "A line for each method and scene: NAME SCENE HASH");
-    app.add_option("--scene", asked.only_scene, "Only this scene, without ensembles");
-    app.add_option("--method", asked.only_method, "Only this method, without ensembles");
+    app.add_flag("--interpreted", asked.interpreted, "Interpret tapes instead of compiling them");
+    app.add_option("--expect", asked.expected, "Compare with a file of lines NAME HASH; exit 1 if they differ");
+    app.add_flag("--each", asked.each, "Print one line per method and scene: NAME SCENE HASH");
+    app.add_option("--scene", asked.only_scene, "Hash only this scene, without ensembles");
+    app.add_option("--method", asked.only_method, "Hash only this method, without ensembles");
     CLI11_PARSE(app, argc, argv);
     return polhode::run(asked);
 } catch (const std::exception& error) {

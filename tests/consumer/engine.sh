@@ -3,11 +3,11 @@
 #
 #   engine.sh N
 #
-# It knows one motion, that of a free body which turns about its own z axis and starts unturned: the angle is w t, and
-# q = (cos w t/2, 0, 0, sin w t/2).
+# Supports one motion: a free body that rotates about its z axis and starts with the identity attitude. The angle is
+# w t, and q = (cos w t/2, 0, 0, sin w t/2).
 scene=$(cat)
 
-# number KEY: the last number of the line that has the key
+# number KEY: prints the last number of the line that contains the key
 number() { printf '%s\n' "$scene" | sed -n "s/.*\"$1\".*[ :\[]\(-\{0,1\}[0-9][-+.0-9e]*\)\]*,\{0,1\}\$/\1/p"; }
 
 awk -v samples="$1" -v T="$(number duration)" -v w="$(number angular_velocity)" 'BEGIN {

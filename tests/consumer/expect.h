@@ -1,16 +1,16 @@
-// What the parts of this program are held to.
+// Checks of the parts of this program.
 #pragma once
 
 #include <polhode/polhode.h>
 
-/// Prints the value beside its limit; a value that is not below it, or not a number, is a fault.
+/// Prints the value and its limit. Counts a fault if the value is not below the limit, or is NaN.
 void expect_below(const char* what, double value, double limit);
 
-/// A fault unless `holds`.
+/// Counts a fault unless `holds`.
 void expect(const char* what, bool holds);
 
-/// A fault, with the reason, unless the run reached its end.
+/// Counts a fault, and prints the reason, unless the run completed.
 void expect_ok(const char* what, const polhode::Trajectory& trajectory);
 
-/// How many faults there were.
+/// The number of faults.
 int faults();

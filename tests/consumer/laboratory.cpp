@@ -1,4 +1,4 @@
-// polhode's program with a method of one's own in it: `laboratory run heun.json` measures it beside the others.
+// The polhode program with a user-defined method: `laboratory run heun.json` compares it with a built-in method.
 #include <polhode/laboratory.h>
 
 #include "own_method.h"

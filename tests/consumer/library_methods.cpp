@@ -1,4 +1,4 @@
-// Solves a scene by methods of the library, and takes a trajectory through a file.
+// Solves a scene by methods of the library, writes the trajectory to CSV and reads it back.
 #include <cstddef>
 
 #include "expect.h"
@@ -19,10 +19,10 @@ void solve_by_the_library() {
         // at most 1000 steps, each with a local error of up to 1e-12 of each component, adding up linearly
         expect_below(name, worst_attitude_error(trajectory), 1e-9);
 
-        // what is written reads back to the same binary64
+        // numbers read back to the same binary64
         const TrajectoryFile file = parse_trajectory(trajectory_csv(trajectory), "trajectory.csv");
-        expect("a sample a row", file.rows.size() == trajectory.samples.size());
+        expect("one row per sample", file.rows.size() == trajectory.samples.size());
         for (std::size_t k = 0; k < file.rows.size() && k < trajectory.samples.size(); ++k)
-            expect("the attitude as written", file.rows[k].q == trajectory.samples[k].q);
+            expect("the attitude reads back", file.rows[k].q == trajectory.samples[k].q);
     }
 }

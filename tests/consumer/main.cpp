@@ -1,4 +1,4 @@
-// Tries all that a user of the installed library may want; exit 1 where a result is off.
+// Runs all examples. Exits with 1 if a result is wrong.
 #include "expect.h"
 #include "parts.h"
 

@@ -9,7 +9,7 @@ std::shared_ptr<const Method> shell_script() {
     EngineCommand command;
     command.arguments = {CONSUMER_DIRECTORY "/engine.sh", "{samples}"};
     return external_method({.name = "shell_script",
-                            .documentation = "A shell script that turns a body about its z axis.",
+                            .documentation = "A shell script that rotates a body about its z axis.",
                             .source = "engine.sh"},
                            command);
 }

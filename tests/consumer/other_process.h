@@ -5,8 +5,8 @@
 
 #include <memory>
 
-/// engine.sh as a method. Whoever keeps a pointer to the method keeps the result as well.
+/// engine.sh as a method. The caller must keep the returned pointer as long as it uses the method.
 std::shared_ptr<const polhode::Method> shell_script();
 
-/// The scene that the script can solve: a free body that turns about its own z axis.
+/// The scene that the script supports: a free body that rotates about its z axis.
 polhode::Scene spinning_body();

@@ -1,12 +1,13 @@
-// A method of one's own: a scheme for first-order equations, and the descriptor that makes a method of it.
+// A user-defined method: a scheme for first-order equations, and its descriptor.
 #pragma once
 
 #include <polhode/polhode.h>
 
-/// Heun's second-order method for dy/dt = f(t, y), by the library's fixed-step driver: all that a scheme must have.
+/// Heun's second-order method for dy/dt = f(t, y), for the library's fixed-step driver. It has all members that a
+/// scheme needs.
 template <class SystemType>
 struct Heun {
-    static constexpr int evaluations = 2;  ///< right-hand sides a step
+    static constexpr int evaluations = 2;  ///< right-hand sides per step
 
     void step(const SystemType& system, double t, double* y, double h) {
         double k1[SystemType::dimension], k2[SystemType::dimension], middle[SystemType::dimension];

@@ -1,10 +1,9 @@
-// Integrates a first-order system of the user's own, which the library knows nothing of: two masses on a spring, free
-// to move along x.
+// Integrates a user-defined first-order system: two masses connected by a spring, free to move along x.
 //
 //   m1 x1'' = k d,   m2 x2'' = -k d,   d = x2 - x1 - rest
 //
-// The centre of mass goes on as it started and d oscillates with w^2 = k (1/m1 + 1/m2), which is the closed form that
-// the results are held against.
+// The centre of mass moves uniformly, and d oscillates with w^2 = k (1/m1 + 1/m2). The results are compared with this
+// closed form.
 #include <polhode/polhode.h>
 
 #include <algorithm>
@@ -33,7 +32,7 @@ struct TwoMasses {
         dy[0] = y[2], dy[1] = y[3], dy[2] = (1 / m1) * pull, dy[3] = (-1 / m2) * pull;
     }
     std::vector<double> scales() const { return {1, 1, 1, 1}; }
-    /// Each mass is a body that does not turn.
+    /// Each mass is a body that does not rotate.
     std::vector<Sample> motion(const double* y) const {
         std::vector<Sample> bodies(2);
         for (int i = 0; i < 2; ++i)
@@ -66,12 +65,13 @@ void add_a_system() {
             const auto [x1, x2] = model.positions(bodies[0].t);
             worst = std::max({worst, std::fabs(bodies[0].position_W[0] - x1), std::fabs(bodies[1].position_W[0] - x2)});
         }
-        // A step is allowed R in the root mean square of the four components, so 2 R in one of them. The oscillation
-        // carries an error on as it is, and an error of the speed moves the centre of mass by at most T times it.
+        // The error of a step is at most R in the root mean square of the four components, so 2 R in one component.
+        // The oscillation propagates an error unchanged. An error of the speed moves the centre of mass by at most T
+        // times this error.
         const double limit = 2 * (1 + duration) * *settings.tolerance * static_cast<double>(trajectory.steps);
         expect_below((std::string("two masses on a spring, m, ") + name).c_str(), worst, limit);
     }
-    // a method of closed forms of rigid bodies says that it has none here
+    // `exact` has closed forms only for rigid bodies
     const Trajectory refused = solve(problem, *find_method("exact"));
-    expect("two masses on a spring: `exact` takes none", refused.status == Status::unsupported);
+    expect("two masses on a spring: `exact` is unsupported", refused.status == Status::unsupported);
 }

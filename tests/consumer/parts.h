@@ -1,4 +1,4 @@
-// What this program tries, a file each.
+// The examples, one per file.
 #pragma once
 
 void solve_by_the_library();

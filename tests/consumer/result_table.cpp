@@ -1,4 +1,4 @@
-// The whole job: a scene, the truth with its bound, the errors of several methods, a table of results.
+// A complete study: a scene, the truth with its bound, the errors of several methods, a table of results.
 #include <cstddef>
 #include <cstdio>
 #include <memory>
@@ -14,7 +14,7 @@ using namespace polhode;
 
 namespace {
 
-// A scene as its file has it: gravity about a fixed point, and drag. Its motion has no closed form.
+// A scene as a file: gravity about a fixed point, and drag. Its motion has no closed form.
 constexpr const char* scene_text = R"({
   "name": "damped_pendulum",
   "duration": 5,
@@ -30,14 +30,14 @@ constexpr long samples = 20;
 struct Run {
     const Method* method;
     Settings settings;
-    double limit;  // of the attitude error, rad
+    double limit;  // maximum attitude error, rad
 };
 
-// Appends a row for each run of a scene, and holds its attitude error against its limit.
+// Appends one row per run of a scene, and checks that the attitude error is below its limit.
 void add_rows(Table& table, const Scene& scene, const std::vector<Run>& runs) {
     const Reference truth = reference(scene, samples);
     expect("the scene has a truth", truth.available);
-    // 25 digits are asked for where nothing else is said
+    // the default is 25 digits
     expect_below("bound of the truth", truth.bound, 1e-25);
     for (const Run& run : runs) {
         const std::string name(run.method->name);
@@ -55,7 +55,7 @@ void add_rows(Table& table, const Scene& scene, const std::vector<Run>& runs) {
 }  // namespace
 
 void make_a_table() {
-    // what is measured is data: a measure that polhode gains is a further column
+    // the columns come from the list of measures, so that new measures of polhode appear as columns
     Table table{{"scene", "method", "status", "seconds"}, {}};
     for (const Measure& measure : measures())
         if (measure.tabled) table.columns.push_back(std::string(measure.name) + "_error_max");

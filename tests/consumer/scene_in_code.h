@@ -6,19 +6,19 @@
 
 #include <polhode/polhode.h>
 
-/// Moments A and C (kg m^2), and for how long the body turns (s).
+/// Moments A and C (kg m^2) and duration of the motion (s).
 constexpr double moment_A = 2, moment_C = 3, duration = 10;
 
-/// The free symmetric body. It starts unturned, at (0.5, 0, 1) rad/s.
+/// The free symmetric body. It starts with the identity attitude, at (0.5, 0, 1) rad/s.
 polhode::Scene symmetric_body();
 
 /// Its attitude at time t (s).
 polhode::Quaternion<double> symmetric_attitude(double t);
 
-/// The turn about an axis of any length but zero by an angle (rad).
+/// The rotation by an angle (rad) about an axis of any nonzero length.
 polhode::Quaternion<double> rotation(const polhode::Vector3<double>& axis, double angle);
 
-/// The angle (rad) of the turn from one attitude to the other.
+/// The angle (rad) of the rotation from one attitude to the other.
 double angle_between(const polhode::Quaternion<double>& a, const polhode::Quaternion<double>& b);
 
 /// The largest angle (rad), over all samples, between a trajectory of symmetric_body() and the closed form.

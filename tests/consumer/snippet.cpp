@@ -1,4 +1,4 @@
-// The method of integrators/README.md, whose text is another file of this program: it has the order that it claims.
+// Checks the order of the method shown in integrators/README.md, which is compiled as another file of this program.
 #include <polhode/polhode.h>
 
 #include <cmath>

@@ -23,7 +23,7 @@ namespace polhode::oracles {
 class KeptStream {
   public:
     explicit KeptStream(FILE*& stream) : stream_(stream), before_(stream), memory_(::open_memstream(&text_, &size_)) {
-        require(memory_ != nullptr, "no stream in memory");
+        require(memory_ != nullptr, "cannot open a stream in memory");
         stream_ = memory_;
     }
     ~KeptStream() {
@@ -166,7 +166,7 @@ inline void command(std::string_view text) {
     for (const std::string& word : words) argv.push_back(word.c_str());
     argv.push_back(nullptr);
     const int here = ::open(".", O_RDONLY | O_DIRECTORY);
-    require(::chdir(bench.path().c_str()) == 0, "the directory is gone");
+    require(::chdir(bench.path().c_str()) == 0, "cannot change to the work directory");
     int exit_code = 0;
     std::string out, err;
     {
@@ -174,16 +174,16 @@ inline void command(std::string_view text) {
         exit_code = run_laboratory(static_cast<int>(words.size()), argv.data());
         out = kept_out.text(), err = kept_err.text();
     }
-    require(::fchdir(here) == 0, "no way back");
+    require(::fchdir(here) == 0, "cannot change back to the previous directory");
     ::close(here);
-    require(exit_code >= 0 && exit_code <= 2, "an exit code of no meaning");
-    require(exit_code != 1 || !err.empty() || !out.empty(), "a failure without a word");
+    require(exit_code >= 0 && exit_code <= 2, "the exit code is not 0, 1 or 2");
+    require(exit_code != 1 || !err.empty() || !out.empty(), "a failure without any output");
     const bool unchanged = bench.files() == bench.files_before();
     if (!unchanged) bench.fill();
     if (exit_code != 2) return;
-    require(unchanged, "bad usage has written something");
-    require(out.empty(), "bad usage has printed something");
-    require(err.starts_with("polhode: ") && err.ends_with("\n"), "bad usage is not told");
+    require(unchanged, "bad usage wrote a file");
+    require(out.empty(), "bad usage printed to stdout");
+    require(err.starts_with("polhode: ") && err.ends_with("\n"), "bad usage is not reported in a line 'polhode: ..'");
     err.pop_back();
     for (const char c : err)
         require(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f, "the message is not one line of text");

@@ -23,7 +23,7 @@ class OwnDirectory {
         const std::filesystem::path memory("/dev/shm");
         const auto parent = ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
         std::string pattern = (parent / ("polhode-" + std::string(purpose) + "-XXXXXX")).string();
-        require(::mkdtemp(pattern.data()) != nullptr, "no directory for what is tried");
+        require(::mkdtemp(pattern.data()) != nullptr, "cannot make a temporary directory");
         path_ = pattern;
     }
     ~OwnDirectory() {
@@ -76,7 +76,8 @@ inline void folder(std::string_view text) {
         read = read_folder(directory.path().string(), 50);
     } catch (const InputError& error) {
         require_one_line(error.what());
-        require(std::string_view(error.what()).starts_with(directory.path().string()), "the message names no folder");
+        require(std::string_view(error.what()).starts_with(directory.path().string()),
+                "the message does not name the folder");
         return;
     }
     for (const std::string& remark : read->remarks) require_one_line(remark);
@@ -87,11 +88,11 @@ inline void folder(std::string_view text) {
         require(row.experiment >= 0 && static_cast<std::size_t>(row.experiment) < read->experiments.size() &&
                     inside(row.scene, read->scenes) && inside(row.method, read->methods) &&
                     inside(row.message, read->messages) && inside(row.formulation, read->formulations),
-                "a row's names are not in the folder's lists");
+                "an index of a row is outside the folder's lists");
     }
     for (const FolderSeries& series : read->series)
         for (const std::vector<double>& errors : series.errors)
-            require(errors.size() == series.t.size(), "errors without their times");
+            require(errors.size() == series.t.size(), "a series has different numbers of errors and times");
     require(findings_of(*read).size() <= 3, "too many findings");
     const Motions motions;
     const Json checks = Json::array();
@@ -99,10 +100,10 @@ inline void folder(std::string_view text) {
     const std::map<std::string, Scene> scenes = one_in(32, text) ? scenes_of(*read) : std::map<std::string, Scene>();
     const Json document = report_document({*read, scenes, motions, checks}, {1000, 5, 50, 20, 20, 0});
     const std::string dumped = document.dump(-1, ' ', false, Json::error_handler_t::replace);
-    require(Json::accept(dumped), "the document is no JSON");
+    require(Json::accept(dumped), "the document is not valid JSON");
     if (one_in(64, text)) {
         const std::string page = filled_page("<!--polhode:title--><!--polhode:data-->", read->name, dumped);
-        require(page.find('<') == page.npos, "a folder's name or data is taken for a mark of the page");
+        require(page.find('<') == page.npos, "a folder's name or data is interpreted as a placeholder of the page");
     }
 }
 

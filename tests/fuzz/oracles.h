@@ -110,7 +110,8 @@ inline void body(std::string_view bytes) {
     for (const char* path : {"fuzz.obj", "fuzz.stl"}) {
         try {
             const Mesh mesh = parse_mesh(bytes, path);
-            require(mesh_fault(mesh).empty() && enclosed_volume(mesh) > 0, "a surface bounds no body");
+            require(mesh_fault(mesh).empty() && enclosed_volume(mesh) > 0,
+                    "an accepted surface does not enclose a volume");
         } catch (const InputError& error) {
             require_one_line(error.what());
             require(std::string_view(error.what()).starts_with("fuzz."), "the message does not name the file");
@@ -149,16 +150,16 @@ inline void trajectory(std::string_view text) {
     // another quaternion order keeps all rows; converting axes twice restores the file; the clock stays monotonic
     const QuaternionColumns order = one_in(2, text) ? QuaternionColumns::scalar_last : QuaternionColumns::scalar_first;
     TrajectoryFile other = parse_trajectory(text, "fuzz", order);
-    require(other.rows.size() == file->rows.size(), "the order of a quaternion loses rows");
+    require(other.rows.size() == file->rows.size(), "rows are lost with another quaternion order");
     convert(other, {Axes::y_up_left, order, false});
     convert(other, {Axes::y_up_left, order, false});
-    require(other == parse_trajectory(text, "fuzz", order), "a mirror twice is not the file");
+    require(other == parse_trajectory(text, "fuzz", order), "converting axes twice does not restore the file");
     const std::vector<TrajectoryRow> before = other.rows;
     if (restore_clock(other, 1)) {
         for (std::size_t k = 0; k < before.size(); ++k) {
             const std::size_t at_once = other.bodies_at_once();
-            require(k < at_once || other.rows[k].t > other.rows[k - at_once].t, "a clock goes back");
-            require(std::abs(other.rows[k].t - before[k].t) <= 1e-6 * before[k].t, "a clock is moved too far");
+            require(k < at_once || other.rows[k].t > other.rows[k - at_once].t, "restored times do not increase");
+            require(std::abs(other.rows[k].t - before[k].t) <= 1e-6 * before[k].t, "restored times differ too much");
         }
     }
 }
@@ -174,11 +175,11 @@ inline void ensemble(std::string_view text) {
     const EnsembleTable again = parse_ensemble(write_ensemble(*table, pivoted), "written", scene);
     require(again.bodies == table->bodies && again.ids == table->ids, "an ensemble does not read back");
     require(table->ids.empty() || table->ids.size() == table->bodies.size(), "ids are lost");
-    for (const EnsembleBody& body : table->bodies) require(!fault_of(body, pivoted), "a body cannot be");
+    for (const EnsembleBody& body : table->bodies) require(!fault_of(body, pivoted), "an accepted body is not valid");
     if (table->bodies.size() > 20) return;
     for (const EnsembleRow& row : solve_ensemble(scene, table->bodies)) {
-        require((row.status == Status::ok) == row.message.empty(), "a status without its message");
-        require(row.status != Status::ok || squared_norm(row.end.q) * 0 == 0, "a row that is not finite is ok");
+        require((row.status == Status::ok) == row.message.empty(), "a status does not match its message");
+        require(row.status != Status::ok || squared_norm(row.end.q) * 0 == 0, "a row with status ok is not finite");
     }
 }
 
@@ -202,7 +203,8 @@ inline const Scene& joined_bodies() {
 
 /// Each row of a table of mechanisms gives a scene that survives writing and reading.
 inline void require_scenes(const MechanismTable& table, const Scene& scene) {
-    require(table.numbers.size() == table.rows() * table.columns.size(), "a row is not as long as the header");
+    require(table.numbers.size() == table.rows() * table.columns.size(),
+            "a row has a different length than the header");
     for (std::size_t k = 0; k < std::min<std::size_t>(table.rows(), 4); ++k) {
         const std::string written = write_scene(table.scene_of(scene, k));
         require(write_scene(parse_scene(written, "written")) == written, "a row's scene does not read back");
@@ -217,10 +219,11 @@ inline EnsembleTable npy_rows(std::string_view content, const Scene& scene, std:
     require(whole.rows() + whole.refused.size() == rows, "rows are lost");
     require(whole.ids.empty() || whole.ids.size() == whole.rows(), "ids are lost");
     for (const RefusedRow& row : whole.refused) require_one_line(row.fault);
-    for (const EnsembleBody& body : whole.bodies) require(!fault_of(body, scene.pivot.has_value()), "a body cannot be");
+    for (const EnsembleBody& body : whole.bodies)
+        require(!fault_of(body, scene.pivot.has_value()), "an accepted body is not valid");
     require_scenes(whole.mechanisms, scene);
     const std::size_t left_out = npy_ensemble_of(content, "fuzz", scene)->skip(content.size() + 1);
-    require(left_out == rows, "rows that are skipped are not counted");
+    require(left_out == rows, "skipped rows are not counted");
     const auto pieces = npy_ensemble_of(content, "fuzz", scene);
     std::size_t passed = pieces->skip(1);
     std::vector<EnsembleBody> bodies;
@@ -245,7 +248,7 @@ inline void npy(std::string_view content) {
     if (one_in(2, content)) scene.pivot = Vector3<double>(0, 0, 0);
     auto header = parsed([&] { return parse_npy_header(content, content.size(), "fuzz"); });
     if (header) {
-        require(header->file_size() == content.size(), "a file is longer or shorter than its header says");
+        require(header->file_size() == content.size(), "the size of a file does not match its header");
         // written names are polhode's and need no escapes
         for (NpyField& field : header->fields) std::erase(field.name, '\'');
         const std::string again = write_npy_header(header->fields, header->rows);
@@ -297,7 +300,7 @@ inline void columns(std::string_view text) {
         checked.path = "fuzz";
         std::vector<std::size_t> gaps;
         const TrajectoryFile file = prepared_file(nullptr, {}, names, table, checked, &gaps);
-        require(std::ranges::is_sorted(gaps), "gaps are out of order");
+        require(std::ranges::is_sorted(gaps), "gaps are not sorted");
         require(gaps.empty() || gaps.back() <= file.rows.size(), "a gap is beyond the end");
         for (const std::string& remark : checked.remarks) require_one_line(remark);
         return 0;
@@ -315,8 +318,9 @@ inline void decimal(const std::string& text) {
     if (text.find_first_of("xX \t\n\v\f\r") != text.npos || text.find('\0') != text.npos || text.empty()) return;
     char* end = nullptr;
     const double other = std::strtod(text.c_str(), &end);
-    require(value.has_value() == (end == text.c_str() + text.size()), "one takes for a number what the other does not");
-    if (value) require(*value == other || (*value != *value && other != other), "a number is not the nearest");
+    require(value.has_value() == (end == text.c_str() + text.size()),
+            "parse_decimal and strtod disagree on whether a text is a number");
+    if (value) require(*value == other || (*value != *value && other != other), "a number differs from strtod's");
 }
 
 inline void quoted(const std::string& text) {
@@ -341,7 +345,8 @@ inline void words(std::string_view bytes) {
     try {
         const Pattern pattern(text.substr(0, end));
         const std::string subject = text.substr(std::min(end + 1, text.size()));
-        require(pattern.matches(subject) == pattern.matches(subject), "an expression matches now and then");
+        require(pattern.matches(subject) == pattern.matches(subject),
+                "an expression matches one time and not the other");
     } catch (const std::invalid_argument& error) {
         require_one_line(error.what());
     }
@@ -396,12 +401,12 @@ inline void cache(std::string_view text) {
     const std::string key = "key";
     std::string sealed(text);
     sealed.append("checksum ").append(content_hash(text)).append("\n");
-    require(!truth::decode(key, text), "a text without a checksum is taken");
+    require(!truth::decode(key, text), "a text without a checksum is accepted");
     const std::optional<truth::Truth> truth = truth::decode(key, sealed);
     if (!truth) return;
     const std::string written = truth::encode(key, *truth);
     const std::optional<truth::Truth> back = truth::decode(key, written);
-    require(back.has_value(), "a truth is written that is not read");
+    require(back.has_value(), "a written truth cannot be read");
     require(truth::encode(key, *back) == written, "a truth does not read back");
 }
 
@@ -423,19 +428,21 @@ inline void engine(std::string_view text) {
     const EngineAnswer answer = read_answer(text, problem, known, settings, 5);
     const Trajectory& run = answer.trajectory;
     require_one_line(run.message);
-    require((run.status == Status::ok) == (run.samples.size() == 3), "an answer without its samples is ok");
+    require((run.status == Status::ok) == (run.samples.size() == 3),
+            "the status of an answer does not match its samples");
     for (const Sample& s : run.samples)
         require(squared_norm(s.q) * 0 == 0 && dot(s.position_W, s.position_W) * 0 == 0, "a sample is not finite");
-    if (run.status == Status::ok) require(run.seconds >= 0 && run.steps >= 0, "less than no cost");
+    if (run.status == Status::ok) require(run.seconds >= 0 && run.steps >= 0, "the cost is negative");
     static const Problem joined = pose(joined_bodies());
     static const EngineMechanism mechanism = engine_mechanism(joined);
     const Trajectory several = read_mechanism_answer(text, joined, mechanism, settings, 5);
     require_one_line(several.message);
     require((several.status == Status::ok) == (several.samples.size() == 3 * mechanism.bodies.size()),
-            "an answer without its samples is ok");
+            "the status of an answer does not match its samples");
     const auto engines = parsed([&] { return parse_engines(text, "fuzz"); });
     if (!engines) return;
-    for (const EngineMethod& one : *engines) require(!one.engine.empty() && !one.setting.empty(), "one without a name");
+    for (const EngineMethod& one : *engines)
+        require(!one.engine.empty() && !one.setting.empty(), "an engine has no name or no setting");
 }
 
 }  // namespace polhode::oracles

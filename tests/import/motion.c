@@ -1,5 +1,5 @@
-// Motion of a MuJoCo model by its forward dynamics alone: an own Runge-Kutta of order 4, no MuJoCo time stepping.
-// MuJoCo 2.2.2 (Debian's libmujoco-dev). Twin: motion.mjs, for MuJoCo 3. `compute` calls both and documents the jobs.
+// Integrates MuJoCo's forward dynamics by a Runge-Kutta method of order 4, without MuJoCo's time stepping.
+// For MuJoCo 2.2.2 (Debian's libmujoco-dev); motion.mjs is for MuJoCo 3. `compute` calls both and documents the jobs.
 #include <math.h>
 #include <mujoco/mujoco.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 static const double duration = 0.5;
 static int steps_per_half = 2500;  // h = 1e-4 s
 
-// joint coordinates' rates: a quaternion's from the angular velocity in the child's axes
+// rates of joint coordinates; those of quaternions follow from the angular velocity in the child's axes
 static void differentiate(const mjModel* m, mjData* d, double* dq, double* dv) {
     mj_forward(m, d);
     memcpy(dv, d->qacc, sizeof(double) * m->nv);
@@ -65,8 +65,8 @@ static void print_moment(const mjModel* m, mjData* d, double t, int first) {
     printf("]}");
 }
 
-// what is omitted by name: "armature", "free_damping", "ball_stiffness", "fluid", "tendon"; this version knows no
-// gravcomp
+// removes constructs by name: "armature", "free_damping", "ball_stiffness", "fluid", "tendon"; this version does not
+// support gravcomp
 static void drop(mjModel* m, const char* what) {
     if (strstr(what, "armature"))
         for (int i = 0; i < m->nv; ++i) m->dof_armature[i] = 0;
@@ -136,7 +136,7 @@ int main(int count, char** arguments) {
         m->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_ACTUATION | mjDSBL_CONTACT;
         drop(m, field[3]);
         mjData* d = mj_makeData(m);
-        // dof_M0, which stands for the mass matrix of simple bodies, holds the armature, too
+        // dof_M0, used as the mass matrix of simple bodies, also contains the armature
         mj_setConst(m, d);
         mj_resetData(m, d);
         if (!start(m, d, field[4])) {

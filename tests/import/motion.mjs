@@ -1,5 +1,5 @@
-// Motion of a MuJoCo model by its forward dynamics alone: an own Runge-Kutta of order 4, no MuJoCo time stepping.
-// MuJoCo 3 (npm's @mujoco/mujoco). Twin: motion.c, for MuJoCo 2.2.2. `compute` calls both and documents the jobs.
+// Integrates MuJoCo's forward dynamics by a Runge-Kutta method of order 4, without MuJoCo's time stepping.
+// For MuJoCo 3 (npm's @mujoco/mujoco); motion.c is for MuJoCo 2.2.2. `compute` calls both and documents the jobs.
 //   node motion.mjs MODULE [version]      MODULE: the path of mujoco.js
 import { readFileSync, readdirSync, statSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -100,10 +100,10 @@ function moment(m, d, t) {
   return { t, bodies };
 }
 
-// mj_id2name gives no empty string for a body without a name
+// mj_id2name does not return an empty string for a body without a name
 const nameOf = (m, b) => (m.names[m.name_bodyadr[b]] ? mujoco.mj_id2name(m, BODY, b) : "");
 
-// what is omitted by name: "armature", "free_damping", "gravcomp", "ball_stiffness", "fluid", "tendon"
+// removes constructs by name: "armature", "free_damping", "gravcomp", "ball_stiffness", "fluid", "tendon"
 function drop(m, what) {
   if (what.includes("armature")) m.dof_armature.fill(0);
   if (what.includes("gravcomp")) m.body_gravcomp.fill(0);
@@ -119,7 +119,7 @@ function drop(m, what) {
   }
 }
 
-// as motion.c describes it
+// format: see motion.c
 function start(m, d, text) {
   for (const one of text.split(";").filter(Boolean)) {
     const [kind, name, ...numbers] = one.trim().split(" ");
@@ -150,7 +150,7 @@ for await (const line of createInterface({ input: process.stdin })) {
     m.opt.disableflags |= 1 | (1 << 4) | (1 << 11); // constraints, contacts, actuators
     drop(m, dropped);
     const d = new mujoco.MjData(m);
-    mujoco.mj_setConst(m, d); // dof_M0 holds the armature, too
+    mujoco.mj_setConst(m, d); // dof_M0 also contains the armature
     mujoco.mj_resetData(m, d);
     start(m, d, begin);
     const weld = m.body_weldid;

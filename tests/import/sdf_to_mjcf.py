@@ -1,11 +1,11 @@
-"""An independent reading of SDFormat: links in the world, joints between them, written as MJCF for MuJoCo to move.
+"""An independent reader of SDFormat: converts links and joints to MJCF for MuJoCo.
 
-From the specification (versions 1.3 to 1.12, http://sdformat.org) alone; it shares nothing with polhode's reader. Every
-document is first brought to the semantics of version 1.7 and later, as the specification's own conversions do. Then each
-frame's pose and the link that it is attached to are resolved, scope by scope. What is not moved by these files is not
-read: limits, friction, contact, sensors.
+It is based only on the specification (versions 1.3 to 1.12, http://sdformat.org) and shares no code with polhode. Every
+document is first converted to the semantics of version 1.7 and later, by the specification's rules. Then the pose of
+each frame and the link that it is attached to are resolved, scope by scope. Elements that do not affect these motions
+are not read: limits, friction, contact, sensors.
 
-    Errors end in SdfError. Poses are 4x4 matrices of binary64.
+Errors are SdfError. Poses are 4x4 matrices of binary64.
 """
 import math
 import pathlib
@@ -15,7 +15,7 @@ import numpy as np
 
 
 class SdfError(Exception):
-    """What the specification does not allow, or this reading does not know."""
+    """An input that the specification does not allow or this reader does not support."""
 
 
 def rotation_rpy(r, p, y):
@@ -35,7 +35,7 @@ def rotation_quaternion(w, x, y, z):
 
 
 def quaternion(R):
-    """Of a rotation matrix, w first, by its largest component."""
+    """The quaternion of a rotation matrix, w first, computed from its largest component."""
     squares = [1 + R[0, 0] + R[1, 1] + R[2, 2], 1 + R[0, 0] - R[1, 1] - R[2, 2],
                1 - R[0, 0] + R[1, 1] - R[2, 2], 1 - R[0, 0] - R[1, 1] + R[2, 2]]
     k = int(np.argmax(squares))
@@ -108,7 +108,7 @@ def convert(root):
         for pose in root.iter("pose"):
             if pose.get("frame"):
                 pose.set("relative_to", pose.get("frame"))
-        # a joint may share its name with a link; its frame then has another one
+        # if a joint and a link have the same name, the frame of the joint gets another name
         for model in root.iter("model"):
             links = {link.get("name") for link in model.findall("link")}
             for joint in model.findall("joint"):
@@ -225,8 +225,8 @@ WORLD = ("world",)
 
 
 class Scope:
-    """A world or a model: its frames by name, each with its raw pose, the frame that is relative to and what it is
-    attached to."""
+    """A world or a model: its frames by name. Each has a raw pose, the frame that the pose is relative to, and the
+    frame that it is attached to."""
 
     def __init__(self, outer, name, static=False):
         self.scales_to_mass = outer.scales_to_mass if outer is not None else False
@@ -240,7 +240,7 @@ class Scope:
         return [] if self.outer is None else [*self.outer.path(), self.name]
 
     def find(self, name):
-        """The scope and the own name behind a name with ::."""
+        """Resolves a name with :: to its scope and its name there."""
         if "::" in name:
             head, tail = name.split("::", 1)
             if head in self.inner:
@@ -248,7 +248,7 @@ class Scope:
         return self, name
 
     def pose_of(self, name):
-        """In this scope's own frame."""
+        """The pose of a frame in this scope's frame."""
         scope, own = self.find(name)
         if scope is not self:
             X = np.eye(4)
@@ -307,7 +307,7 @@ class Scope:
 
 
 def read_included(folder, include):
-    """The model that an <include> names, in its own document's semantics, and that document's folder."""
+    """The model that an <include> names, converted by its document's version, and the folder of that document."""
     uri = text_of(include, "uri")
     path = folder / uri.removeprefix("model://").removeprefix("file://")
     if path.is_dir():
@@ -318,7 +318,7 @@ def read_included(folder, include):
 
 
 def fill(scope, at, folder):
-    """Reads what stands in a <world> or <model> into its scope."""
+    """Reads the children of a <world> or <model> into its scope."""
     for child in at:
         if child.tag == "link":
             name = child.get("name")
@@ -349,7 +349,7 @@ def fill(scope, at, folder):
 
 
 def merge(scope, model, include, folder):
-    """The included model's elements become this scope's; its frame is a frame of its own."""
+    """Adds the included model's elements to this scope, and its frame as a separate frame."""
     proxy = f"_merged__{model.get('name')}__model__"
     given = include.find("pose") if include.find("pose") is not None else model.find("pose")
     scope.frames[proxy] = (raw_pose(given), given.get("relative_to", "") if given is not None else "", "", None)
@@ -434,11 +434,11 @@ def read_joint(scope, joint, poses):
 
 
 def read_sdf(path, scales_to_mass=False):
-    """Links by their paths: poses in the world, masses (mass, centre, tensor), which gravity does not act on, which are
-    static; joints; the world's gravity, None of a file without a world.
+    """Reads a file. Returns, by path of the link: poses in the world, masses (mass, centre, tensor), links without
+    gravity, static links; also the joints and the world's gravity, None for a file without a world.
 
-    scales_to_mass: a <mass> beside auto="true" scales the automatic inertia, as libsdformat does from 14.7 and 15.2 on;
-    versions before ignore it."""
+    scales_to_mass: a <mass> with auto="true" scales the automatic inertia, as in libsdformat from 14.7 and 15.2 on;
+    earlier versions ignore it."""
     path = pathlib.Path(path)
     root = ElementTree.parse(path).getroot()
     convert(root)

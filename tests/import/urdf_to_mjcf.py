@@ -1,14 +1,13 @@
-"""An independent reading of URDF, written as MJCF for MuJoCo to move.
+"""An independent reader of URDF: converts links and joints to MJCF for MuJoCo.
 
-MuJoCo reads URDF itself, and `compute` has it read every file that it takes. This reading is the second opinion there,
-and the only one for what MuJoCo refuses: links whose tensor is possible only once fixed joints have merged them, tensors
-that rounding made impossible, and links without mass between two hinges.
+MuJoCo also reads URDF, and `compute` compares both readings. This reader is the only reference for files that MuJoCo
+refuses: links whose tensor is possible only after fixed joints have merged them, tensors that rounding made impossible,
+and links without mass between two hinges.
 
-What it does, in this order: links that fixed joints tie to a link that moves are merged into it (what is left of
-them is a frame), links that they tie to
-the world are left out; a link without mass passes its joint on to its only child, or is left out at the
-end of the tree; a tensor whose largest moment exceeds
-the sum of the others by e loses e/3 there and gains e/3 in each of the others, the smallest change of the three moments.
+It applies these steps in this order. Links fixed to a moving link are merged into it and become frames; links fixed to
+the world are dropped. A link without mass passes its joint to its only child; at the end of the tree it is dropped. If
+the largest moment of a tensor exceeds the sum of the others by e, it is reduced by e/3 and the others are increased by
+e/3, which is the smallest change of the three moments.
 """
 import xml.etree.ElementTree as ElementTree
 
@@ -72,8 +71,7 @@ def convert_to_mjcf(path, free_base=False):
     roots = [name for name in [*masses, *below] if name not in carried]
     roots = list(dict.fromkeys(roots))
 
-    # of the link and what fixed joints tie to it: mass parts in its frame, the moving joints and the links with their
-    # places in it
+    # collects a link and the links fixed to it: masses in its frame, moving joints, and links with their poses in it
     def gather(name, X):
         parts, moving, tied = [], [], []
         mass = masses.get(name)

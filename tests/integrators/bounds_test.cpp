@@ -145,7 +145,7 @@ TEST_P(Bounds, NamesTheStepInWhichTheMotionIsLost) {
 TEST_P(Bounds, NamesABlowUpInFiniteTime) {
     const Method& method = *GetParam();
     if (method.name.starts_with("point_")) GTEST_SKIP() << "springs and steps go by the scene's largest rate: infinite";
-    if (method.name.starts_with("xpbd_")) GTEST_SKIP() << "its w is what was turned over h, 2/h at the most";
+    if (method.name.starts_with("xpbd_")) GTEST_SKIP() << "its w is the rotation divided by h, at most 2/h";
     const auto torque = [](const LoadState& s) {
         const Vector3<double>& w = s.angular_velocity_B;
         return dot(w, w) * w;

@@ -70,7 +70,7 @@ std::vector<Scene> counting_scenes(long& calls) {
 class Counts : public ::testing::TestWithParam<const Method*> {};
 
 // The counts also hold for runs that end early, because angles meet gimbal lock or springs break. A run by fixed steps
-// that diverges reports the evaluations up to the step that led astray; it went further before it found that step.
+// that diverges reports the evaluations up to the step that diverged, although it continued beyond this step.
 TEST_P(Counts, AreTheCallsOfAUserTorque) {
     const Method& method = *GetParam();
     long calls = 0;

@@ -153,7 +153,7 @@ TEST(ConservedByMechanism, InFlight) {
     expect_kept("torque, world axes", flying_pair({Torque{{0, 2, 0}, Frame::world, {}, "arm"}}),
                 {keeps_L_across, keeps_p});
     expect_kept("torque, body axes", flying_pair({Torque{{0, 2, 0}, Frame::body, {}, "arm"}}), {keeps_p});
-    expect_kept("a torque that is none", flying_pair({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}),
+    expect_kept("a zero torque", flying_pair({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}),
                 {keeps_energy, keeps_L, keeps_p});
     expect_kept("force, world axes, at a point of the body", flying_pair({force_at({1, 2, 0}, Frame::world)}),
                 {keeps_energy, keeps_p_across});

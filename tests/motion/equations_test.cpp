@@ -139,7 +139,7 @@ RC_GTEST_PROP(RightHandSide, ReducedAndFullAgree, ()) {
             rates = rates_by<LoadedMotion>(reduced, s);
             break;
         default:
-            RC_DISCARD("a random state does not turn about one axis");
+            RC_DISCARD("a random state does not rotate about one axis");
     }
     const double size = 100 * (length(expected.angular_velocity_B) + dot(s.angular_velocity_B, s.angular_velocity_B));
     RC_ASSERT(distance(rates.angular_velocity_B, expected.angular_velocity_B) < roundoff(size));

@@ -55,7 +55,7 @@ TEST(TreeInertia, NamesTheBodyAndTheMotionWithoutInertia) {
         {arm_and_tip(no_mass, wrist(JointType::spherical)),
          "arm: /bodies/1: \"tip\" has no inertia about some axis through joint \"wrist\"; give it mass, or use a fixed "
          "joint"},
-        // a point mass on the axis, and a ball joint that lets it turn about the line to it
+        // a point mass on the axis, and a ball joint that lets it rotate about the line to it
         {arm_and_tip(point, wrist(JointType::revolute, {0, 0, 1})),
          "\"tip\" has no inertia about joint \"wrist\"; give it mass away from the axis, or use a fixed joint"},
         {arm_and_tip(point, wrist(JointType::spherical)), "use a universal joint"},

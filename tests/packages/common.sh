@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What the scripts here share. To be sourced by bash, after `set -euo pipefail`.
+# Functions of the scripts in this directory. To be sourced by bash after `set -euo pipefail`.
 
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
@@ -8,14 +8,14 @@ die() {
     exit 1
 }
 
-# cached BUILD NAME: what the build directory's cache says
+# cached BUILD NAME: prints a variable of the build directory's cache
 cached() { sed -nE "s/^$2:[A-Z]+=(.*)/\1/p" "$1/CMakeCache.txt"; }
 
-# the one version, as CMakeLists.txt states it
+# the version, from CMakeLists.txt
 version=$(sed -nE 's/^project\(polhode VERSION ([0-9.]+).*/\1/p' "$top/CMakeLists.txt")
-[[ -n $version ]] || die "CMakeLists.txt states no version"
+[[ -n $version ]] || die "CMakeLists.txt: no version found"
 
-# solve_in_python PYTHON DIRECTORY: the module found below DIRECTORY is of this version and solves a scene
+# solve_in_python PYTHON DIRECTORY: checks that the module is found in DIRECTORY, has this version and solves a scene
 solve_in_python() {
     (cd / && "$1" -B - "$2" "$version") <<'END'
 import sys
@@ -32,10 +32,10 @@ assert not [name for name in map(str, polhode.methods()) if "gsl" in name]
 END
 }
 
-# no_gpl FILE: what it is linked with, directly or not
+# no_gpl FILE: fails if the file links GSL, directly or indirectly, or has a run path
 no_gpl() {
     local libraries
     libraries=$(ldd "$1")
-    ! grep -qiE 'not found|libgsl' <<<"$libraries" || die "$1 is linked with"$'\n'"$libraries"
-    ! objdump -p "$1" | grep -E 'R(UN)?PATH' || die "$1 looks for libraries in a directory of its own"
+    ! grep -qiE 'not found|libgsl' <<<"$libraries" || die "$1 links GSL, or a library is missing:"$'\n'"$libraries"
+    ! objdump -p "$1" | grep -E 'R(UN)?PATH' || die "$1 has a run path (RPATH or RUNPATH)"
 }

@@ -1,4 +1,4 @@
-"""Small runs of every command that writes files, for the scripts here that attack them from below."""
+"""Small runs of every command that writes files, for the scripts that make its system calls fail."""
 from __future__ import annotations
 
 import base64
@@ -19,7 +19,7 @@ growth = {"name": "growth", "about": "with a curve over time", "kind": "conserva
 short = ["--samples", "4", "--duration", "1"]
 run = ["--output", "results", "--jobs", "1", "--quiet"]
 
-# What is written, and by which command line; a name of prepare() where it is not the plain folder that it starts from
+# Name of each command: the folder of prepare() in which it starts, and its command line
 commands: dict[str, tuple[str, list[str]]] = {
     "solve": ("plain", ["solve", "mechanisms/double_pendulum", *short, "--output", "out.csv", "--reactions", "more.csv"]),
     "truth": ("plain", ["truth", "symmetric", *short, "--output", "out.csv"]),
@@ -38,34 +38,34 @@ commands: dict[str, tuple[str, list[str]]] = {
     "merge": ("done", ["merge", "results", "--output", "merged"]),
     "report": ("done", ["report", "results", "--jobs", "1", "--quiet", "--output", "out.html"]),
 }
-old_text = "what stood here before\n"
-# what commands write where there is an old one
+old_text = "content before the run\n"
+# output files that exist before the command runs
 old_outputs = ["out.csv", "more.csv", "out.json", "out.h", "out.txt", "out.svg", "out.pdf", "out.html",
                "results/sweep.csv", "results/sweep.json", "merged/sweep.csv", "results/study.csv", "results/growth.csv"]
 bodies = "wx,wy,wz\n1,2,3\n2,3,4\n0.1,5,1\n"
 
 
 def environment(folder: pathlib.Path, **more: str) -> dict[str, str]:
-    """A small one, with nothing of the caller's but the path: the cache and temporary files lie in the folder."""
+    """A minimal environment that inherits only PATH. The cache and temporary files are in the folder."""
     return {"PATH": os.environ.get("PATH", "/usr/bin:/bin"), "HOME": str(folder), "POLHODE_CACHE": str(folder / "cache"),
             "TMPDIR": str(folder), "POLHODE_REPORT_PAGE": str(folder / "page.html"), "LC_ALL": "C.UTF-8", **more}
 
 
 def call(program: pathlib.Path, arguments: list[str], folder: pathlib.Path, limit: float = 120,
          **more: str) -> subprocess.CompletedProcess:
-    """The program in the folder. Throws subprocess.TimeoutExpired."""
+    """Runs the program in the folder. Raises subprocess.TimeoutExpired."""
     return subprocess.run([str(program), *arguments], cwd=folder, env=environment(folder, **more),
                           stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=limit)
 
 
 def prepare(program: pathlib.Path, folder: pathlib.Path) -> None:
-    """Folders of `folder` to copy before each run: plain; done, with results; half, with part of them."""
+    """Makes folders to copy before each run: plain (inputs), done (with results), half (with some of the results)."""
     plain = folder / "plain"
     plain.mkdir(parents=True)
     for experiment in (sweep, study, growth):
         (plain / f"{experiment['name']}.json").write_text(json.dumps(experiment))
     (plain / "bodies.csv").write_text(bodies)
-    # what stands for the page's front-end, which takes npm to build
+    # replaces the front-end of the report, which needs npm to build
     (plain / "page.html").write_text("<title><!--polhode:title--></title><!--polhode:data-->\n")
     made = call(program, ["solve", "symmetric", *short, "--output", "in.csv"], plain)
     if made.returncode != 0:
@@ -93,8 +93,8 @@ def prepare(program: pathlib.Path, folder: pathlib.Path) -> None:
 
 
 def contents(folder: pathlib.Path) -> dict[str, bytes]:
-    """What every file holds, but for the cache, locks and times."""
-    # an experiment is kept with the path of its file
+    """The contents of all files, except the cache, locks and times."""
+    # the stored copy of an experiment contains the path of its file
     return {str(path.relative_to(folder)): re.sub(rb"/(at-[0-9]+|plain|half|done)/", b"/at/", path.read_bytes())
             if path.name.endswith(".experiment.json") else path.read_bytes() for path in sorted(folder.rglob("*"))
             if path.is_file() and path.suffix not in (".lock", ".seconds") and path.name != "claims" and
@@ -106,7 +106,7 @@ def temporaries(folder: pathlib.Path) -> list[str]:
 
 
 def document(page: bytes) -> object:
-    """What a page tells, without the minute in which it was made; nothing where it is none."""
+    """The data of a report page without its creation time; None if the page is not valid."""
     found = re.search(rb"H4sI[A-Za-z0-9+/=]+", page)
     try:
         told = json.loads(gzip.decompress(base64.b64decode(found.group()))) if found else {}
@@ -116,12 +116,12 @@ def document(page: bytes) -> object:
 
 
 class Reference:
-    """What a command leaves when nothing is in its way, by two runs: where they differ, as times do, the differing
-    bytes are not compared, only what kind of file it is."""
+    """The files that two undisturbed runs of a command leave. Files that differ between the two, as times do, are
+    compared only by format and outline."""
 
     def __init__(self, first: dict[str, bytes], second: dict[str, bytes]) -> None:
         self.files, self.varies = first, {name for name in first if first[name] != second.get(name)}
-        # times: rounded ones may agree in two runs, and which method is the fastest hangs on them
+        # times, which may agree when rounded, and the order of methods by time
         self.varies |= {name for name in first if name.endswith(("provenance.json", "out.json", ".html")) or
                         name.startswith(("results/sweep", "results/growth", "merged/sweep"))}
         if set(first) != set(second):
@@ -129,7 +129,7 @@ class Reference:
 
     @staticmethod
     def outline(text: bytes) -> list[tuple[int, bytes]]:
-        """Of each line how many cells it has and the first of them, where that is no number."""
+        """For each line, the number of cells, and the first cell unless it is a number."""
         return [(line.count(b","), re.sub(rb"[-+0-9.e]+.*", b"", line.split(b",")[0])) for line in text.splitlines()]
 
     def is_whole(self, name: str, text: bytes) -> bool:
@@ -151,14 +151,14 @@ class Reference:
             return text.startswith(b"%PDF") and text.rstrip().endswith(b"%%EOF")
         if name.endswith(".html"):
             return text.endswith(b"\n") and document(text) is not None and document(text) == document(self.files[name])
-        # a page whose lines hang on what took how long
+        # a page whose lines depend on measured times
         return text.splitlines()[:1] == self.files[name].splitlines()[:1] and text.endswith(b"\n")
 
     def differs(self, files: dict[str, bytes]) -> str:
-        """What is wrong with these files; nothing where they are complete and right."""
+        """Returns how these files differ from the reference, or an empty string."""
         if missing := sorted(set(self.files) - set(files)):
             return f"{missing[0]} is missing"
         if extra := sorted(set(files) - set(self.files)):
-            return f"{extra[0]} is left"
+            return f"unexpected file {extra[0]}"
         wrong = [name for name in files if not self.is_whole(name, files[name])]
-        return f"{wrong[0]} is not as it is without the fault" if wrong else ""
+        return f"{wrong[0]} differs from an undisturbed run" if wrong else ""

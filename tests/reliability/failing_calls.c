@@ -1,12 +1,12 @@
-// Preloaded into a program: counts the calls that write files, and lets one of them fail.
+// Library to preload (LD_PRELOAD): counts the calls that write files, and makes one of them fail.
 //
-//   FAILING_CALLS_LOG=FILE         a line for each call: its number, its name, the path or the descriptor
-//   FAILING_CALLS_AT=N             the N-th call fails ..
-//   FAILING_CALLS_WITH=ERROR       .. with this errno; 0: a write that takes half of what it is given
-//   FAILING_CALLS_FROM=1           and so does every later call of a name that can fail so (a disk that stays full)
+//   FAILING_CALLS_LOG=FILE         writes a line for each call: number, name, path or descriptor
+//   FAILING_CALLS_AT=N             the N-th call fails
+//   FAILING_CALLS_WITH=ERROR       errno of the failing call; 0: a write that writes half of its bytes
+//   FAILING_CALLS_FROM=1           later calls that can fail in this way fail too (a disk that stays full)
 //
-// What goes to the standard streams, to pipes and to sockets is not counted, and neither is anything of a child. stdio
-// writes by calls inside the C library, where nothing can be put between: its own functions are counted in their place.
+// Not counted: writes to standard streams, pipes and sockets, and calls of child processes. stdio writes through calls
+// inside the C library, which cannot be intercepted; its functions are counted instead.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -47,7 +47,7 @@ __attribute__((constructor)) static void begin(void) {
     unsetenv("LD_PRELOAD");
 }
 
-// Whether this call is to fail: it is counted, and errno is set.
+// Counts a call. Returns whether it must fail, and then sets errno.
 static int fails(const char* name, const char* what) {
     static const char* failing_name = NULL;
     if (!is_on) return 0;
@@ -60,7 +60,7 @@ static int fails(const char* name, const char* what) {
     }
     int failing = calls == failing_at;
     if (failing) failing_name = name;
-    // a full disk refuses what makes files longer or more; it still gives up and forgets them
+    // a full disk refuses new files and longer files; closing and removing files still works
     if (stays && failing_at && calls > failing_at)
         failing = !strcmp(name, "write") || !strcmp(name, "open") || !strcmp(name, "mkdir") ||
                   (failing_name && !strcmp(name, failing_name));
@@ -179,7 +179,7 @@ ssize_t writev(int file, const struct iovec* parts, int count) {
 POSITIONED(pwrite, off_t)
 POSITIONED(pwrite64, off64_t)
 
-// After a failed close() the descriptor is gone all the same, as with Linux.
+// A failed close() still closes the descriptor, as on Linux.
 int close(int file) {
     REAL(close, int, int);
     const int failing = is_counted(file) && fails_of("close", file);

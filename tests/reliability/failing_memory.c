@@ -1,11 +1,11 @@
-// Preloaded into a program: counts what it asks of memory and threads once main() has begun, and refuses some of it.
+// Library to preload (LD_PRELOAD): counts allocations and thread starts from the start of main(), and makes some fail.
 //
-//   FAILING_MEMORY_COUNTS=FILE   at the end, how many allocations and how many threads there were
-//   FAILING_MEMORY_AT=N          the N-th allocation gets nothing
-//   FAILING_THREADS_AT=N         the N-th thread is not made: EAGAIN
-//   FAILING_MEMORY_FROM=1        and so it goes with all that come later
+//   FAILING_MEMORY_COUNTS=FILE   writes the numbers of allocations and threads at the end
+//   FAILING_MEMORY_AT=N          the N-th allocation fails
+//   FAILING_THREADS_AT=N         the N-th thread start fails with EAGAIN
+//   FAILING_MEMORY_FROM=1        all later allocations or thread starts fail too
 //
-// The program's own and its libraries' are counted, the C library's too; nothing of a child is.
+// Counted: allocations of the program and of all its libraries, also the C library. Not counted: child processes.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

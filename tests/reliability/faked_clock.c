@@ -1,5 +1,5 @@
-// Preloaded into a program: the time of day begins at FAKED_CLOCK seconds after 1970 and goes back an hour each time
-// that somebody asks. Clocks that count from the machine's start are left alone.
+// Library to preload (LD_PRELOAD): the time of day starts at FAKED_CLOCK seconds after 1970 and goes back one hour at
+// each call. Monotonic clocks do not change.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdlib.h>

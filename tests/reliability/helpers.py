@@ -32,7 +32,7 @@ SHARED = {
 
 
 def make_parser(text: str, *shared: str) -> argparse.ArgumentParser:
-    """A parser that prints `text` as its help and has these options of SHARED."""
+    """Makes a parser that prints `text` as its help and has the named options of SHARED."""
     parser = argparse.ArgumentParser(usage="see --help", add_help=False, allow_abbrev=False)
     parser.add_argument("-h", "--help", action=PrintHelp, text=text)
     for name in shared:
@@ -56,12 +56,12 @@ def require_programs(packages: str, *programs: str) -> None:
     """Exits with 2 unless all programs are installed."""
     for program in programs:
         if not shutil.which(program):
-            print(f"{pathlib.Path(sys.argv[0]).name}: no {program}; install Debian's {packages}", file=sys.stderr)
+            print(f"{pathlib.Path(sys.argv[0]).name}: {program} not found; install {packages}", file=sys.stderr)
             sys.exit(2)
 
 
 def compile_shim(name: str, folder: pathlib.Path) -> pathlib.Path:
-    """NAME.c of this folder as a library to preload."""
+    """Compiles NAME.c of this folder to a library for LD_PRELOAD."""
     require_programs("gcc", "cc")
     shim = folder / f"{name}.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", shim, here / f"{name}.c", "-ldl"], check=True)
@@ -77,13 +77,13 @@ def fresh_copy(source: pathlib.Path, target: pathlib.Path) -> pathlib.Path:
 
 
 def fast_place() -> str | None:
-    """A folder in memory, where a sync costs nothing; None if there is not one."""
+    """A folder in memory, where sync is fast; None if there is none."""
     return "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 
 
 @contextlib.contextmanager
 def work_folder(name: str, keep: bool = False, place: str | os.PathLike | None = None) -> Iterator[pathlib.Path]:
-    """A new folder, by default in TMPDIR or memory; removed at the end, or printed if it is kept."""
+    """Makes a temporary folder, by default in TMPDIR or memory. Removes it at the end, or prints it if `keep`."""
     parent = place or os.environ.get("TMPDIR") or fast_place()
     folder = pathlib.Path(tempfile.mkdtemp(prefix=f"polhode-{name}-", dir=parent)).resolve()
     try:
@@ -97,7 +97,7 @@ def work_folder(name: str, keep: bool = False, place: str | os.PathLike | None =
 
 
 def replace_file(path: str | os.PathLike, text: str) -> None:
-    """Writes a file so that it is never incomplete."""
+    """Writes a file atomically."""
     temporary = pathlib.Path(f"{path}.new")
     temporary.write_text(text)
     temporary.replace(path)
@@ -117,7 +117,7 @@ def commit_hash() -> str:
 
 def record(name: str, count: int, unit: str, failures: int, seconds: float, command: str,
            details: dict[str, object] | None = None) -> None:
-    """Writes results/reliability/NAME.json (POLHODE_RECORDS: in this folder) with commit, date and processor."""
+    """Writes results/reliability/NAME.json (or in the folder POLHODE_RECORDS) with commit, date and processor."""
     directory = pathlib.Path(os.environ.get("POLHODE_RECORDS", top / "results" / "reliability"))
     directory.mkdir(parents=True, exist_ok=True)
     entry = {"name": name, "count": count, "unit": unit, "failures": failures, "seconds": round(seconds, 1),

@@ -185,7 +185,7 @@ TEST(MechanismFile, AcceptsWhatTheRulesAllow) {
     EXPECT_TRUE(is_mechanism(alone));
 }
 
-// The reader knows every key of the reference: with the unknown key "zzz" beside it, the message is about "zzz".
+// The reader accepts every key of the reference: with an additional unknown key "zzz", the message is about "zzz".
 TEST(MechanismFile, EveryKeyOfTheReferenceIsRead) {
     int keys = 0;
     for (const FileKey& key : scene_keys()) {

@@ -66,7 +66,7 @@ TEST_F(SmallTree, PrintsItsArrows) {
 
 TEST_F(SmallTree, FailsOnAnUpwardInclude) {
     file("src/motion/problem.h", "integrators/method.h");
-    expect_fault("src/motion/problem.h:3: motion includes integrators/method.h, which is upward");
+    expect_fault("src/motion/problem.h:3: motion includes integrators/method.h, which is in a higher layer");
 }
 
 TEST_F(SmallTree, FailsOnACircleOnOneFloor) {
@@ -74,22 +74,23 @@ TEST_F(SmallTree, FailsOnACircleOnOneFloor) {
     file("integrators/geometric/projection.h", "integrators/sundials/cvode.h");
     file("integrators/sundials/cvode.h", "integrators/odeint/odeint.h");
     expect_fault(
-        "integrators/geometric/projection.h:3: integrators/geometric includes integrators/sundials, in a circle");
+        "integrators/geometric/projection.h:3: integrators/geometric includes integrators/sundials, which is part of a "
+        "cycle");
 }
 
 TEST_F(SmallTree, FailsWhereIntegratorsAndMeasureKnowEachOther) {
     file("integrators/own/exact.cpp", "measure/errors.h");
-    expect_fault("integrators and measure do not know each other");
+    expect_fault("integrators and measure must not include each other");
 }
 
 TEST_F(SmallTree, FailsOnAFolderWithoutAFloor) {
     file("src/attic/rope.h", "body/shape.h");
-    expect_fault("attic stands on no floor");
+    expect_fault("attic belongs to no layer");
 }
 
 TEST_F(SmallTree, FailsWhereEigenSeesTheProcessor) {
     std::ofstream(top_ / "src/body/shape.h") << "#pragma once\n#include <Eigen/Dense>\n";
-    expect_fault("src/body/shape.h:2: Eigen is to be included by integrators/series/linear_algebra.h");
+    expect_fault("src/body/shape.h:2: includes Eigen directly; include integrators/series/linear_algebra.h instead");
 }
 
 TEST(OneDefinition, OfEachType) {

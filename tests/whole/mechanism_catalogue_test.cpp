@@ -17,7 +17,7 @@ struct Count {
     const char* name;
     int tree;       ///< degrees of freedom: revolute, prismatic 1, universal 2, spherical 3, free base 6
     int rows;       ///< equations of the loops: spherical 3, revolute 5, distance 1
-    int redundant;  ///< of these, implied by the others
+    int redundant;  ///< number of these implied by the others
 };
 
 // In a planar loop of parallel hinges, two of a hinge's five equations and two of a spherical joint's three are

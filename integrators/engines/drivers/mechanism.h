@@ -1,6 +1,6 @@
 // Several bodies and joints as a driver receives them, and the loop over their steps.
 //
-// A driver provides a MechanismWorld: the engine with all bodies and joints, created anew for every run.
+// A driver provides a MechanismWorld: the engine with all bodies and joints, created for each run.
 #pragma once
 
 #include <concepts>
@@ -92,7 +92,7 @@ inline Quaternion<double> frame_about(const Vector3<double>& z, Vector3<double> 
 /// An engine with several bodies.
 template <class World>
 concept MechanismWorld = std::constructible_from<World, const Mechanism&> && requires(World world, double h) {
-    { world.motions() } -> std::same_as<std::vector<Motion>>;  // of all bodies, in their order
+    { world.motions() } -> std::same_as<std::vector<Motion>>;  // motions of all bodies, in their order
     world.step(h);
 };
 

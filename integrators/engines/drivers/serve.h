@@ -1,6 +1,6 @@
 // Common part of the engine drivers: the protocol, and the loop over a request's steps.
 //
-// A driver provides an EngineWorld: the engine with one body, created anew for every run.
+// A driver provides an EngineWorld: the engine with one body, created for each run.
 #pragma once
 
 #include <chrono>
@@ -27,7 +27,7 @@ struct Body {
     Vector3<double> moments;               ///< kg m^2
     Quaternion<double> q;                  ///< body to world
     Vector3<double> w, p, v;               ///< world axes, rad/s, m, m/s
-    Vector3<double> gravity;               ///< of the world at t = 0, m/s^2
+    Vector3<double> gravity;               ///< world axes, at t = 0, m/s^2
     std::optional<Vector3<double>> pivot;  ///< point fixed at the world's origin by a ball joint, body axes, m
     std::vector<Plane> planes;             ///< unit normals
     std::vector<Vector3<double>> hull;     ///< corners, body axes, m

@@ -6,7 +6,7 @@ let Ammo;
 const array = (v) => [v.x(), v.y(), v.z()];
 const neverAsleep = 4, gyroscopicForce = 2;
 
-// What both kinds of worlds are made of.
+// Common base of World and Mechanism.
 class Scene {
   constructor(gravity) {
     this.taken = [];
@@ -16,7 +16,7 @@ class Scene {
     this.world = this.take(new Ammo.btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration));
     this.world.setGravity(this.vector(gravity));
   }
-  // What was made is given back, the last first.
+  // Registers an object to be freed. Objects are freed in reverse order.
   take(object) {
     this.taken.push(object);
     return object;
@@ -25,7 +25,7 @@ class Scene {
   place(p, [w, x, y, z]) {
     return this.take(new Ammo.btTransform(this.take(new Ammo.btQuaternion(x, y, z, w)), this.vector(p)));
   }
-  // `groups`: its own, and those that it collides with; all that there are without them
+  // `groups`: the body's collision group and the groups that it collides with; by default all
   bodyOf(mass, shape, p, q, inertia, groups = []) {
     const motion = this.take(new Ammo.btDefaultMotionState(this.place(p, q)));
     const body =
@@ -59,7 +59,7 @@ class World extends Scene {
     this.body = this.bodyOf(body.mass, this.shapeOf(body), body.p, body.q, this.vector(body.moments));
     liven(this.body, body.setting);
     this.setVelocities(body.w, body.v);
-    // the coefficients of the two that touch are multiplied: the planes' are 1
+    // Bullet multiplies the coefficients of both bodies: the planes have 1
     if (body.planes.length) {
       this.body.setRestitution(body.planes[0].restitution), this.body.setFriction(body.planes[0].friction);
     }
@@ -101,7 +101,7 @@ class World extends Scene {
 class Mechanism extends Scene {
   constructor({bodies, joints, loops, gravity, setting}) {
     super(gravity);
-    // bodies collide with nothing
+    // bodies do not collide
     this.made = bodies.map((known) => {
       const shape = this.take(new Ammo.btSphereShape(0.01));
       const body = this.bodyOf(known.mass, shape, known.p, known.q, this.vector(known.moments), [1, 0]);
@@ -144,7 +144,7 @@ await serve({
     default: 'no gyroscopic term; slow bodies sleep; no damping; at most pi/4 of rotation per step',
     best: 'gyroscopic term by an explicit step (setFlags(1)), no sleeping'
   },
-  // no fixed one: the constraint of this build gives way, 1.1 rad on a welded pendulum in a quarter of a second
+  // fixed joints are not supported: this build's constraint fails, by 1.1 rad on a welded pendulum in 0.25 s
   joints: ['revolute', 'prismatic', 'spherical'],
   loops: ['revolute', 'spherical'],
   load: async () => {

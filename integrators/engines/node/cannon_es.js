@@ -6,7 +6,7 @@ let CANNON;
 const vector = (a) => new CANNON.Vec3(...a);
 const array = (v) => [v.x, v.y, v.z];
 
-// The moments are the engine's own guess from shapes; here they are given, and the shape leaves them alone.
+// Sets the body's moments, which the engine otherwise estimates from the shapes.
 function giveMoments(body, moments) {
   body.updateMassProperties = () => {};
   body.inertia.set(...moments);
@@ -64,7 +64,7 @@ class World {
   free() {}
 }
 
-// Half the sides of a box that has these corners.
+// Half extents of the box with these corners.
 function halfSides(hull) {
   const half = [0, 1, 2].map((i) => Math.max(...hull.map((corner) => Math.abs(corner[i]))));
   return vector(half);

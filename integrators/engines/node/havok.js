@@ -1,18 +1,18 @@
-// Havok as Babylon.js has it.
+// Havok, as packaged by Babylon.js.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
 import {serve, add, cross, framesOf, rotate, scaled} from './serve.js';
 
 let havok;
 
-// Every call answers with [result, ..]: what follows the result, if it is a good one.
+// Every call returns [result, ..]. Returns the values after a successful result.
 function good(answer) {
   const [result, ...values] = Array.isArray(answer) ? answer : [answer];
   if (result !== havok.Result.RESULT_OK) throw new Error('a Havok call failed');
   return values[0];
 }
 
-// What both kinds of worlds are made of.
+// Common base of World and Mechanism.
 class Scene {
   constructor(gravity) {
     this.world = good(havok.HP_World_Create());
@@ -28,7 +28,7 @@ class Scene {
   addBody({mass, moments, p, q, w, v}, setting, change = () => {}) {
     const body = this.bodyAt(havok.MotionType.DYNAMIC, p, q);
     change(body);
-    // the inertia is that of a body of mass 1
+    // the inertia is given per unit mass
     good(havok.HP_Body_SetMassProperties(body, [[0, 0, 0], mass, moments.map((x) => x / mass), [0, 0, 0, 1]]));
     if (setting === 'best') {
       good(havok.HP_Body_SetLinearDamping(body, 0)), good(havok.HP_Body_SetAngularDamping(body, 0));
@@ -39,7 +39,7 @@ class Scene {
     good(havok.HP_Body_SetAngularVelocity(body, w)), good(havok.HP_Body_SetLinearVelocity(body, v));
     return body;
   }
-  // An anchor: a point and the first two axes of the joint's frame.
+  // An anchor is a point and the first two axes of the joint's frame.
   join(parent, parentAnchor, child, childAnchor, axes) {
     const joint = good(havok.HP_Constraint_Create());
     good(havok.HP_Constraint_SetParentBody(joint, parent)), good(havok.HP_Constraint_SetChildBody(joint, child));
@@ -84,7 +84,7 @@ class World extends Scene {
     };
     take(body.ball ? good(havok.HP_Shape_CreateSphere([0, 0, 0], body.ball)) : this.hull(body.hull), this.body);
     for (const {normal, offset} of body.planes) {
-      // there are no planes: a block of a hundred metres, with its upper face in the plane
+      // Havok has no planes: a block of 100 m with its upper face in the plane
       const ground = this.bodyAt(havok.MotionType.STATIC, scaled(offset - 50, normal), towards(normal));
       take(good(havok.HP_Shape_CreateBox([0, 0, 0], [0, 0, 0, 1], [100, 100, 100])), ground);
       good(havok.HP_World_AddBody(this.world, ground, false));
@@ -107,7 +107,7 @@ class World extends Scene {
   setVelocities(w, v) {
     good(havok.HP_Body_SetAngularVelocity(this.body, w)), good(havok.HP_Body_SetLinearVelocity(this.body, v));
   }
-  // Babylon.js makes of a force an impulse of one step; the body takes it before it is stepped.
+  // Babylon.js converts a force to the impulse of one step, which is applied before the step.
   apply(force, torque) { this.push = {force, torque}; }
   step(h) {
     if (this.push) {
@@ -128,7 +128,7 @@ class World extends Scene {
   }
 }
 
-// The shortest turn of z into a direction.
+// The smallest rotation of z into a direction.
 function towards(normal) {
   const half = add(normal, [0, 0, 1]), length = Math.hypot(...half);
   if (!(length > 0)) return [0, 1, 0, 0];

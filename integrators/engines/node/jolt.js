@@ -6,7 +6,7 @@ let Jolt;
 const array = (v) => [v.GetX(), v.GetY(), v.GetZ()];
 const moving = 0, still = 1;
 
-// What both kinds of worlds are made of.
+// Common base of World and Mechanism.
 class Taking {
   start(gravity) {
     this.taken = [];
@@ -43,13 +43,13 @@ class Taking {
     change(made);
     const created = this.bodies.CreateBody(made);
     Jolt.destroy(made);
-    // in place of the inertia of the shape
+    // overrides the inertia of the shape
     const inverse = this.vector(body.moments.map((x) => 1 / x));
     created.GetMotionProperties().SetInverseInertia(inverse, this.take(new Jolt.Quat(0, 0, 0, 1)));
     this.bodies.AddBody(created.GetID(), Jolt.EActivation_Activate);
     return created;
   }
-  // What is made of numbers alone has to be given back, once nobody looks at it any more.
+  // Registers a temporary object of numbers. It must be freed explicitly when it is no longer used.
   take(object) {
     this.taken.push(object);
     return object;
@@ -91,7 +91,7 @@ class World extends Taking {
     if (body.ball || !body.hull.length) return new Jolt.SphereShape(body.ball ?? 0.1);
     const settings = new Jolt.ConvexHullShapeSettings();
     for (const corner of body.hull) settings.mPoints.push_back(this.vector(corner));
-    // Jolt rounds edges off; this body has none that are round
+    // no rounding of edges, which is Jolt's default
     settings.mMaxConvexRadius = 0;
     const made = settings.Create();
     if (made.HasError()) throw new Unsupported(`Jolt cannot build a convex hull: ${made.GetError().c_str()}`);

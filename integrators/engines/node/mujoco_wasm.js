@@ -1,4 +1,4 @@
-// MuJoCo of today.
+// MuJoCo, current version.
 import {serve, add, conjugate, cross, normalized, product, rotate, rotateBack, scaled, subtract, Unsupported} from './serve.js';
 
 let mujoco;
@@ -27,7 +27,7 @@ class World {
     if (!body.pivot) this.data.qpos.set(body.p, 0);
     this.setVelocities(body.w, body.v);
   }
-  // the body's own quaternion, and velocities: of rotation in body axes
+  // quaternion and velocities of the body; the angular velocity is in body axes
   motion() {
     const {qpos, qvel} = this.data, first = this.first;
     const q = Array.from(qpos.subarray(first, first + 4)), unit = normalized(q);
@@ -57,7 +57,7 @@ class World {
 }
 
 const nameOf = (index) => index < 0 ? 'world' : `b${index}`;
-const bodyType = 1;  // of mjtObj
+const bodyType = 1;  // mjtObj value
 
 function jointsText(joint) {
   if (!joint) return '<freejoint/>';
@@ -67,7 +67,7 @@ function jointsText(joint) {
   return joint.child_axes.map((axis) => `<joint type="${type}" pos="${pos}" axis="${axis.join(' ')}"/>`).join('');
 }
 
-// A hinge that closes a loop holds two points of its axis.
+// A hinge that closes a loop constrains two points of its axis.
 function closureText({parent, child, parent_point, child_point, parent_axes, child_axes}) {
   const [first, second, point, axes] =
       parent >= 0 ? [parent, child, parent_point, parent_axes] : [child, -1, child_point, child_axes];
@@ -103,7 +103,7 @@ class Mechanism {
       else if (joint.rates.length) this.data.qvel.set(joint.rates, first);
     }
   }
-  // a step leaves the places and velocities of bodies as they were when it began
+  // after a step, MuJoCo's positions and velocities of bodies are still those at its start
   motions() {
     const {model, data} = this;
     mujoco.mj_kinematics(model, data), mujoco.mj_comPos(model, data), mujoco.mj_comVel(model, data);

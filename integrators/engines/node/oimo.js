@@ -9,7 +9,7 @@ class World {
   constructor(body) {
     if (body.planes.length) throw new Unsupported('Oimo.js does not support planes or convex hulls');
     this.world = new OIMO.World({timestep: 1 / 60, random: false, gravity: body.gravity});
-    // a body is made of shapes, which are to weigh what they weigh here
+    // a body needs a shape; the mass and inertia computed from it are overwritten
     this.body = this.world.add({type: 'sphere', size: [1], pos: body.p, move: true, density: 1, collidesWith: 0});
     const [w, x, y, z] = body.q;
     this.body.orientation.set(x, y, z, w);

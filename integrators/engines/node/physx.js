@@ -6,10 +6,10 @@ import {serve, framesOf} from './serve.js';
 let PhysX, physics, tolerances;
 
 const array = (v) => [v.x, v.y, v.z];
-// of PxRigidBodyFlag; this build gives it no name
+// PxRigidBodyFlag value that this build does not name
 const gyroscopicForces = 1 << 10;
 
-// What both kinds of worlds are made of.
+// Common base of World and Mechanism.
 class Scene {
   constructor(gravity) {
     this.taken = [];
@@ -21,7 +21,7 @@ class Scene {
   }
   addBody({mass, moments, p, q}, setting) {
     const body = physics.createRigidDynamic(this.place(p, q));
-    // a new body has a mass of 1 and its moments, and no shape to take them from
+    // a new body has mass 1 and unit moments; there is no shape to compute them from
     body.setMass(mass);
     body.setMassSpaceInertiaTensor(this.vector(moments));
     if (setting === 'best') {
@@ -32,7 +32,7 @@ class Scene {
     }
     return body;
   }
-  // What is made of numbers alone has to be given back.
+  // Registers a temporary object of numbers. It must be freed explicitly.
   take(object) {
     this.taken.push(object);
     return object;
@@ -121,7 +121,7 @@ class World extends Scene {
   }
 }
 
-// This build is for browsers and refuses to start where it sees Node: it is shown a window while it starts.
+// This build is for browsers and refuses to start under Node: a fake `window` exists while it starts.
 async function started() {
   const require = createRequire(import.meta.url);
   const wasmBinary = fs.readFileSync(require.resolve('physx-js-webidl/physx-js-webidl.wasm'));

@@ -34,7 +34,7 @@ class World {
       const joint = RAPIER.JointData.spherical(vector(body.pivot), {x: 0, y: 0, z: 0});
       this.world.createImpulseJoint(joint, this.body, ground, true);
     }
-    // the mass of a new body counts from its first step on, unless it is asked for
+    // without this call, the mass of a new body is computed only in its first step
     this.body.recomputeMassPropertiesFromColliders();
   }
   addContact(body) {
@@ -44,7 +44,7 @@ class World {
                             : RAPIER.ColliderDesc.convexHull(new Float32Array(body.hull.flat()));
     this.world.createCollider(touching(shape).setDensity(0), this.body);
     for (const {normal, offset} of body.planes) {
-      // a half-space through the body that carries it
+      // a half-space through the origin of its body
       const place = RAPIER.RigidBodyDesc.fixed().setTranslation(...normal.map((n) => n * offset));
       const space = new RAPIER.ColliderDesc(new RAPIER.HalfSpace(vector(normal)));
       this.world.createCollider(touching(space), this.world.createRigidBody(place));
@@ -54,7 +54,7 @@ class World {
   setVelocities(w, v) { this.body.setAngvel(vector(w), true), this.body.setLinvel(vector(v), true); }
   setGravity(g) { this.world.gravity = vector(g); }
   apply(force, torque) {
-    // they stay until they are taken back
+    // forces persist until they are reset
     this.body.resetForces(true), this.body.resetTorques(true);
     this.body.addForce(vector(force), true), this.body.addTorque(vector(torque), true);
     this.pushed = true;

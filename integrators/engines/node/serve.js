@@ -1,17 +1,17 @@
-// What the drivers share: the protocol, and the march through a request's steps.
+// Common part of the drivers: the protocol, and the loop over a request's steps.
 //
-// A driver gives a World: the engine with one body in it, whose origin is its centre of mass and whose axes are its
-// principal ones. new World(body) makes it, with the engine's own gravity and joint; then
+// A driver provides a World: the engine with one body, whose origin is its centre of mass and whose axes are principal.
+// new World(body) makes it, with gravity and joint of the engine. Its methods:
 //   motion()              {q: [w, x, y, z] body to world, w, p, v} in world axes
-//   setVelocities(w, v)   after an impulse
+//   setVelocities(w, v)   sets the velocities after an impulse
 //   setGravity(g)
-//   apply(force, torque)  for the next step, world axes, at the centre of mass
+//   apply(force, torque)  applies loads at the centre of mass during the next step, world axes
 //   step(h)
-//   mass(), moments()     read back from the engine, undefined where it does not tell
-//   free()                gives back what was taken
-// Of several bodies it gives a Mechanism, made of {bodies, joints, loops, gravity, setting} as the request has them:
-//   motions()             of all bodies, in their order
-//   step(h), free()       as above
+//   mass(), moments()     the engine's values, undefined if not available
+//   free()                frees the engine's objects
+// For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting}:
+//   motions()             motions of all bodies, in their order
+//   step(h), free()       as for a World
 import fs from 'node:fs';
 import path from 'node:path';
 import {createRequire} from 'node:module';
@@ -33,11 +33,11 @@ export const normalized = (q) => {
   const length = Math.hypot(...q);
   return q.map((x) => x / length);
 };
-// From body to world axes, and back; q of unit length.
+// Rotates a vector from body to world axes, and back; q has unit length.
 export const rotate = (q, a) => product(product(q, [0, ...a]), conjugate(q)).slice(1);
 export const rotateBack = (q, a) => rotate(conjugate(q), a);
 
-// "1.2.3" of an installed package.
+// Version of an installed package, such as "1.2.3".
 export function versionOf(name) {
   const require = createRequire(import.meta.url);
   let folder = path.dirname(require.resolve(name));
@@ -60,7 +60,7 @@ function say(line) {
   }
 }
 
-// Force on the centre of mass and torque about it, world axes, gravity left out.
+// Force on the centre of mass and torque about it, world axes, without gravity.
 function loadsOf(piece, at) {
   const q = normalized(at.q);
   let force = [0, 0, 0], torque = [0, 0, 0];
@@ -101,7 +101,7 @@ function strike(world, body, impulses) {
   world.setVelocities(add(at.w, rotate(q, change)), v);
 }
 
-// The shortest turn to axes with z along `z`; x along `x`, where that is given, which must be perpendicular.
+// The smallest rotation to axes with z along `z`, and with x along `x` if given, which must be perpendicular to z.
 export function frameAbout(z, x) {
   if (!x) {
     const least = z.map(Math.abs).indexOf(Math.min(...z.map(Math.abs)));
@@ -134,7 +134,7 @@ export function framesOf(bodies, joint, main = 'z') {
 const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
 const zero = [0, 0, 0];
 
-// One run; `samples` is filled where it is given. Returns seconds and steps.
+// Runs a request and fills `samples` if given. Returns seconds and steps.
 function march(world, request, samples) {
   const {duration, samples: count, steps_per_sample: perSample, pieces} = request;
   const isLoaded = pieces.map((p) => Boolean(p.torque_B || p.torque_W || p.forces || p.drag || p.springs));
@@ -166,7 +166,7 @@ function march(world, request, samples) {
         step(h);
         continue;
       }
-      // what happens within a step cuts it in two
+      // an event within a step splits the step
       while (due(stop)) {
         const event = pieces[next].begin;
         if (event > t) step(event - t);
@@ -180,7 +180,7 @@ function march(world, request, samples) {
   return {seconds: (performance.now() - start) / 1e3, steps};
 }
 
-// The same for several bodies.
+// Like march(), for several bodies.
 function marchMechanism(world, request, samples) {
   const {duration, samples: count, steps_per_sample: perSample} = request;
   const moment = () => samples?.push(world.motions().map(row));
@@ -232,8 +232,8 @@ function answerTo({World, Mechanism}, settings, line) {
   return {status: 'ok', message: '', seconds: seconds / request.repetitions, steps, samples, readback};
 }
 
-// Answers requests until there are no more. `load` brings {World, Mechanism} or throws where the package is missing;
-// `joints` and `loops` are the types that its Mechanism takes.
+// Answers requests until input ends. `load` returns {World, Mechanism}, or throws if the package is missing. `joints`
+// and `loops` are the types that its Mechanism supports.
 export async function serve({engine, packageName, precision, settings, load, joints = [], loops = []}) {
   let loaded;
   try {

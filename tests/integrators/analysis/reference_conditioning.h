@@ -171,7 +171,7 @@ inline Conditioning reference_conditioning(const Problem& problem, const std::ve
         throw std::invalid_argument("times must be within the duration and not decreasing");
     if (problem.needs.user_torque || !problem.scene.planes.empty()) {
         Conditioning none;
-        none.message = problem.needs.user_torque ? "a torque of the user's own has no Taylor series"
+        none.message = problem.needs.user_torque ? "user-defined torques have no Taylor series"
                                                  : "conditioning through impacts on planes is not supported";
         return none;
     }

@@ -82,7 +82,7 @@ TEST(EngineMethods, ReadsBackWhatTheEngineHas) {
     const ScriptedEngine scripted(answering(sound));
     const Problem problem = pose(simple_scene());
     const EngineReport report = scripted.engine().inspect(&problem);
-    // the script answers with three samples where two are asked for
+    // the script returns three samples, but two are requested
     EXPECT_NE(report.fault.find("3 samples instead of 2"), std::string::npos) << report.fault;
     EXPECT_EQ(scripted.engine().inspect(nullptr).hello.version, "1.0");
     const EngineScene scene = engine_scene(problem);

@@ -23,7 +23,7 @@ inline const std::vector<EngineMethod>& engines_here() {
             if (report.fault.empty())
                 here.push_back(std::move(engine));
             else
-                std::fprintf(stderr, "%s is left out: %s\n", std::string(engine.method->name).c_str(),
+                std::fprintf(stderr, "%s is not tested: %s\n", std::string(engine.method->name).c_str(),
                              report.fault.c_str());
         }
         return here;

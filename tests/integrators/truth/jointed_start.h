@@ -29,7 +29,7 @@ template <class P>
 std::vector<truth::Motion<P>> jointed_start(const Scene& scene) {
     struct Placed {
         Quaternion<P> q;
-        Vector3<P> w_W, origin, velocity;  // of the body's origin
+        Vector3<P> w_W, origin, velocity;  // position and velocity of the body's origin
     };
     const std::size_t n = scene.bodies.size();
     std::vector<Placed> frames(n + 1);

@@ -15,7 +15,7 @@ struct ColumnNames {
     /// From polhode's names ("t", "body", "qw", .., "vz") to the file's. A rotation matrix has the keys "r11" to
     /// "r33", Euler angles have the keys "e1" to "e3".
     std::map<std::string, std::string> theirs;
-    EulerSequence sequence = EulerSequence::zyx;  ///< of the Euler angles
+    EulerSequence sequence = EulerSequence::zyx;  ///< Euler sequence of the table
     bool degrees = false;                         ///< whether the Euler angles are in degrees
 };
 

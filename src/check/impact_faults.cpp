@@ -218,7 +218,7 @@ class Impacts {
     }
 
   private:
-    static constexpr double most_apart = 0.1;  // of the travel within a row, and of the largest angular impulse
+    static constexpr double most_apart = 0.1;  // relative to the travel within a row and to the largest angular impulse
 
     EngineModel model_;
 
@@ -340,7 +340,7 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
             if (k + 1 == rows.size()) continue;
             const double ahead = file.rows[k + 1].t - file.rows[k].t;
             const double after = geometry.gap(plane * geometry.pieces.size() + now.piece, rows[k + 1]).rate;
-            const double change = (gravity + spin) * ahead;  // of the normal rate within a row
+            const double change = (gravity + spin) * ahead;  // change of the normal rate within a row
             const bool near = now.distance < -2 * now.rate * ahead && after > -change && returned.size() < most_impacts;
             std::optional<double> e;
             if (impacts && near && now.rate < -least_changes * change)

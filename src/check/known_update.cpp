@@ -105,7 +105,7 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
             // without planes, the updates with impacts equal those without
             (!method->planes || !scene.planes.empty()))
             updates.push_back(method);
-    // of two updates that differ by rounding only, the one of engines is preferred
+    // if two updates differ by rounding only, prefer the update used by engines
     std::stable_partition(updates.begin(), updates.end(),
                           [](const Method* m) { return m->family == Family::engine_update; });
     const std::vector<double> errors = angles(truth, rows, of_file);

@@ -104,7 +104,7 @@ bool is_of_whole_steps(double share, double most) {
 // Diagnoses quaternions whose length grows in first-order updates and returns to 1 in every n-th row. The rule is
 // strict, so that small deviations suffice: all other rows grow by the same share, and n is constant.
 std::optional<Diagnosis> seldom_normalised(const std::vector<TrajectoryRow>& rows) {
-    constexpr double tolerance = 0.2;  // of a row's growth: the error of binary32 in slow rotations
+    constexpr double tolerance = 0.2;  // relative to the growth per row: the error of binary32 in slow rotations
     constexpr std::size_t least_periods = 3;
     const std::size_t count = std::min(rows.size(), most_rows_compared);
     std::vector<double> shares;

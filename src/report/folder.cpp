@@ -181,7 +181,7 @@ class FolderReader {
     NameList experiments_;
     std::map<std::string, std::size_t> places_;
     std::vector<std::pair<std::size_t, const ResultColumn*>> result_columns_;  // with their indices in the file
-    Result result_;                                                            // of the current line
+    Result result_;                                                            // row of the current line
 };
 
 // Reads an entry of provenance.json: readable names and values, with the versions of libraries at the end.

@@ -1,4 +1,4 @@
-// The kind `stability`: how large a step each method takes on each stiff or extreme scene.
+// The kind `stability`: the largest stable step of each method on each stiff or extreme scene.
 //
 // For each scene and fixed-step method a search halves the step until the attitude is within 1e-3 rad, then bisects the
 // limits of stability and accuracy (stability_runs.cpp). Tables and the page summarise these runs
@@ -31,7 +31,7 @@ struct StabilityRun {
 struct StabilityScene {
     std::string label;
     std::string family;               ///< scene/scene_family.h
-    std::optional<double> parameter;  ///< of the family, if it has one
+    std::optional<double> parameter;  ///< parameter of the family, if it has one
     double duration = 0;              ///< s
     double fastest_rate = 0;  ///< 1/s: the largest of |w|, of the true motion, and of its Jacobian's |eigenvalues|
     std::vector<std::complex<double>> eigenvalues;  ///< at t = 0, 1/s
@@ -94,7 +94,7 @@ Table damping_table(const Plan& plan, const StabilityFindings& found);
 Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, int jobs, bool quick);
 
 /// Draws the regions of |growth| <= 1. One figure is in the plane of z = h lambda, with one panel per family of methods
-/// and the eigenvalues of some scenes' Jacobians at t = 0 times a step (see the legend). The other is in the plane of
+/// and the eigenvalues of some scenes' Jacobians at t = 0, multiplied by the step (see the legend). The other is in the plane of
 /// h gamma and h omega, for methods for second-order equations.
 std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes);
 

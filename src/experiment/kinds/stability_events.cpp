@@ -30,7 +30,7 @@ Scene free_body() {
 struct Discontinuity {
     const char* name;
     double ends;
-    double (*torque)(double after);  ///< of the time after `begins`
+    double (*torque)(double after);  ///< function of the time after `begins`
     bool constant;                   ///< a scene file can represent the torque, so a truth exists
 };
 

@@ -35,7 +35,7 @@ struct MapColumn {
     double x = 0;
     Problem problem;
     Reference truth;
-    Invariants end{};  ///< of the truth
+    Invariants end{};  ///< invariants of the truth at the end
 };
 
 MapColumn column_of(const Scene& scene, double x, long samples) {

@@ -7,7 +7,7 @@ namespace polhode {
 
 inline constexpr std::size_t most_entries = 10'000;              ///< of `scenes` and of `methods`
 inline constexpr std::size_t most_varied = 64;                   ///< JSON pointers of `vary`
-inline constexpr double most_variants = 10'000;                  ///< of each scene: values of `vary` combined
+inline constexpr double most_variants = 10'000;                  ///< per scene: values of `vary` combined
 inline constexpr double most_cases = 1'000'000;                  ///< scenes, variants, methods and settings combined
 inline constexpr double largest_plan = 256 << 20;                ///< bytes of all scenes' texts and meshes
 inline constexpr long most_range_values = 10'000;                ///< `count` of a range

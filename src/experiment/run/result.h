@@ -38,7 +38,7 @@ struct Result {
     Formulation formulation = Formulation::reduced;
     std::optional<double> evaluations_per_revolution;  ///< as requested, if the setting was calibrated
     std::optional<double> revolutions;                 ///< T over the mean time per revolution; kinds with series only
-    Floors floors;                                     ///< of the scene; equal in all its rows
+    Floors floors;                                     ///< round-off floors of the scene; equal in all its rows
     ErrorSeries series;                                ///< kinds with keeps_series only
 };
 

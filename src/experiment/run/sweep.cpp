@@ -189,7 +189,7 @@ class SceneSweep {
     const Reference& truth_;
     const Conditioning& conditioning_;
     const Floors floors_;
-    const std::optional<double> kappa_;  // of the attitude at T
+    const std::optional<double> kappa_;  // condition number of the attitude at T
     std::map<Formulation, Problem> problems_;
     const Claims& claims_;
     Progress& progress_;

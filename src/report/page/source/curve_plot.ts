@@ -20,7 +20,7 @@ export interface Curve {
   y: (number | null)[];
   hover: (i: number) => string[]; // lines of text
   failures: { x: number | null; y: number | null; hover: string[] }[];
-  other?: { x: number[]; y: number[]; hover: string[] }; // of the directory compared with
+  other?: { x: number[]; y: number[]; hover: string[] }; // curve of the directory compared with
 }
 
 export interface Picture {

@@ -94,8 +94,8 @@ Table damping_table(const Plan& plan, const StabilityFindings& found);
 Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, int jobs, bool quick);
 
 /// Draws the regions of |growth| <= 1. One figure is in the plane of z = h lambda, with one panel per family of methods
-/// and the eigenvalues of some scenes' Jacobians at t = 0, multiplied by the step (see the legend). The other is in the plane of
-/// h gamma and h omega, for methods for second-order equations.
+/// and the eigenvalues of some scenes' Jacobians at t = 0, multiplied by the step (see the legend). The other is in the
+/// plane of h gamma and h omega, for methods for second-order equations.
 std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> scenes);
 
 /// Runs each fixed-step method on a grid of step x stiffness and on one of step x spin. Tables: `maps` (one row per

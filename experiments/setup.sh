@@ -58,7 +58,7 @@ install_missing() {
 # this or another checkout, are not compiled again.
 preset() {
     local name=$1 launchers=() launcher="env;CCACHE_BASEDIR=$top;CCACHE_NOHASHDIR=1"
-    launcher+=";CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime;ccache"
+    launcher+=";CCACHE_SLOPPINESS=time_macros,include_file_mtime,include_file_ctime;ccache"
     shift
     ! command -v ccache >/dev/null ||
         launchers=("-DCMAKE_C_COMPILER_LAUNCHER=$launcher" "-DCMAKE_CXX_COMPILER_LAUNCHER=$launcher")

@@ -8,8 +8,8 @@
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -65,10 +65,10 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 2,
      .solve = march_momentum<Buss<double>>,
-     .pendulum_growth = buss_pendulum_growth},
+     .pendulum_amplification = buss_pendulum_growth},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
 
 constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<Buss<float>>>();
 

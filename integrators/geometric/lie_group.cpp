@@ -2,7 +2,7 @@
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 namespace polhode {
 namespace {
@@ -110,12 +110,12 @@ constexpr Method each[] = {
      .solve = solve<CommutatorFree>},
 };
 
-constexpr auto family = sharing({.conserves = kept,
-                                 .control = Control::fixed_step,
-                                 .order = 4,
-                                 .growth = classical_growth,
-                                 .family = Family::rotation_group},
-                                each);
+constexpr auto family = apply_defaults({.conserves = kept,
+                                        .control = Control::fixed_step,
+                                        .order = 4,
+                                        .amplification = classical_amplification,
+                                        .family = Family::rotation_group},
+                                       each);
 
 }  // namespace
 

@@ -8,8 +8,8 @@
 
 #include "integrators/geometric/momentum_state.h"
 #include "integrators/geometric/newton.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -97,10 +97,10 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 2,
      .solve = march_momentum<SimoWong<double>>,
-     .growth = midpoint_growth},
+     .amplification = midpoint_amplification},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
 
 constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<SimoWong<float>>>();
 

@@ -271,7 +271,7 @@ constexpr Method each[] = {
                "3rd ed.",
      .solve = solve_by<bsimp>,
      .family = Family::extrapolation,
-     .refuses = no_jacobian_of_user_torque},
+     .refusal = no_jacobian_of_user_torque},
     {.name = "gsl_msbdf",
      .documentation =
          "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation solved by a "
@@ -280,11 +280,11 @@ constexpr Method each[] = {
      .source = source,
      .solve = solve_by<msbdf>,
      .family = Family::multistep,
-     .refuses = no_jacobian_of_user_torque},
+     .refusal = no_jacobian_of_user_torque},
 };
 
-constexpr auto list =
-    sharing({.conserves = "nothing", .control = Control::tolerance, .own_systems = true, .library = gsl_library}, each);
+constexpr auto list = apply_defaults(
+    {.conserves = "nothing", .control = Control::tolerance, .general_systems = true, .library = gsl_library}, each);
 
 }  // namespace
 

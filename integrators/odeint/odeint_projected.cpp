@@ -83,7 +83,8 @@ constexpr Method each[] = {
      .solve = projected_fehlberg78},
 };
 
-constexpr auto family = sharing({.conserves = kept, .family = Family::runge_kutta, .library = odeint_library}, each);
+constexpr auto family =
+    apply_defaults({.conserves = kept, .family = Family::runge_kutta, .library = odeint_library}, each);
 
 }  // namespace
 

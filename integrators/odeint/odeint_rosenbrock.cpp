@@ -1,6 +1,6 @@
 #include "integrators/odeint/odeint.h"
 #include "integrators/odeint/rosenbrock.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "motion/jacobian.h"
 
 namespace polhode {

@@ -7,7 +7,7 @@
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/dop853_interpolant.h"
 #include "integrators/own/dormand_prince.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
@@ -190,7 +190,7 @@ Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
 }
 
 double growth(std::complex<double> z) {
-    return runge_kutta_growth({&dop853.a[0][0], std::size_t{dop853_stages} * dop853_stages}, dop853.b, z);
+    return runge_kutta_amplification({&dop853.a[0][0], std::size_t{dop853_stages} * dop853_stages}, dop853.b, z);
 }
 
 constexpr Method each[] = {
@@ -204,13 +204,13 @@ constexpr Method each[] = {
      .source = "Dormand & Prince 1981; Hairer, Norsett & Wanner 1993, II.5 and II.10 (DOP853)",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
+     .general_systems = true,
      .order = 0,
      .solve = solve_dop853,
-     .growth = growth},
+     .amplification = growth},
 };
 
-constexpr auto family = sharing({.family = Family::runge_kutta}, each);
+constexpr auto family = apply_defaults({.family = Family::runge_kutta}, each);
 
 }  // namespace
 

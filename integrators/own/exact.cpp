@@ -161,7 +161,7 @@ constexpr Method each[] = {{
     .solve = solve_exact,
 }};
 
-constexpr auto exact_table = sharing({.family = Family::closed_form, .refuses = refused}, each);
+constexpr auto exact_table = apply_defaults({.family = Family::closed_form, .refusal = refused}, each);
 
 }  // namespace
 

@@ -290,12 +290,12 @@ constexpr Method each[] = {
                "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
+     .general_systems = true,
      .order = 0,
      .solve = extrapolate},
 };
 
-constexpr auto family = sharing({.family = Family::extrapolation}, each);
+constexpr auto family = apply_defaults({.family = Family::extrapolation}, each);
 
 }  // namespace
 

@@ -14,7 +14,7 @@
 #include "integrators/own/dense_systems.h"
 #include "integrators/own/radau_coefficients.h"
 #include "integrators/own/stages.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/refusals.h"
@@ -508,18 +508,30 @@ constexpr Method each[] = {
          "sides are counted, Jacobians (one per attempt) are not.",
      .control = Control::tolerance,
      .solve = solve_any_order},
-    {.name = "radau5", .documentation = of_one_order, .order = 5, .solve = solve_radau<3>, .growth = radau_growth<3>},
-    {.name = "radau9", .documentation = of_one_order, .order = 9, .solve = solve_radau<5>, .growth = radau_growth<5>},
-    {.name = "radau13", .documentation = of_one_order, .order = 13, .solve = solve_radau<7>, .growth = radau_growth<7>},
+    {.name = "radau5",
+     .documentation = of_one_order,
+     .order = 5,
+     .solve = solve_radau<3>,
+     .amplification = radau_amplification<3>},
+    {.name = "radau9",
+     .documentation = of_one_order,
+     .order = 9,
+     .solve = solve_radau<5>,
+     .amplification = radau_amplification<5>},
+    {.name = "radau13",
+     .documentation = of_one_order,
+     .order = 13,
+     .solve = solve_radau<7>,
+     .amplification = radau_amplification<7>},
 };
 
-constexpr auto list = sharing({.source = source,
-                               .conserves = "nothing",
-                               .control = Control::fixed_step_or_tolerance,
-                               .own_systems = true,
-                               .family = Family::runge_kutta,
-                               .refuses = no_jacobian_of_user_torque},
-                              each);
+constexpr auto list = apply_defaults({.source = source,
+                                      .conserves = "nothing",
+                                      .control = Control::fixed_step_or_tolerance,
+                                      .general_systems = true,
+                                      .family = Family::runge_kutta,
+                                      .refusal = no_jacobian_of_user_torque},
+                                     each);
 
 }  // namespace
 

@@ -438,11 +438,11 @@ constexpr Method each[] = {
      .source = "R. E. Moore 1966, Interval Analysis; A. Jorba and M. Zou 2005, Experimental Mathematics 14, 99-117",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
+     .general_systems = true,
      .solve = solve},
 };
 
-constexpr auto list = sharing({.family = Family::series, .refuses = refused_user_torque}, each);
+constexpr auto list = apply_defaults({.family = Family::series, .refusal = refused_user_torque}, each);
 
 }  // namespace
 

@@ -165,7 +165,7 @@ struct MethodInBinary32 {
 
     static std::string refused(const Problem& problem) {
         std::string why = refuses(problem);
-        if (why.empty() && methods[i].refuses) why = methods[i].refuses(problem);
+        if (why.empty() && methods[i].refusal) why = methods[i].refusal(problem);
         return why;
     }
 
@@ -173,12 +173,12 @@ struct MethodInBinary32 {
         Method m = methods[i];
         m.name = Joined<name>::text;
         m.precision = Precision::binary32;
-        m.in_binary64 = methods[i].name;
-        m.refuses = refused;
+        m.binary64_name = methods[i].name;
+        m.refusal = refused;
         m.documentation = Joined<documentation>::text;
-        m.described_as = {};
+        m.origin = {};
         m.conserves = Joined<conserves>::text;
-        m.own_systems = false;
+        m.general_systems = false;
         m.solve = solve_within_binary32<solve>;
         return m;
     }

@@ -56,8 +56,8 @@ std::shared_ptr<const Method> make_method(const Method& description,
     made->solve = std::move(solve), made->method = description;
     Method& m = made->method;
     std::size_t i = 0;
-    for (std::string_view* text : {&m.name, &m.documentation, &m.source, &m.described_as, &m.conserves, &m.library,
-                                   &m.in_binary64, &m.identity}) {
+    for (std::string_view* text :
+         {&m.name, &m.documentation, &m.source, &m.origin, &m.conserves, &m.library, &m.binary64_name, &m.identity}) {
         made->texts[i] = *text, *text = made->texts[i];
         ++i;
     }
@@ -68,12 +68,12 @@ std::shared_ptr<const Method> make_method(const Method& description,
 std::string refusal(const Method& method, const Problem& problem) {
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} does not support impacts on planes", method.name);
-    if (!method.own_systems && std::holds_alternative<MechanismSystem>(problem.system))
+    if (!method.general_systems && std::holds_alternative<MechanismSystem>(problem.system))
         return fmt::format("{} supports only scenes of one body; this scene has several bodies with joints",
                            method.name);
-    if (!method.own_systems && std::holds_alternative<UserSystem>(problem.system))
+    if (!method.general_systems && std::holds_alternative<UserSystem>(problem.system))
         return fmt::format("{} supports only rigid bodies, not user-defined systems", method.name);
-    return method.refuses ? method.refuses(problem) : "";
+    return method.refusal ? method.refusal(problem) : "";
 }
 
 bool takes_step(const Method& method) {

@@ -214,13 +214,13 @@ constexpr Method each[] = {
      .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
 };
 
-constexpr auto list = sharing({.source = relaxation_source,
-                               .conserves = energy_kept,
-                               .control = Control::fixed_step_or_tolerance,
-                               .family = Family::runge_kutta,
-                               .library = sundials_library,
-                               .refuses = energy_is_not_kept},
-                              each);
+constexpr auto list = apply_defaults({.source = relaxation_source,
+                                      .conserves = energy_kept,
+                                      .control = Control::fixed_step_or_tolerance,
+                                      .family = Family::runge_kutta,
+                                      .library = sundials_library,
+                                      .refusal = energy_is_not_kept},
+                                     each);
 
 }  // namespace
 

@@ -13,8 +13,8 @@
 
 #include "app/commands.h"
 #include "integrators/engines/engine_methods.h"
-#include "integrators/own_methods.h"
 #include "integrators/truth/memory.h"
+#include "integrators/user_methods.h"
 
 namespace polhode {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "integrators/method.h"
 #include "integrators/own/exact.h"
-#include "integrators/own/recorded.h"
+#include "integrators/own/record_system.h"
 #include "integrators/run/stiffness.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
@@ -28,7 +28,7 @@ bool is_long(const Problem& problem, double tolerance) {
     Numbers<run_time> y(system.size());
     system.initial(y.data());
     if (!problem.segments.empty()) system.enter(problem.segments.front(), y.data());
-    const auto nodes = recorded<double>(system).tape.nodes;
+    const auto nodes = record_system<double>(system).tape.nodes;
     using Node = TapeNode<double>;
     const auto quotients =
         std::ranges::count_if(nodes, [](const Node& node) { return node.kind == Node::Kind::quotient; });

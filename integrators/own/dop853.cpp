@@ -15,7 +15,7 @@ namespace polhode {
 namespace {
 
 /// The allowed error of a component is increased by this factor times its increment.
-constexpr double rounding = 0x1p-52;
+constexpr double dop853_rounding = 0x1p-52;
 
 struct PairErrors {
     double fifth, third;  ///< squared, in units of the allowed error
@@ -43,7 +43,7 @@ class GeneralDop853 : public GeneralState<SystemType> {
             const double slope = weighted(k, dop853.b, dop853_stages, i), change = h * slope;
             const double fifth = h * weighted(k, dop853.fifth_error, dop853_stages, i);
             const double third = h * (slope - weighted(k, dop853.third, dop853_stages, i));
-            const double allowed = this->squared_scale_[i] + rounding * change * (rounding * change);
+            const double allowed = this->squared_scale_[i] + dop853_rounding * change * (dop853_rounding * change);
             errors.fifth += fifth * fifth / allowed;
             errors.third += third * third / allowed;
             this->add(i, change, 0);
@@ -89,7 +89,7 @@ class RotationDop853 : public RotationLanes<SystemType> {
 
   public:
     RotationDop853(const Problem& problem, double tolerance)
-        : Base(problem, tolerance, rounding), step_(dop853_step(instruction_set())) {}
+        : Base(problem, tolerance, dop853_rounding), step_(dop853_step(instruction_set())) {}
 
     PairErrors attempt(double, double h) {
         step_(this->coefficients_, this->allowance_, this->state_, h, next_);
@@ -183,7 +183,7 @@ Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     const double aim = aimed_at(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
-            if (RotationLanes<SystemType>::serves(problem))
+            if (RotationLanes<SystemType>::supports(problem))
                 return march_controlled(problem, settings, ControlledDop853<RotationDop853<SystemType>>(problem, aim));
         return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SystemType>>(problem, aim));
     });

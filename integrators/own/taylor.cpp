@@ -21,7 +21,7 @@
 
 #include "integrators/closed_form/turn.h"
 #include "integrators/own/binary_parts.h"
-#include "integrators/own/recorded.h"
+#include "integrators/own/record_system.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
 #include "integrators/tape/tape_series.h"
@@ -83,7 +83,7 @@ template <class SystemType, bool careful = false>
 class RecordedCoefficients {
   public:
     RecordedCoefficients(const Problem&, const Segment&, const SystemType& system, double tolerance)
-        : series_(recorded<double>(system), {.careful = careful, .tolerance = tolerance}), scales_(system.size()) {
+        : series_(record_system<double>(system), {.careful = careful, .tolerance = tolerance}), scales_(system.size()) {
         system.scales(scales_.data());
     }
     void expand(const double* y) { series_.expand(y); }
@@ -198,7 +198,7 @@ class ExtendedSeries {
   public:
     ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double)
         : coefficients_(problem, segment, system, careful_tolerance),
-          first_(recorded<Extended>(system), extended),
+          first_(record_system<Extended>(system), extended),
           longest_(problem.model() ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
           state_(system.size()) {}
     void start(const double* y) { std::copy_n(y, size(), state_.begin()); }

@@ -262,7 +262,7 @@ class ControlledExtrapolation {
     long evaluations_ = 0;
 };
 
-Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+Trajectory solve_extrapolation(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
     if (!reachable(tolerance)) return out_of_reach(tolerance);
     return with_system(problem, [&]<class SystemType>() {
@@ -278,7 +278,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     });
 }
 
-constexpr Method each[] = {
+constexpr Method extrapolation_variants[] = {
     {.name = "extrapolation",
      .documentation =
          "Extrapolation of the explicit midpoint rule, order 4 to 18 and step size by the tolerance, on increments "
@@ -292,13 +292,13 @@ constexpr Method each[] = {
      .control = Control::tolerance,
      .general_systems = true,
      .order = 0,
-     .solve = extrapolate},
+     .solve = solve_extrapolation},
 };
 
-constexpr auto family = apply_defaults({.family = Family::extrapolation}, each);
+constexpr auto extrapolation_list = apply_defaults({.family = Family::extrapolation}, extrapolation_variants);
 
 }  // namespace
 
-extern const std::span<const Method> extrapolation_methods{family};
+extern const std::span<const Method> extrapolation_methods{extrapolation_list};
 
 }  // namespace polhode

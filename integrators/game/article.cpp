@@ -275,9 +275,9 @@ constexpr auto in_binary64 = apply_defaults({.source = source,
                                              .refusal = refused_pivot},
                                             each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<Form::as_written, float>,
-                                      solve<Form::offset_as_written, float>, solve<Form::sign_as_written, float>,
-                                      solve<Form::mended, float>, solve<Form::body_frame, float>>();
+constexpr auto family =
+    with_binary32<in_binary64, binary32_refusal, solve<Form::as_written, float>, solve<Form::offset_as_written, float>,
+                  solve<Form::sign_as_written, float>, solve<Form::mended, float>, solve<Form::body_frame, float>>();
 
 }  // namespace
 

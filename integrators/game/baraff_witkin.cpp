@@ -149,7 +149,7 @@ constexpr auto in_binary64 = apply_defaults({.source = source,
                                             each);
 
 constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
+    with_binary32<in_binary64, binary32_refusal, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
 
 }  // namespace
 

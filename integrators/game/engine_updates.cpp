@@ -195,10 +195,9 @@ constexpr auto updates_in_binary64 = apply_defaults(
     {.control = Control::fixed_step, .order = 1, .family = Family::engine_update, .formulation = Formulation::full},
     each_update);
 
-constexpr auto all_updates =
-    with_binary32<updates_in_binary64, refused_by_binary32, solve_update<MomentumUpdate<float>>,
-                  solve_update<DampedImplicitUpdate<float>>, solve_update<MujocoRungeKutta<float>>,
-                  solve_position_based<float>>();
+constexpr auto all_updates = with_binary32<updates_in_binary64, binary32_refusal, solve_update<MomentumUpdate<float>>,
+                                           solve_update<DampedImplicitUpdate<float>>,
+                                           solve_update<MujocoRungeKutta<float>>, solve_position_based<float>>();
 
 }  // namespace
 

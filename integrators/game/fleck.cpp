@@ -267,7 +267,7 @@ constexpr auto in_binary64 =
                    each);
 
 constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<MendedMatrix, TransformedInertia, float>,
+    with_binary32<in_binary64, binary32_refusal, solve<MendedMatrix, TransformedInertia, float>,
                   solve<DriftingMatrix, TransformedInertia, float>, solve<TurnedQuaternion, TransformedInertia, float>,
                   solve<AccumulatedVertices, TransformedInertia, float>, solve<MendedMatrix, ResummedInertia, float>>();
 

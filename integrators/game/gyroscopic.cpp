@@ -143,15 +143,14 @@ constexpr auto in_binary64 = apply_defaults({.source = "the sources of the engin
                                              .formulation = Formulation::full},
                                             each);
 
-constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<Term::none, Turning::exponential, 1, float>,
-                  solve<Term::explicit_euler, Turning::exponential, 1, float>,
-                  solve<Term::one_newton_step, Turning::exponential, 1, float>,
-                  solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
-                  solve<Term::linearly_implicit, Turning::exponential, 1, float>,
-                  solve<Term::midpoint, Turning::exponential, 1, float>,
-                  solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
-                  solve<Term::explicit_euler, Turning::first_order, 1, float>>();
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, solve<Term::none, Turning::exponential, 1, float>,
+                                      solve<Term::explicit_euler, Turning::exponential, 1, float>,
+                                      solve<Term::one_newton_step, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
+                                      solve<Term::linearly_implicit, Turning::exponential, 1, float>,
+                                      solve<Term::midpoint, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
+                                      solve<Term::explicit_euler, Turning::first_order, 1, float>>();
 
 }  // namespace
 

@@ -101,7 +101,7 @@ constexpr Method each[] = {
 constexpr auto in_binary64 =
     apply_defaults({.family = Family::published_update, .formulation = Formulation::full}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve<float>>();
+constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve<float>>();
 
 }  // namespace
 

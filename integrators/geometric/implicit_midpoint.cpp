@@ -62,7 +62,7 @@ class ImplicitMidpoint {
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+    void explain(Trajectory& trajectory) const { report_unsolved_step(trajectory, sample(failed_at_)); }
 
   private:
     const Problem* problem_;
@@ -171,7 +171,7 @@ constexpr Method each[] = {
 
 constexpr auto in_binary64 = apply_defaults({.family = Family::runge_kutta}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve<float>>();
+constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve<float>>();
 
 }  // namespace
 

@@ -63,7 +63,7 @@ class MomentumStateOf {
     }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+    void explain(Trajectory& trajectory) const { report_unsolved_step(trajectory, sample(failed_at_)); }
 
   protected:
     /// Whether any load couples L, p or v to the attitude, the rates or the time.

@@ -66,7 +66,7 @@ constexpr Method each[] = {
 constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group}, each);
 
 constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
+    with_binary32<in_binary64, binary32_refusal, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 

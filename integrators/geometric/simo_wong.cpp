@@ -102,7 +102,7 @@ constexpr Method each[] = {
 
 constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<SimoWong<float>>>();
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, march_momentum<SimoWong<float>>>();
 
 }  // namespace
 

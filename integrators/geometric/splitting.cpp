@@ -80,7 +80,7 @@ constexpr Method each[] = {
 
 constexpr auto in_binary64 = apply_defaults({.family = Family::splitting, .refusal = refused_by_kicks}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<ThreeRotations<float>, false, 2, float>,
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, solve<ThreeRotations<float>, false, 2, float>,
                                       solve<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr,
                                       nullptr, nullptr>();
 

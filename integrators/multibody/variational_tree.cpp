@@ -92,7 +92,7 @@ class VariationalTree : public multibody::JointState {
     bool finite() const { return JointState::finite() && all_finite(std::span<const double>(momenta_)); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+    void explain(Trajectory& trajectory) const { report_unsolved_step(trajectory, sample(failed_at_)); }
 
   private:
     std::vector<double> momenta_;               // p_k

@@ -97,7 +97,7 @@ double stepper_growth(std::complex<double> z) {
 }
 
 Trajectory extrapolate(const Problem& problem, const Settings& settings) {
-    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         return march_controlled(problem, settings, ControlledExtrapolation<SystemType>(problem, *settings.tolerance));
     });
@@ -195,7 +195,7 @@ constexpr auto in_binary64 = apply_defaults({.conserves = "nothing",
                                              .library = odeint_library},
                                             each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve_euler_float32, solve_rk4_float32,
+constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve_euler_float32, solve_rk4_float32,
                                       nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace

@@ -179,8 +179,8 @@ class ControlledDop853 {
 
 Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (!reachable(tolerance)) return out_of_reach(tolerance);
-    const double aim = aimed_at(tolerance);
+    if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
+    const double aim = local_tolerance(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
             if (RotationLanes<SystemType>::supports(problem))

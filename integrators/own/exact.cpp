@@ -116,8 +116,8 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
     double y[7];
     Budget budget(settings);
     const auto sample = [&](const Segment& segment, const Form& form, double t) {
-        if (!budget.goes_on()) {
-            budget.stop(trajectory);
+        if (!budget.may_continue()) {
+            budget.report_limit(trajectory);
             return false;
         }
         set_rotation_at(form, t - segment.begin, y);
@@ -134,7 +134,7 @@ Trajectory solve_exact(const Problem& problem, const Settings& settings) {
         });
         if (traversal == Traversal::not_finite) {
             trajectory.status = Status::diverged;
-            trajectory.message = "not finite at " + moment(at);
+            trajectory.message = "not finite at " + format_time(at);
         }
         return traversal == Traversal::complete;
     };

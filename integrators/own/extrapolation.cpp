@@ -264,7 +264,7 @@ class ControlledExtrapolation {
 
 Trajectory solve_extrapolation(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (!reachable(tolerance)) return out_of_reach(tolerance);
+    if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
             if (RotationLanes<SystemType>::supports(problem, RotationTerms::axial_field))

@@ -472,11 +472,11 @@ class ControlledRadau : public Radau<SystemType> {
 };
 
 Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages) {
-    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) return march<FixedRadau<SystemType>>(problem, settings, stages);
         return march_controlled(problem, settings,
-                                ControlledRadau<SystemType>(problem, aimed_at(*settings.tolerance), stages));
+                                ControlledRadau<SystemType>(problem, local_tolerance(*settings.tolerance), stages));
     });
 }
 

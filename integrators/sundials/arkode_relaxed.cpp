@@ -182,7 +182,7 @@ std::string energy_is_not_kept(const Problem& problem) {
 
 template <ARKODE_ERKTableID id>
 Trajectory relaxed(const Problem& problem, const Settings& settings) {
-    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     const Tableau table(id);
     return with_one_body(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<RelaxedStepper<SystemType>>(problem, settings, table);

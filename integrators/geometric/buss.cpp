@@ -34,7 +34,8 @@ class Buss : public MomentumStateOf<S> {
             acceleration = rates(cross(y, w) + back * torque);
         }
         ++evaluations_;
-        attitude_.turn(turn_by(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
+        attitude_.rotate(
+            rotation_increment(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
         if (!torque_acts) return;
         // Mean of the torques at both ends. The final torque uses the rates of the predicted momentum.
         const Quaternion<S> q_later = attitude_.value();

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "integrators/closed_form/turn.h"
+#include "integrators/closed_form/compensated_rotation.h"
 #include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
 #include "integrators/run/march.h"

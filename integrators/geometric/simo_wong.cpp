@@ -34,7 +34,7 @@ class SimoWong : public MomentumStateOf<S> {
 
         Vector3<S> torque_later, y_later;
         const auto residual = [&](const Vector3<S>& theta) {
-            const TurnOf<S> d = turn_by(theta);
+            const RotationIncrementOf<S> d = rotation_increment(theta);
             const Quaternion<S> q_later = q * Quaternion<S>{1 + d.w, d.v[0], d.v[1], d.v[2]};
             const Matrix3<S> R_later = rotation_matrix(q_later);
             Vector3<S> L_later = L;
@@ -81,7 +81,7 @@ class SimoWong : public MomentumStateOf<S> {
                 return;
             }
         }
-        attitude_.turn(turn_by(theta));
+        attitude_.rotate(rotation_increment(theta));
         if (torque_acts) momentum_.add((h / 2) * (torque + torque_later));
     }
 };

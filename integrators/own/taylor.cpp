@@ -19,7 +19,7 @@
 #include <type_traits>
 #include <variant>
 
-#include "integrators/closed_form/turn.h"
+#include "integrators/closed_form/compensated_rotation.h"
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/record_system.h"
 #include "integrators/run/solver_run.h"

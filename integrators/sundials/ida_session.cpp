@@ -64,7 +64,7 @@ void IdaSession::set_tolerances() {
     for (int b = 0; b < mechanism.world(); ++b) {
         const int first = system_.place(b);
         if (first < 0) continue;
-        const maximal::HeldBody<double>& body = mechanism.bodies[b];
+        const maximal::MaximalBody<double>& body = mechanism.bodies[b];
         // centres that do not move have no scale of their own
         const double reach = body.reach(), velocity = std::max(scales.velocity, scales.angular_velocity * reach);
         mass += body.mass, speed = std::max(speed, velocity);

@@ -88,28 +88,29 @@ struct Method {
     std::string_view documentation{};  ///< one Markdown paragraph; the table of methods shows its first sentence
     std::string_view source{};         ///< author, year, publication
     /// Description of its origin if the source does not name it: "article: update_body_orientation, as printed".
-    std::string_view described_as{};
+    std::string_view origin{};
     std::string_view conserves{};     ///< invariants that it preserves by construction: "nothing", "|q|", ..
     Control control = Control::none;  ///< which accuracy setting it takes
     bool planes = false;              ///< supports impacts on planes; otherwise scenes with planes are `unsupported`
-    bool own_systems = false;  ///< supports systems other than one body (motion/own_system.h); otherwise `unsupported`
+    /// Supports systems other than one body (motion/own_system.h); otherwise they are `unsupported`.
+    bool general_systems = false;
     int order = 0;  ///< claimed order at a fixed step; 0 = variable. Measured by tests/integrators/order_test.cpp
     /// Solves a problem. Called once per trajectory, with settings that solve() has validated.
     Trajectory (*solve)(const Problem&, const Settings&) = nullptr;
     /// Linear stability: the spectral radius of one step on y' = lambda y, as a function of z = h lambda.
-    double (*growth)(std::complex<double> z) = nullptr;
+    double (*amplification)(std::complex<double> z) = nullptr;
     /// Linear stability of a scheme that is not for first-order systems: the spectral radius of one step on theta'' =
     /// -gamma theta' - k theta, as a function of (h gamma, h^2 k).
-    double (*pendulum_growth)(double damping, double stiffness) = nullptr;
+    double (*pendulum_amplification)(double damping, double stiffness) = nullptr;
     Family family = Family::unnamed;  ///< kind of numerical scheme
     std::string_view library{};       ///< library that performs the steps: sundials_library, ..; empty: polhode
     Precision precision = Precision::binary64;  ///< arithmetic of its steps
-    std::string_view in_binary64{};             ///< for a binary32 method: the name of the same method in binary64
+    std::string_view binary64_name{};           ///< for a binary32 method: the name of the same method in binary64
     /// Formulation that it always integrates; empty: the requested formulation.
     std::optional<Formulation> formulation{};
     /// Why it does not support the problem, as far as this is known before the run; empty if it does. Call refusal()
     /// instead, which also checks planes.
-    std::string (*refuses)(const Problem&) = nullptr;
+    std::string (*refusal)(const Problem&) = nullptr;
     /// For methods that need more than problem and settings, such as a command line or a user-defined function. Called
     /// instead of `solve`, with `context`.
     Trajectory (*solve_in)(const void* context, const Problem&, const Settings&) = nullptr;
@@ -118,24 +119,24 @@ struct Method {
     std::string_view identity{};
 };
 
-/// Returns `methods` with unset members taken from `common`, except name, documentation, described_as and solve.
+/// Returns `methods` with unset members taken from `defaults`, except name, documentation, origin and solve.
 template <std::size_t count>
-constexpr std::array<Method, count> sharing(const Method& common, const Method (&methods)[count]) {
+constexpr std::array<Method, count> apply_defaults(const Method& defaults, const Method (&methods)[count]) {
     std::array<Method, count> all{};
     for (std::size_t i = 0; i < count; ++i) {
         all[i] = methods[i];
-        const auto share = [&]<class T>(T Method::*part) {
-            T& own = all[i].*part;
+        const auto apply = [&]<class T>(T Method::*part) {
+            T& value = all[i].*part;
             if constexpr (std::is_pointer_v<T>) {
-                if (!own) own = common.*part;
+                if (!value) value = defaults.*part;
             } else {
-                if (own == T{}) own = common.*part;
+                if (value == T{}) value = defaults.*part;
             }
         };
-        share(&Method::source), share(&Method::conserves), share(&Method::control), share(&Method::planes);
-        share(&Method::own_systems), share(&Method::order), share(&Method::growth), share(&Method::pendulum_growth);
-        share(&Method::family), share(&Method::library), share(&Method::precision), share(&Method::formulation);
-        share(&Method::refuses);
+        apply(&Method::source), apply(&Method::conserves), apply(&Method::control), apply(&Method::planes);
+        apply(&Method::general_systems), apply(&Method::order), apply(&Method::amplification);
+        apply(&Method::pendulum_amplification), apply(&Method::family), apply(&Method::library);
+        apply(&Method::precision), apply(&Method::formulation), apply(&Method::refusal);
     }
     return all;
 }
@@ -157,12 +158,16 @@ std::span<const Method* const> methods();
 const Method* find_method(std::string_view name);
 
 /// A method that users may look for but that is not available, and the reason.
-struct MethodLeftOut {
+struct OmittedMethod {
     std::string_view name;    ///< name under which users may look for it
     std::string_view reason;  ///< one Markdown paragraph
 };
 /// All methods that were considered and omitted.
-std::span<const MethodLeftOut> methods_left_out();
+std::span<const OmittedMethod> omitted_methods();
+using MethodLeftOut [[deprecated("use OmittedMethod")]] = OmittedMethod;
+[[deprecated("use omitted_methods()")]] inline std::span<const OmittedMethod> methods_left_out() {
+    return omitted_methods();
+}
 
 /// The method that `auto` selects.
 struct Choice {

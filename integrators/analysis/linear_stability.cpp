@@ -38,21 +38,21 @@ double length_of(const Growth& growth) {
 
 }  // namespace
 
-std::optional<double> linear_growth(const Method& method, std::complex<double> z) {
-    if (method.growth) return method.growth(z);
-    if (!method.pendulum_growth) return std::nullopt;
-    if (z.imag() == 0) return method.pendulum_growth(-z.real(), 0);
-    return method.pendulum_growth(-2 * z.real(), std::norm(z));
+std::optional<double> linear_amplification(const Method& method, std::complex<double> z) {
+    if (method.amplification) return method.amplification(z);
+    if (!method.pendulum_amplification) return std::nullopt;
+    if (z.imag() == 0) return method.pendulum_amplification(-z.real(), 0);
+    return method.pendulum_amplification(-2 * z.real(), std::norm(z));
 }
 
 std::optional<double> stable_length(const Method& method, double angle) {
-    if (!method.growth && !method.pendulum_growth) return std::nullopt;
+    if (!method.amplification && !method.pendulum_amplification) return std::nullopt;
     // the axes exactly, without rounding of the direction
     const double pi = std::numbers::pi;
     const std::complex<double> direction = angle == pi       ? std::complex<double>(-1, 0)
                                            : angle == pi / 2 ? std::complex<double>(0, 1)
                                                              : std::polar(1.0, angle);
-    return length_of([&](double r) { return *linear_growth(method, r * direction); });
+    return length_of([&](double r) { return *linear_amplification(method, r * direction); });
 }
 
 std::optional<double> real_interval(const Method& method) { return stable_length(method, std::numbers::pi); }

@@ -9,12 +9,12 @@
 namespace polhode {
 
 /// Spectral radius of one step if the eigenvalues of the motion times the step are z and its conjugate. Uses
-/// Method::growth, or Method::pendulum_growth with h gamma = -2 Re z and h^2 k = |z|^2. For real z (drag alone), h
-/// gamma = -z. Empty if the method has neither function.
-std::optional<double> linear_growth(const Method& method, std::complex<double> z);
+/// Method::amplification, or Method::pendulum_amplification with h gamma = -2 Re z and h^2 k = |z|^2. For real z (drag
+/// alone), h gamma = -z. Empty if the method has neither function.
+std::optional<double> linear_amplification(const Method& method, std::complex<double> z);
 
-/// The largest r with linear_growth(r exp(i angle)) <= 1 on all of [0, r], within 1e-6. Returns 0 if it exceeds 1 at
-/// once and infinity if it does not exceed 1 up to r = 1e8. Not detected: excesses below 1e-12, and windows of
+/// The largest r with linear_amplification(r exp(i angle)) <= 1 on all of [0, r], within 1e-6. Returns 0 if it exceeds
+/// 1 at once and infinity if it does not exceed 1 up to r = 1e8. Not detected: excesses below 1e-12, and windows of
 /// instability narrower than the scan step (1e-3 up to r = 100, then 1 % of r). Empty if the method has no growth.
 std::optional<double> stable_length(const Method& method, double angle);
 

@@ -44,7 +44,7 @@ class ClosedForm {
     Form form_;
 
     template <class F, class... Arguments>
-    static std::optional<ClosedForm> made(Arguments&&... arguments) {
+    static std::optional<ClosedForm> make(Arguments&&... arguments) {
         return std::optional<ClosedForm>(std::in_place, std::in_place_type<F>, std::forward<Arguments>(arguments)...);
     }
 
@@ -69,23 +69,23 @@ class ClosedForm {
     }
 
     static std::optional<ClosedForm> free_body(const Vector3<S>& moments, const Vector3<S>& w, const Quaternion<S>& q) {
-        if (const int axis = axis_of(w, S(0)); axis >= 0) return made<AxisRotation<S>>(unit(axis), w[axis], q);
+        if (const int axis = axis_of(w, S(0)); axis >= 0) return make<AxisRotation<S>>(unit(axis), w[axis], q);
         if (moments[0] == moments[1] && moments[1] == moments[2]) {
             const S rate = length(w);
-            return made<AxisRotation<S>>((S(1) / rate) * w, rate, q);
+            return make<AxisRotation<S>>((S(1) / rate) * w, rate, q);
         }
         if (const int axis = symmetry_axis(moments, S(0)); axis >= 0)
-            return made<FreeSymmetricBody<S>>(axis, moments[(axis + 1) % 3], moments[axis], w, q);
+            return make<FreeSymmetricBody<S>>(axis, moments[(axis + 1) % 3], moments[axis], w, q);
         if constexpr (std::is_same_v<S, double>)
-            if (!moderate(moments, w))
-                return made<FreeAsymmetricBody<double>>(
+            if (!is_in_square_range(moments, w))
+                return make<FreeAsymmetricBody<double>>(
                     FreeAsymmetricBody<Wide>(cast<Wide>(moments), cast<Wide>(w), cast<Wide>(q)));
-        return made<FreeAsymmetricBody<S>>(moments, w, q);
+        return make<FreeAsymmetricBody<S>>(moments, w, q);
     }
 
     // Whether squares and fourth powers neither overflow nor underflow in binary64. If not, Wide is used for its
     // larger exponent range.
-    static bool moderate(const Vector3<double>& moments, const Vector3<double>& w) {
+    static bool is_in_square_range(const Vector3<double>& moments, const Vector3<double>& w) {
         constexpr double most = 1e60, least = 1e-60;
         double largest = 0;
         for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(w[i]));
@@ -116,13 +116,13 @@ class ClosedForm {
         const Vector3<S> torque_B = rotate_back(q, field);
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
         const bool upright = torque_B[i] == 0 && torque_B[j] == 0 && w[i] == 0 && w[j] == 0;
-        if (upright) return made<AxisRotation<S>>(unit(axis), w[axis], q);
+        if (upright) return make<AxisRotation<S>>(unit(axis), w[axis], q);
         if constexpr (std::is_same_v<S, double>) {
             const LagrangeStart<Wide> start(axis, moments[i], moments[axis], cast<Wide>(field), cast<Wide>(w),
                                             cast<Wide>(q));
-            return made<LagrangeTop<double>>(LagrangeStart<double>(start), q);
+            return make<LagrangeTop<double>>(LagrangeStart<double>(start), q);
         } else {
-            return made<LagrangeTop<S>>(axis, moments[i], moments[axis], field, w, q);
+            return make<LagrangeTop<S>>(axis, moments[i], moments[axis], field, w, q);
         }
     }
 
@@ -150,7 +150,7 @@ class ClosedForm {
         const Vector3<S> damped = damping * e;
         if (!along(torque) || !along(w) || !along(damped)) return {};
         const S inverse_moment = S(1) / dot(e, Vector3<S>(moments[0] * e[0], moments[1] * e[1], moments[2] * e[2]));
-        return made<AxisRotation<S>>(e, dot(w, e), q, inverse_moment * dot(torque, e), inverse_moment * dot(damped, e));
+        return make<AxisRotation<S>>(e, dot(w, e), q, inverse_moment * dot(torque, e), inverse_moment * dot(damped, e));
     }
 };
 

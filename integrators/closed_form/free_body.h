@@ -21,7 +21,7 @@ struct Rotation {
 
 /// Unit quaternion of a rotation by 2 * half (rad) about a coordinate axis.
 template <class S>
-Quaternion<S> turn_about(int axis, const S& half) {
+Quaternion<S> rotation_about(int axis, const S& half) {
     S s, c;
     Elementary<S>::sine_cosine(half, s, c);
     Quaternion<S> q{c, S(0), S(0), S(0)};
@@ -31,7 +31,7 @@ Quaternion<S> turn_about(int axis, const S& half) {
 
 /// Unit quaternion of a rotation by 2 * half (rad) about v, |v| = length; identity for v = 0.
 template <class S>
-Quaternion<S> turn_about(const Vector3<S>& v, const S& length, const S& half) {
+Quaternion<S> rotation_about(const Vector3<S>& v, const S& length, const S& half) {
     if (!(length > 0)) return Quaternion<S>{};
     S s, c;
     Elementary<S>::sine_cosine(half, s, c);
@@ -57,12 +57,12 @@ class AxisRotation {
             rate += acceleration_ * t;
             angle += acceleration_ * t * t / S(2);
         } else {
-            const S x = decay_ * t, gone = -Elementary<S>::exponential_less_one(S(-x));  // 1 - exp(-kt)
-            const S mean = gone / decay_;
-            rate = rate_ - rate_ * gone + acceleration_ * mean;
-            angle = rate_ * mean + acceleration_ * excess(x, gone) / (decay_ * decay_);
+            const S x = decay_ * t, decayed = -Elementary<S>::exponential_less_one(S(-x));  // 1 - exp(-kt)
+            const S mean = decayed / decay_;
+            rate = rate_ - rate_ * decayed + acceleration_ * mean;
+            angle = rate_ * mean + acceleration_ * excess(x, decayed) / (decay_ * decay_);
         }
-        return {rate * axis_, q_ * turn_about(axis_, S(1), S(angle / S(2)))};
+        return {rate * axis_, q_ * rotation_about(axis_, S(1), S(angle / S(2)))};
     }
 
   private:
@@ -71,8 +71,8 @@ class AxisRotation {
     Quaternion<S> q_;
 
     // x - (1 - exp(-x)) without cancellation; for small x from its series.
-    static S excess(const S& x, const S& gone) {
-        if (Elementary<S>::magnitude(x) > S(1)) return x - gone;
+    static S excess(const S& x, const S& decayed) {
+        if (Elementary<S>::magnitude(x) > S(1)) return x - decayed;
         S term = x * x / S(2), sum = term;
         for (int n = 3; Elementary<S>::magnitude(term) > Elementary<S>::epsilon() * Elementary<S>::magnitude(sum);
              ++n) {
@@ -99,8 +99,8 @@ class FreeSymmetricBody {
     }
 
     Rotation<S> at(const S& t) const {
-        const Quaternion<S> spin = turn_about(axis_, S(half_spin_ * t));
-        const Quaternion<S> q = (q_ * turn_about(L_B_, L_, S(half_precession_ * t))) * spin;
+        const Quaternion<S> spin = rotation_about(axis_, S(half_spin_ * t));
+        const Quaternion<S> q = (q_ * rotation_about(L_B_, L_, S(half_precession_ * t))) * spin;
         // In body axes, w rotates about the symmetry axis in the opposite sense.
         const S c = spin.w, s = axis_ == 0 ? spin.x : axis_ == 1 ? spin.y : spin.z;
         const S cosine = c * c - s * s, sine = (c * s) + (c * s);
@@ -162,8 +162,8 @@ class FreeAsymmetricBody {
         S half_angle = half_precession_ * t;
         if (!lattice_.trigonometric) half_angle -= sense_ * j * theta_.width;
         Vector3<S> w, l;
-        Complex<S> turned;
-        state(u, w, l, turned);
+        Complex<S> half_turn;
+        state(u, w, l, half_turn);
         // u passed j half periods: w1 and w2 changed sign j times.
         const S half = j / S(2);
         if (Elementary<S>::rounded(half) != half) w[0] = -w[0], w[1] = -w[1], l[0] = -l[0], l[1] = -l[1];
@@ -171,7 +171,7 @@ class FreeAsymmetricBody {
         Elementary<S>::sine_cosine(half_angle, sine, cosine);
         Rotation<S> result;
         for (int i = 0; i < 3; ++i) result.w[axis_[i]] = sign_[i] * w[i];
-        result.q = unit(base_ * nutation(Complex<S>{cosine, sine} * turned, l));
+        result.q = unit(base_ * nutation(Complex<S>{cosine, sine} * half_turn, l));
         return result;
     }
 
@@ -246,9 +246,9 @@ class FreeAsymmetricBody {
         half_precession_ = (L / (at_quarter ? b.I2 : b.I1) - sense_ * rate_ * slope) / S(2);
 
         Vector3<S> w, l;
-        Complex<S> turned;
-        state(phase_, w, l, turned);
-        base_ = unit(q * conjugate(nutation(turned, l)));
+        Complex<S> half_turn;
+        state(phase_, w, l, half_turn);
+        base_ = unit(q * conjugate(nutation(half_turn, l)));
     }
 
     std::array<int, 3> axis_{};
@@ -274,7 +274,7 @@ class FreeAsymmetricBody {
     }
 
     // At |u| <= K: w, l = L_B/|L|, and the unit complex number with half the angle of (l2 + i l1) theta_1.
-    void state(const S& u, Vector3<S>& w, Vector3<S>& l, Complex<S>& turned) const {
+    void state(const S& u, Vector3<S>& w, Vector3<S>& l, Complex<S>& half_turn) const {
         Harmonics<S> h{};
         lattice_.template harmonics<false>(u, h);
         const Jacobi<S> f = lattice_.jacobi(h);
@@ -283,7 +283,7 @@ class FreeAsymmetricBody {
         const Complex<S> z = theta_.sum(h) * Complex<S>{sense_ * l[1], l[0]};
         const S size = square_root(S(z.re * z.re + z.im * z.im));
         const S c = square_root(S((S(1) + z.re / size) / S(2)));
-        turned = {c, sense_ * z.im / size / (c + c)};
+        half_turn = {c, sense_ * z.im / size / (c + c)};
     }
 };
 

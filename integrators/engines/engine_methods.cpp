@@ -235,8 +235,8 @@ std::vector<EngineMethod> parse_engines(std::string_view text, const std::string
             }
             const auto asked = std::make_shared<const AskedEngine>(AskedEngine{entry, setting, session});
             Method method = description;
-            method.refuses = why_unrepresentable;
-            method.own_systems = true;
+            method.refusal = why_unrepresentable;
+            method.general_systems = true;
             all.push_back({entry.name, setting,
                            make_method(method,
                                        [asked](const Problem& problem, const Settings& settings) {

@@ -96,7 +96,7 @@ std::shared_ptr<const Method> external_method(const Method& description, const E
                      : step            ? Control::fixed_step
                      : tolerance       ? Control::tolerance
                                        : Control::none;
-    if (!method.refuses) method.refuses = user_torque_has_no_json;
+    if (!method.refusal) method.refusal = user_torque_has_no_json;
     return make_method(method, [command](const Problem& problem, const Settings& settings) {
         return run(command, problem, settings);
     });

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -237,7 +237,7 @@ constexpr Method each[] = {
          "The article's update as printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
          "converges, with order 1, to I dw/dt = tau + w x Iw, which is a different motion. Where forces are "
          "applied, the offset of the centre of mass is not rotated into world axes.",
-     .described_as = "article: apply_torque and update_body_orientation, as printed",
+     .origin = "article: apply_torque and update_body_orientation, as printed",
      .solve = solve<Form::as_written>},
     {.name = "article_offset_as_written",
      .documentation =
@@ -245,39 +245,39 @@ constexpr Method each[] = {
          "in the corrected update: only the first of the article's two errors. It matters if a force acts on a "
          "rotated body whose centre of mass is not its origin. Otherwise the result equals that of "
          "`article_mended`, bit for bit.",
-     .described_as = "article: apply_torque's centre of mass as printed, sign corrected",
+     .origin = "article: apply_torque's centre of mass as printed, sign corrected",
      .solve = solve<Form::offset_as_written>},
     {.name = "article_sign_as_written",
      .documentation = "The article's `update_body_orientation` as printed, w += h I^-1 (w x Iw), with the corrected "
                       "`apply_torque`: only the second error. It converges, with order 1, to I dw/dt = tau + w x Iw.",
-     .described_as = "article: update_body_orientation's sign as printed, centre of mass corrected",
+     .origin = "article: update_body_orientation's sign as printed, centre of mass corrected",
      .solve = solve<Form::sign_as_written>},
     {.name = "article_mended",
      .documentation =
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the offset of the centre "
          "of mass rotated into world axes. The tensor is rotated and inverted again at every step. Order 1.",
-     .described_as = "article: sign and centre of mass corrected",
+     .origin = "article: sign and centre of mass corrected",
      .solve = solve<Form::mended>},
     {.name = "article_body_frame",
      .documentation =
          "The corrected update in body axes, the article's other suggestion. It does not rotate the tensor. The "
          "motion equals that of `article_mended` except for rounding, at lower cost.",
-     .described_as = "article: \"put the body in its local coordinates\"",
+     .origin = "article: \"put the body in its local coordinates\"",
      .solve = solve<Form::body_frame>},
 };
 
-constexpr auto in_binary64 = sharing({.source = source,
-                                      .conserves = "|q| to round-off",
-                                      .control = Control::fixed_step,
-                                      .order = 1,
-                                      .pendulum_growth = semi_implicit_euler_pendulum_growth,
-                                      .family = Family::published_update,
-                                      .refuses = refused_pivot},
-                                     each);
+constexpr auto in_binary64 = apply_defaults({.source = source,
+                                             .conserves = "|q| to round-off",
+                                             .control = Control::fixed_step,
+                                             .order = 1,
+                                             .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
+                                             .family = Family::published_update,
+                                             .refusal = refused_pivot},
+                                            each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<Form::as_written, float>,
-                                      solve<Form::offset_as_written, float>, solve<Form::sign_as_written, float>,
-                                      solve<Form::mended, float>, solve<Form::body_frame, float>>();
+constexpr auto family =
+    with_binary32<in_binary64, binary32_refusal, solve<Form::as_written, float>, solve<Form::offset_as_written, float>,
+                  solve<Form::sign_as_written, float>, solve<Form::mended, float>, solve<Form::body_frame, float>>();
 
 }  // namespace
 

@@ -10,8 +10,8 @@
 
 #include "body/orientation.h"
 #include "integrators/game/explicit_step.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
 #include "motion/world_loads.h"
 
@@ -127,29 +127,29 @@ constexpr Method each[] = {
      .documentation =
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
          "term w x Iw appears. R is computed from the normalised q. The length of q itself drifts.",
-     .described_as = "the Pixar course that the article recommends",
+     .origin = "the Pixar course that the article recommends",
      .order = 4,
      .solve = solve<ClassicalRungeKutta>,
-     .growth = classical_growth},
+     .amplification = classical_amplification},
     {.name = "baraff_witkin_euler",
      .documentation =
          "The Pixar course's state x, q, P, L by explicit Euler steps. Each step lengthens q by the factor sqrt(1 "
          "+ h^2 w^2 / 4), which does not affect R(q/|q|). Order 1.",
-     .described_as = "the Pixar course's Euler step",
+     .origin = "the Pixar course's Euler step",
      .order = 1,
      .solve = solve<ExplicitEuler>,
-     .growth = explicit_euler_growth},
+     .amplification = explicit_euler_amplification},
 };
 
-constexpr auto in_binary64 = sharing({.source = source,
-                                      .conserves = kept,
-                                      .control = Control::fixed_step,
-                                      .family = Family::published_update,
-                                      .formulation = Formulation::full},
-                                     each);
+constexpr auto in_binary64 = apply_defaults({.source = source,
+                                             .conserves = kept,
+                                             .control = Control::fixed_step,
+                                             .family = Family::published_update,
+                                             .formulation = Formulation::full},
+                                            each);
 
 constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
+    with_binary32<in_binary64, binary32_refusal, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
 
 }  // namespace
 

@@ -7,8 +7,8 @@
 #include "body/orientation.h"
 #include "integrators/game/engine_state.h"
 #include "integrators/game/position_based.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -154,7 +154,7 @@ constexpr Method each_update[] = {
      .source = "D. Baraff 1997, Physically Based Modeling, SIGGRAPH course notes (L as the state)",
      .conserves = "|q|; L if no torque acts",
      .solve = solve_update<MomentumUpdate<double>>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .pendulum_amplification = semi_implicit_euler_pendulum_amplification},
     {.name = "damped_implicit",
      .documentation =
          "`gyroscopic_implicit` with drag in the same Newton step, (I + h D + h (skew(w) I - skew(I w))) dw = h "
@@ -165,7 +165,7 @@ constexpr Method each_update[] = {
      .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast (mj_implicitSkip, mjd_freeMhat)",
      .conserves = "|q|",
      .solve = solve_update<DampedImplicitUpdate<double>>,
-     .pendulum_growth = damped_pendulum_growth},
+     .pendulum_amplification = damped_pendulum_growth},
     {.name = "mujoco_rk4",
      .documentation =
          "The classical Runge-Kutta method for the velocities in body axes, with the attitude by one exponential "
@@ -176,7 +176,7 @@ constexpr Method each_update[] = {
      .conserves = "|q|",
      .order = 2,
      .solve = solve_update<MujocoRungeKutta<double>>,
-     .growth = classical_growth},
+     .amplification = classical_amplification},
     {.name = "xpbd_rigid",
      .documentation =
          "A substep of extended position-based dynamics. The body moves with its velocities, a pivot corrects position "
@@ -188,17 +188,16 @@ constexpr Method each_update[] = {
                "Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2",
      .conserves = "|q|",
      .solve = solve_position_based<double>,
-     .pendulum_growth = semi_implicit_euler_pendulum_growth},
+     .pendulum_amplification = semi_implicit_euler_pendulum_amplification},
 };
 
-constexpr auto updates_in_binary64 = sharing(
+constexpr auto updates_in_binary64 = apply_defaults(
     {.control = Control::fixed_step, .order = 1, .family = Family::engine_update, .formulation = Formulation::full},
     each_update);
 
-constexpr auto all_updates =
-    with_binary32<updates_in_binary64, refused_by_binary32, solve_update<MomentumUpdate<float>>,
-                  solve_update<DampedImplicitUpdate<float>>, solve_update<MujocoRungeKutta<float>>,
-                  solve_position_based<float>>();
+constexpr auto all_updates = with_binary32<updates_in_binary64, binary32_refusal, solve_update<MomentumUpdate<float>>,
+                                           solve_update<DampedImplicitUpdate<float>>,
+                                           solve_update<MujocoRungeKutta<float>>, solve_position_based<float>>();
 
 }  // namespace
 

@@ -19,7 +19,7 @@
 #include "body/orientation.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/sundials_run.h"
 
@@ -173,28 +173,28 @@ constexpr Method each[] = {
          "w away from it and pass it with an error of the usual size. A step that would change an angle by more "
          "than half a revolution ends the run as `failed`, with the distance from gimbal lock. Rotation and "
          "translation are both integrated, in body axes. Order 1.",
-     .described_as = "slides: Euler angles, roll, pitch, yaw",
+     .origin = "slides: Euler angles, roll, pitch, yaw",
      .control = Control::fixed_step,
      .order = 1,
      .solve = euler_angles,
-     .growth = explicit_euler_growth},
+     .amplification = explicit_euler_amplification},
     {.name = "euler_angles_cvode",
      .documentation =
          "Roll, pitch and yaw and w in body axes by CVODE's Adams-Moulton formulas, with the settings of "
          "`cvode_adams`. Passing gimbal lock at a distance d requires steps of a hundredth of d / w or less, until "
          "d is below the tolerance. At gimbal lock itself the run stops. Rotation and translation are both "
          "integrated, in body axes.",
-     .described_as = "slides: Euler angles, by an adaptive solver",
+     .origin = "slides: Euler angles, by an adaptive solver",
      .control = Control::tolerance,
      .solve = euler_angles_cvode,
      .library = sundials_library},
 };
 
-constexpr auto family = sharing({.source = source,
-                                 .conserves = "nothing; |q| = 1 by construction",
-                                 .family = Family::published_update,
-                                 .formulation = Formulation::full},
-                                each);
+constexpr auto family = apply_defaults({.source = source,
+                                        .conserves = "nothing; |q| = 1 by construction",
+                                        .family = Family::published_update,
+                                        .formulation = Formulation::full},
+                                       each);
 
 }  // namespace
 

@@ -17,8 +17,8 @@
 #include <span>
 
 #include "body/orientation.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
 #include "motion/world_loads.h"
 
@@ -221,21 +221,21 @@ constexpr Method each[] = {
          "The slides' update: x += h v, A += h skew(w) A with the old w, L += h tau, A re-orthogonalised by its "
          "columns (X normalised, Z = X x Y, Y = Z x X), then w = A I^-1 A^T L. The error of a step depends on the "
          "axis, since only the first column keeps its direction. Order 1.",
-     .described_as = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
+     .origin = "slides: \"Putting it all together\" with \"Re-orthogonalizing a matrix\"",
      .solve = solve<MendedMatrix>},
     {.name = "fleck_matrix_drifting",
      .documentation =
          "The slides' update without re-orthogonalisation. Each step stretches A perpendicular to w by sqrt(1 + "
          "h^2 w^2), so that A^T A - 1 grows like h w^2 t. Points and inertia are transformed by A itself, A r and "
          "A I^-1 A^T. The reported attitude is the rotation nearest to A. Order 1.",
-     .described_as = "slides: the update without re-orthogonalizing, A drifts",
+     .origin = "slides: the update without re-orthogonalizing, A drifts",
      .conserves = "nothing",
      .solve = solve<DriftingMatrix>},
     {.name = "fleck_quaternion",
      .documentation =
          "The slides' update with a quaternion instead of the matrix: q += (h/2) (0, w) q, normalised, then w = A I^-1 "
          "A^T L with A = A(q). Vertices would be computed from the originals, V = A V0. Order 1.",
-     .described_as = "slides: the update with the orientation as a quaternion",
+     .origin = "slides: the update with the orientation as a quaternion",
      .conserves = "L in world axes exactly if no torque acts; |q| to round-off",
      .solve = solve<TurnedQuaternion>},
     {.name = "accumulated_vertices",
@@ -244,7 +244,7 @@ constexpr Method each[] = {
          "instead of from the originals. The orientation for w = A I^-1 A^T L is computed from three of them, "
          "re-orthogonalised. The vertices accumulate rounding errors, and their A^T A - 1 is the reported defect. "
          "Order 1.",
-     .described_as = "slides: \"always start with the original\" ignored, vertices rotated from their last positions",
+     .origin = "slides: \"always start with the original\" ignored, vertices rotated from their last positions",
      .conserves = kept,
      .solve = solve<AccumulatedVertices>},
     {.name = "fleck_resummed_inertia",
@@ -252,21 +252,22 @@ constexpr Method each[] = {
          "`fleck_matrix` with the inertia tensor as the slides introduce it: summed over world points at every step, "
          "I_W = sum m (r^2 1 - r r^T), and inverted there. The points are eight masses with exactly the body's tensor. "
          "The motion equals that of `fleck_matrix` except for rounding, at higher cost. Order 1.",
-     .described_as = "slides: the inertia tensor from world space vectors, summed again in each frame",
+     .origin = "slides: the inertia tensor from world space vectors, summed again in each frame",
      .solve = solve<MendedMatrix, ResummedInertia>},
 };
 
-constexpr auto in_binary64 = sharing({.source = source,
-                                      .conserves = "L in world axes exactly if no torque acts; A^T A = 1 to round-off",
-                                      .control = Control::fixed_step,
-                                      .order = 1,
-                                      .growth = explicit_euler_growth,
-                                      .family = Family::published_update,
-                                      .formulation = Formulation::full},
-                                     each);
+constexpr auto in_binary64 =
+    apply_defaults({.source = source,
+                    .conserves = "L in world axes exactly if no torque acts; A^T A = 1 to round-off",
+                    .control = Control::fixed_step,
+                    .order = 1,
+                    .amplification = explicit_euler_amplification,
+                    .family = Family::published_update,
+                    .formulation = Formulation::full},
+                   each);
 
 constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<MendedMatrix, TransformedInertia, float>,
+    with_binary32<in_binary64, binary32_refusal, solve<MendedMatrix, TransformedInertia, float>,
                   solve<DriftingMatrix, TransformedInertia, float>, solve<TurnedQuaternion, TransformedInertia, float>,
                   solve<AccumulatedVertices, TransformedInertia, float>, solve<MendedMatrix, ResummedInertia, float>>();
 

@@ -16,8 +16,8 @@
 #include <span>
 
 #include "integrators/game/engine_state.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -125,7 +125,7 @@ constexpr Method each[] = {
      .source = "Dimforge, Rapier",
      .conserves = "|q|; |L|, not L, if no torque acts",
      .solve = solve<Term::rescaled_momentum, Turning::exponential, 4>,
-     .pendulum_growth = substepped_pendulum_growth},
+     .pendulum_amplification = substepped_pendulum_growth},
     {.name = "first_order_quaternion",
      .documentation =
          "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) "
@@ -134,24 +134,23 @@ constexpr Method each[] = {
      .solve = solve<Term::explicit_euler, Turning::first_order>},
 };
 
-constexpr auto in_binary64 = sharing({.source = "the sources of the engines named",
-                                      .conserves = "|q|",
-                                      .control = Control::fixed_step,
-                                      .order = 1,
-                                      .pendulum_growth = semi_implicit_euler_pendulum_growth,
-                                      .family = Family::engine_update,
-                                      .formulation = Formulation::full},
-                                     each);
+constexpr auto in_binary64 = apply_defaults({.source = "the sources of the engines named",
+                                             .conserves = "|q|",
+                                             .control = Control::fixed_step,
+                                             .order = 1,
+                                             .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
+                                             .family = Family::engine_update,
+                                             .formulation = Formulation::full},
+                                            each);
 
-constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<Term::none, Turning::exponential, 1, float>,
-                  solve<Term::explicit_euler, Turning::exponential, 1, float>,
-                  solve<Term::one_newton_step, Turning::exponential, 1, float>,
-                  solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
-                  solve<Term::linearly_implicit, Turning::exponential, 1, float>,
-                  solve<Term::midpoint, Turning::exponential, 1, float>,
-                  solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
-                  solve<Term::explicit_euler, Turning::first_order, 1, float>>();
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, solve<Term::none, Turning::exponential, 1, float>,
+                                      solve<Term::explicit_euler, Turning::exponential, 1, float>,
+                                      solve<Term::one_newton_step, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
+                                      solve<Term::linearly_implicit, Turning::exponential, 1, float>,
+                                      solve<Term::midpoint, Turning::exponential, 1, float>,
+                                      solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
+                                      solve<Term::explicit_euler, Turning::first_order, 1, float>>();
 
 }  // namespace
 

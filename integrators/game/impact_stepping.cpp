@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march.h"
 #include "motion/contact.h"
 
@@ -127,13 +127,13 @@ constexpr Method each[] = {
      .solve = solve_steps<Detection::by_halving>},
 };
 
-constexpr auto list = sharing({.conserves = "|q|; at an impact, the invariants of the impulse",
-                               .control = Control::fixed_step,
-                               .planes = true,
-                               .order = 1,
-                               .pendulum_growth = semi_implicit_euler_pendulum_growth,
-                               .family = Family::published_update},
-                              each);
+constexpr auto list = apply_defaults({.conserves = "|q|; at an impact, the invariants of the impulse",
+                                      .control = Control::fixed_step,
+                                      .planes = true,
+                                      .order = 1,
+                                      .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
+                                      .family = Family::published_update},
+                                     each);
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 #include "body/orientation.h"
 #include "integrators/game/charted_motion.h"
 #include "integrators/game/explicit_step.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march.h"
 
 namespace polhode {
@@ -90,17 +90,18 @@ constexpr Method each[] = {
      .source =
          "J. E. Bortz 1971, A new mathematical formulation for strapdown inertial navigation, IEEE Trans. Aerosp. "
          "Electron. Syst. AES-7, 61-66; H. Munthe-Kaas 1999, Appl. Numer. Math. 29, 115-127",
-     .described_as = "slides: axis-angle representation, integrated",
+     .origin = "slides: axis-angle representation, integrated",
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 4,
      .solve = solve<double>,
-     .growth = classical_growth},
+     .amplification = classical_amplification},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::published_update, .formulation = Formulation::full}, each);
+constexpr auto in_binary64 =
+    apply_defaults({.family = Family::published_update, .formulation = Formulation::full}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve<float>>();
+constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve<float>>();
 
 }  // namespace
 

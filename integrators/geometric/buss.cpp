@@ -8,8 +8,8 @@
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -34,7 +34,8 @@ class Buss : public MomentumStateOf<S> {
             acceleration = rates(cross(y, w) + back * torque);
         }
         ++evaluations_;
-        attitude_.turn(turn_by(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
+        attitude_.rotate(
+            rotation_increment(h * (w + ((h / 2) * acceleration + (h * h / 12) * cross(acceleration, w)))));
         if (!torque_acts) return;
         // Mean of the torques at both ends. The final torque uses the rates of the predicted momentum.
         const Quaternion<S> q_later = attitude_.value();
@@ -65,12 +66,12 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 2,
      .solve = march_momentum<Buss<double>>,
-     .pendulum_growth = buss_pendulum_growth},
+     .pendulum_amplification = buss_pendulum_growth},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<Buss<float>>>();
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, march_momentum<Buss<float>>>();
 
 }  // namespace
 

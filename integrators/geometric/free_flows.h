@@ -4,14 +4,14 @@
 //
 // The flows are ThreeRotations, ExactFreeMotion and DiscreteMoserVeselov. A flow has `void prepare(const
 // Vector3<double>& y)`, called whenever the momentum's length or the energy has changed by more than rounding, and
-// `bool turn(const Vector3<double>& y, double h, Turn& d)`, which returns false if it finds no solution.
+// `bool turn(const Vector3<double>& y, double h, RotationIncrement& d)`, which returns false if it finds no solution.
 #pragma once
 
 #include <array>
 #include <cmath>
 
 #include "integrators/closed_form/closed_form.h"
-#include "integrators/closed_form/turn.h"
+#include "integrators/closed_form/compensated_rotation.h"
 #include "integrators/geometric/modified_moments.h"
 #include "integrators/geometric/newton.h"
 #include "motion/problem.h"
@@ -28,7 +28,7 @@ class ThreeRotations {
         : inverse_moments_(cast<S>(problem.body.principal_inertia.inverse_moments)) {}
 
     void prepare(const Vector3<S>&) {}
-    bool turn(const Vector3<S>& y, S h, TurnOf<S>& d) const {
+    bool turn(const Vector3<S>& y, S h, RotationIncrementOf<S>& d) const {
         Vector3<S> now = y;
         d = {};
         about<0>(h / 2, now, d);
@@ -44,7 +44,7 @@ class ThreeRotations {
 
     // Rotates by half = h y_i / 2 I_i: updates d, and rotates the other two components of y back.
     template <int i>
-    void about(S h, Vector3<S>& y, TurnOf<S>& d) const {
+    void about(S h, Vector3<S>& y, RotationIncrementOf<S>& d) const {
         constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
         const S half = S(0.5) * h * inverse_moments_[i] * y[i];
         const SineCosine f(half * half);
@@ -54,7 +54,7 @@ class ThreeRotations {
         const S yj = y[j], yk = y[k];
         y[j] = yj + (cosine_less_one * yj + sine * yk);
         y[k] = yk + (cosine_less_one * yk - sine * yj);
-        TurnOf<S> next;
+        RotationIncrementOf<S> next;
         next.w = d.w + (c + (d.w * c - d.v[i] * s));
         next.v[i] = d.v[i] + (s + (d.w * s + d.v[i] * c));
         next.v[j] = d.v[j] + (d.v[j] * c + d.v[k] * s);
@@ -86,15 +86,15 @@ class ExactFreeMotion {
     }
 
     void prepare(const Vector3<double>&) {}
-    bool turn(const Vector3<double>& y, double h, Turn& d) const {
+    bool turn(const Vector3<double>& y, double h, RotationIncrement& d) const {
         if (axis_ < 0) return series(y, h, d) || closed_form(y, h, d);
         // w = y / I1 + (1/I3 - 1/I1) y3 e3: a rotation about y, which is fixed in the world, and one about e3.
-        d = turn_by((h * inverse_moments_[(axis_ + 1) % 3]) * y);
+        d = rotation_increment((h * inverse_moments_[(axis_ + 1) % 3]) * y);
         const double half = 0.5 * h * excess_ * y[axis_];
         const SineCosine f(half * half);
-        Turn spin;
+        RotationIncrement spin;
         spin.w = f.cosine_less_one, spin.v[axis_] = half * f.sine_by_angle;
-        d = then(d, spin);
+        d = compose(d, spin);
         return true;
     }
 
@@ -106,7 +106,7 @@ class ExactFreeMotion {
     double excess_ = 0;
 
     // With t in units of h: (k+1) y_i,k+1 = h (1/I_k - 1/I_j) sum of y_j,l y_k,k-l.
-    bool series(const Vector3<double>& start, double h, Turn& d) const {
+    bool series(const Vector3<double>& start, double h, RotationIncrement& d) const {
         d = {};
         const double square = dot(start, start);
         if (square == 0) return true;
@@ -152,8 +152,9 @@ class ExactFreeMotion {
             // Divide instead of multiplying by a reciprocal. The reciprocal's rounding error is the same at every
             // step; it would scale all swings by the same factor and make the energy drift.
             const Vector3<double> across = cross(change, start);
-            const Turn swing{-sigma / (1 + cosine), {across[0] / scale, across[1] / scale, across[2] / scale}};
-            d = then(turn_by((h * phi) * start), swing);
+            const RotationIncrement swing{-sigma / (1 + cosine),
+                                          {across[0] / scale, across[1] / scale, across[2] / scale}};
+            d = compose(rotation_increment((h * phi) * start), swing);
             return true;
         }
         return false;
@@ -163,7 +164,7 @@ class ExactFreeMotion {
         for (int n = 1; n < most + 2; ++n) r[n] = 1.0 / n;
         return r;
     }();
-    bool closed_form(const Vector3<double>& y, double h, Turn& d) const {
+    bool closed_form(const Vector3<double>& y, double h, RotationIncrement& d) const {
         const Vector3<double> w(inverse_moments_[0] * y[0], inverse_moments_[1] * y[1], inverse_moments_[2] * y[2]);
         if (!(dot(w, w) < INFINITY)) return false;
         const auto form = ClosedForm<double>::find(moments_, Forcing<double>{}, w, Quaternion<double>{}, 0);
@@ -190,7 +191,7 @@ class DiscreteMoserVeselov {
     void prepare(const Vector3<S>& y) {
         if constexpr (terms > 1) modified_ = ModifiedMoments<terms>(inverse_moments_, y);
     }
-    bool turn(const Vector3<S>& y, S h, TurnOf<S>& d) const {
+    bool turn(const Vector3<S>& y, S h, RotationIncrementOf<S>& d) const {
         Vector3<S> r = inverse_moments_;
         if constexpr (terms > 1) r = modified_.inverse_moments(inverse_moments_, h);
         const auto scaled = [&r](const Vector3<S>& m) { return Vector3<S>(r[0] * m[0], r[1] * m[1], r[2] * m[2]); };

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <span>
 
-#include "integrators/closed_form/turn.h"
+#include "integrators/closed_form/compensated_rotation.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 #include "integrators/run/march.h"
 #include "integrators/series/linear_algebra.h"
 #include "motion/jacobian.h"
@@ -62,7 +62,7 @@ class ImplicitMidpoint {
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+    void explain(Trajectory& trajectory) const { report_unsolved_step(trajectory, sample(failed_at_)); }
 
   private:
     const Problem* problem_;
@@ -163,15 +163,15 @@ constexpr Method each[] = {
      .conserves = "|q|; energy of a free body, in uniform gravity about a pivot and under springs; |L|, but not L, of "
                   "a free body; all to round-off",
      .control = Control::fixed_step,
-     .own_systems = true,
+     .general_systems = true,
      .order = 2,
      .solve = solve<double>,
-     .growth = midpoint_growth},
+     .amplification = midpoint_amplification},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::runge_kutta}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::runge_kutta}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve<float>>();
+constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve<float>>();
 
 }  // namespace
 

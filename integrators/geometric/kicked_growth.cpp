@@ -5,7 +5,7 @@
 
 #include "integrators/geometric/composition.h"
 #include "integrators/geometric/kick.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 namespace polhode {
 

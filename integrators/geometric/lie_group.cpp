@@ -2,7 +2,7 @@
 #include <span>
 
 #include "integrators/geometric/momentum_state.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 namespace polhode {
 namespace {
@@ -23,7 +23,7 @@ class LieGroupStepper : public MomentumState {
         Vectors k[4];
         // Body rates at time t + c h, with the attitude q (1 + d) and the vectors advanced by c h times `before`. The
         // rates of the vectors are stored in `slope`.
-        const auto rates_at = [&](double c, const Turn& d, const Vectors& before, Vectors& slope) {
+        const auto rates_at = [&](double c, const RotationIncrement& d, const Vectors& before, Vectors& slope) {
             const Quaternion<double> turned = q * Quaternion<double>{1 + d.w, d.v[0], d.v[1], d.v[2]};
             const Matrix3<double> R = rotation_matrix(turned);
             Vector3<double> L = start.momentum_W;
@@ -56,33 +56,34 @@ class LieGroupStepper : public MomentumState {
 /// Classical tableau for the rotation vector u of q exp(u), du/dt = w + u x w / 2 + u x (u x w) / 12 + O(u^4).
 struct MuntheKaas {
     template <class RatesAt>
-    static void turn(double h, const RatesAt& rates_at, Vectors* k, TurnedAttitude& attitude) {
+    static void turn(double h, const RatesAt& rates_at, Vectors* k, CompensatedAttitude& attitude) {
         const auto pulled_back = [](const Vector3<double>& u, const Vector3<double>& w) {
             const Vector3<double> across = cross(u, w);
             return w + (0.5 * across + (1.0 / 12) * cross(u, across));
         };
-        const Vector3<double> k1 = rates_at(0, Turn{}, k[0], k[0]);
+        const Vector3<double> k1 = rates_at(0, RotationIncrement{}, k[0], k[0]);
         const Vector3<double> u2 = (h / 2) * k1;
-        const Vector3<double> k2 = pulled_back(u2, rates_at(0.5, turn_by(u2), k[0], k[1]));
+        const Vector3<double> k2 = pulled_back(u2, rates_at(0.5, rotation_increment(u2), k[0], k[1]));
         const Vector3<double> u3 = (h / 2) * k2;
-        const Vector3<double> k3 = pulled_back(u3, rates_at(0.5, turn_by(u3), k[1], k[2]));
+        const Vector3<double> k3 = pulled_back(u3, rates_at(0.5, rotation_increment(u3), k[1], k[2]));
         const Vector3<double> u4 = h * k3;
-        const Vector3<double> k4 = pulled_back(u4, rates_at(1, turn_by(u4), k[2], k[3]));
-        attitude.turn(turn_by((h / 6) * ((k1 + k4) + 2.0 * (k2 + k3))));
+        const Vector3<double> k4 = pulled_back(u4, rates_at(1, rotation_increment(u4), k[2], k[3]));
+        attitude.rotate(rotation_increment((h / 6) * ((k1 + k4) + 2.0 * (k2 + k3))));
     }
 };
 
 /// Five exponentials, no commutators.
 struct CommutatorFree {
     template <class RatesAt>
-    static void turn(double h, const RatesAt& rates_at, Vectors* k, TurnedAttitude& attitude) {
-        const Vector3<double> k1 = rates_at(0, Turn{}, k[0], k[0]);
-        const Turn half = turn_by((h / 2) * k1);
+    static void turn(double h, const RatesAt& rates_at, Vectors* k, CompensatedAttitude& attitude) {
+        const Vector3<double> k1 = rates_at(0, RotationIncrement{}, k[0], k[0]);
+        const RotationIncrement half = rotation_increment((h / 2) * k1);
         const Vector3<double> k2 = rates_at(0.5, half, k[0], k[1]);
-        const Vector3<double> k3 = rates_at(0.5, turn_by((h / 2) * k2), k[1], k[2]);
-        const Vector3<double> k4 = rates_at(1, then(half, turn_by(h * (k3 - 0.5 * k1))), k[2], k[3]);
+        const Vector3<double> k3 = rates_at(0.5, rotation_increment((h / 2) * k2), k[1], k[2]);
+        const Vector3<double> k4 = rates_at(1, compose(half, rotation_increment(h * (k3 - 0.5 * k1))), k[2], k[3]);
         const Vector3<double> middle = 2.0 * (k2 + k3);
-        attitude.turn(then(turn_by((h / 12) * (3.0 * k1 + middle - k4)), turn_by((h / 12) * (3.0 * k4 + middle - k1))));
+        attitude.rotate(compose(rotation_increment((h / 12) * (3.0 * k1 + middle - k4)),
+                                rotation_increment((h / 12) * (3.0 * k4 + middle - k1))));
     }
 };
 
@@ -110,12 +111,12 @@ constexpr Method each[] = {
      .solve = solve<CommutatorFree>},
 };
 
-constexpr auto family = sharing({.conserves = kept,
-                                 .control = Control::fixed_step,
-                                 .order = 4,
-                                 .growth = classical_growth,
-                                 .family = Family::rotation_group},
-                                each);
+constexpr auto family = apply_defaults({.conserves = kept,
+                                        .control = Control::fixed_step,
+                                        .order = 4,
+                                        .amplification = classical_amplification,
+                                        .family = Family::rotation_group},
+                                       each);
 
 }  // namespace
 

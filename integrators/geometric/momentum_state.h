@@ -6,7 +6,7 @@
 #pragma once
 
 #include "body/orientation.h"
-#include "integrators/closed_form/turn.h"
+#include "integrators/closed_form/compensated_rotation.h"
 #include "integrators/run/march.h"
 #include "motion/world_loads.h"
 
@@ -26,7 +26,7 @@ class MomentumStateOf {
         restart();
     }
     void restart() {
-        attitude_ = TurnedAttitudeOf<S>(cast<S>(problem_->body.initial_q));
+        attitude_ = CompensatedAttitudeOf<S>(cast<S>(problem_->body.initial_q));
         set_angular_velocity(problem_->body.initial_angular_velocity);
         position_ = CompensatedVectorOf<S>(cast<S>(problem_->body.position_W));
         velocity_ = CompensatedVectorOf<S>(cast<S>(problem_->body.velocity_W));
@@ -63,7 +63,7 @@ class MomentumStateOf {
     }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+    void explain(Trajectory& trajectory) const { report_unsolved_step(trajectory, sample(failed_at_)); }
 
   protected:
     /// Whether any load couples L, p or v to the attitude, the rates or the time.
@@ -87,7 +87,7 @@ class MomentumStateOf {
     bool translates_;
     Vector3<S> moments_, inverse_moments_;
     CompensatedVectorOf<S> momentum_, position_, velocity_;
-    TurnedAttitudeOf<S> attitude_;
+    CompensatedAttitudeOf<S> attitude_;
     long evaluations_ = 0;
     bool failed_ = false;
     double failed_at_ = 0;  ///< s, start of the failed step

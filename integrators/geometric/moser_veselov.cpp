@@ -37,8 +37,8 @@ constexpr Method moser_veselov(std::string_view name, std::string_view documenta
             .order = order,
             .solve = solve<order>,
             // To first order in the angle, the free motion is theta + h theta'. Order 10 does not support loads.
-            .pendulum_growth = order == 10 ? nullptr : &kicked_pendulum_growth<order>,
-            .refuses = refused<order>};
+            .pendulum_amplification = order == 10 ? nullptr : &kicked_pendulum_growth<order>,
+            .refusal = refused<order>};
 }
 
 constexpr Method each[] = {
@@ -63,10 +63,10 @@ constexpr Method each[] = {
                       "same equations, order 10. Free bodies only."),
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::rotation_group}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group}, each);
 
 constexpr auto family =
-    with_binary32<in_binary64, refused_by_binary32, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
+    with_binary32<in_binary64, binary32_refusal, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 

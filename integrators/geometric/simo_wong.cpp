@@ -8,8 +8,8 @@
 
 #include "integrators/geometric/momentum_state.h"
 #include "integrators/geometric/newton.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
-#include "integrators/run/linear_growth.h"
 
 namespace polhode {
 namespace {
@@ -34,7 +34,7 @@ class SimoWong : public MomentumStateOf<S> {
 
         Vector3<S> torque_later, y_later;
         const auto residual = [&](const Vector3<S>& theta) {
-            const TurnOf<S> d = turn_by(theta);
+            const RotationIncrementOf<S> d = rotation_increment(theta);
             const Quaternion<S> q_later = q * Quaternion<S>{1 + d.w, d.v[0], d.v[1], d.v[2]};
             const Matrix3<S> R_later = rotation_matrix(q_later);
             Vector3<S> L_later = L;
@@ -81,7 +81,7 @@ class SimoWong : public MomentumStateOf<S> {
                 return;
             }
         }
-        attitude_.turn(turn_by(theta));
+        attitude_.rotate(rotation_increment(theta));
         if (torque_acts) momentum_.add((h / 2) * (torque + torque_later));
     }
 };
@@ -97,12 +97,12 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 2,
      .solve = march_momentum<SimoWong<double>>,
-     .growth = midpoint_growth},
+     .amplification = midpoint_amplification},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<SimoWong<float>>>();
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, march_momentum<SimoWong<float>>>();
 
 }  // namespace
 

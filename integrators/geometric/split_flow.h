@@ -88,12 +88,12 @@ class Splitting : public MomentumStateOf<S> {
         ++evaluations_;
         const Vector3<S> y = transposed(R_) * momentum_.value();
         if (loaded()) flow_.prepare(y);
-        TurnOf<S> d;
+        RotationIncrementOf<S> d;
         if (!flow_.turn(y, h, d)) {
             failed_ = true;
             return;
         }
-        attitude_.turn(d);
+        attitude_.rotate(d);
         R_ = rotation_matrix(attitude_.value());
         if (translates_) position_.add(h * velocity_.value());
     }

@@ -35,7 +35,7 @@ constexpr Method rotations(std::string_view name, std::string_view documentation
             .control = Control::fixed_step,
             .order = order,
             .solve = solve<ThreeRotations<>, false, order>,
-            .pendulum_growth = kicked_pendulum_growth<order>};
+            .pendulum_amplification = kicked_pendulum_growth<order>};
 }
 template <int order>
 constexpr Method exact_flow(std::string_view name, std::string_view documentation) {
@@ -46,7 +46,7 @@ constexpr Method exact_flow(std::string_view name, std::string_view documentatio
             .control = Control::fixed_step,
             .order = order,
             .solve = solve<ExactFreeMotion, true, order>,
-            .pendulum_growth = kicked_pendulum_growth<order>};
+            .pendulum_amplification = kicked_pendulum_growth<order>};
 }
 
 constexpr Method each[] = {
@@ -78,9 +78,9 @@ constexpr Method each[] = {
                   "steps, in which strong drag grows. Order 8."),
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::splitting, .refuses = refused_by_kicks}, each);
+constexpr auto in_binary64 = apply_defaults({.family = Family::splitting, .refusal = refused_by_kicks}, each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, solve<ThreeRotations<float>, false, 2, float>,
+constexpr auto family = with_binary32<in_binary64, binary32_refusal, solve<ThreeRotations<float>, false, 2, float>,
                                       solve<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr,
                                       nullptr, nullptr>();
 

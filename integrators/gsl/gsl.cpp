@@ -119,7 +119,7 @@ class GslSession {
     SolverFailure failure(int) const {
         if (main_.not_finite || side_.not_finite)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {} at any step size{}",
-                                                  moment(t_), last_state(sample()))};
+                                                  format_time(t_), last_state(sample()))};
         return {Status::tolerance_not_met,
                 fmt::format(
                     "GSL: {} at t = {:g} s",
@@ -232,7 +232,7 @@ const Scheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
 
 template <const Scheme& scheme>
 Trajectory solve_by(const Problem& problem, const Settings& settings) {
-    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         GslSession<SystemType> session(problem, scheme, *settings.tolerance);
         return SolverRun(problem, settings, session).solve();
@@ -271,7 +271,7 @@ constexpr Method each[] = {
                "3rd ed.",
      .solve = solve_by<bsimp>,
      .family = Family::extrapolation,
-     .refuses = no_jacobian_of_user_torque},
+     .refusal = no_jacobian_of_user_torque},
     {.name = "gsl_msbdf",
      .documentation =
          "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation solved by a "
@@ -280,11 +280,11 @@ constexpr Method each[] = {
      .source = source,
      .solve = solve_by<msbdf>,
      .family = Family::multistep,
-     .refuses = no_jacobian_of_user_torque},
+     .refusal = no_jacobian_of_user_torque},
 };
 
-constexpr auto list =
-    sharing({.conserves = "nothing", .control = Control::tolerance, .own_systems = true, .library = gsl_library}, each);
+constexpr auto list = apply_defaults(
+    {.conserves = "nothing", .control = Control::tolerance, .general_systems = true, .library = gsl_library}, each);
 
 }  // namespace
 

@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::array<std::string_view, 3> names{"plain", "avx2", "avx512"};
 
-InstructionSet allowed() {
-    const char* const asked = std::getenv("POLHODE_INSTRUCTION_SET");
-    for (std::size_t i = 0; asked && i < names.size(); ++i)
-        if (names[i] == asked) return static_cast<InstructionSet>(i);
+InstructionSet requested_instruction_set() {
+    const char* const setting = std::getenv("POLHODE_INSTRUCTION_SET");
+    for (std::size_t i = 0; setting && i < names.size(); ++i)
+        if (names[i] == setting) return static_cast<InstructionSet>(i);
     return InstructionSet::avx512;
 }
 
@@ -31,7 +31,7 @@ InstructionSet widest_instruction_set() {
 }
 
 InstructionSet instruction_set() {
-    static const InstructionSet set = std::min(widest_instruction_set(), allowed());
+    static const InstructionSet set = std::min(widest_instruction_set(), requested_instruction_set());
     return set;
 }
 

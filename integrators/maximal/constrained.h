@@ -27,8 +27,8 @@ enum class Index { one, two };
 /// Unknowns or equations that are treated together: y and nu of a body, or the multipliers and angles of a link.
 struct Group {
     std::vector<int> unknowns;
-    std::vector<int> met_by;  ///< groups whose equations may contain these unknowns
-    int color = 0;            ///< no equation contains unknowns of two groups of one colour
+    std::vector<int> coupled_groups;  ///< groups whose equations may contain these unknowns
+    int color = 0;                    ///< no equation contains unknowns of two groups of one colour
 };
 
 /// Evaluates the equations and groups unknowns for a sparse Jacobian.
@@ -65,8 +65,8 @@ class ConstrainedEquations {
         const Rows<S> rows = dynamics.constraints(at);
         std::vector<Wrench<S>> on(at.size()), moved(at.size());
         add_forces(mechanism, system_->loads(), at, z + system_->angles(), on);
-        dynamics.add_held(rows, std::vector<S>(z + lambda_, z + mu_), on);
-        if (index_ == Index::two) dynamics.add_held(rows, std::vector<S>(z + mu_, z + nu_), moved);
+        dynamics.add_constraint_forces(rows, std::vector<S>(z + lambda_, z + mu_), on);
+        if (index_ == Index::two) dynamics.add_constraint_forces(rows, std::vector<S>(z + mu_, z + nu_), moved);
         system_->put_rates(at, on, result);
         if (index_ == Index::one) {
             std::vector<S> still = dynamics.decelerations(at, rows, on);
@@ -77,7 +77,7 @@ class ConstrainedEquations {
         for (int b = 0; b < mechanism.world(); ++b) {
             const int first = system_->place(b);
             if (first < 0) continue;
-            const HeldBody<P>& body = mechanism.bodies[b];
+            const MaximalBody<P>& body = mechanism.bodies[b];
             const Vector3<S> half = (P(1) / P(2)) * (body.inverse_inertia * moved[b].torque_B);
             const Quaternion<S>& q = at[b].q;
             const Quaternion<S> turned = q * Quaternion<S>{S(P(0)), half[0], half[1], half[2]};
@@ -90,9 +90,9 @@ class ConstrainedEquations {
             for (int i = 0; i < 3; ++i) rate[4 + i] = rate[4 + i] + shift[i];
             result[own] = (P(1) / P(2)) * (squared_norm(q) - S(P(1)));
         }
-        const std::vector<S> gaps = dynamics.gaps(at), slips = dynamics.slips(at, rows);
+        const std::vector<S> gaps = dynamics.gaps(at), velocity_errors = dynamics.velocity_errors(at, rows);
         std::copy(gaps.begin(), gaps.end(), result + lambda_);
-        std::copy(slips.begin(), slips.end(), result + mu_);
+        std::copy(velocity_errors.begin(), velocity_errors.end(), result + mu_);
     }
 
   private:
@@ -107,7 +107,7 @@ class ConstrainedEquations {
         const int bodies = mechanism.world(), links = static_cast<int>(mechanism.links.size());
         groups_.resize(bodies + links);
         // bodies that interact with each body, and links attached to it
-        std::vector<std::set<int>> near(bodies), held_by(bodies);
+        std::vector<std::set<int>> near(bodies), links_of(bodies);
         const auto join = [&](int a, int b) {
             if (mechanism.movable(a) && mechanism.movable(b)) near[a].insert(b), near[b].insert(a);
         };
@@ -116,7 +116,7 @@ class ConstrainedEquations {
             const Link<P>& link = mechanism.links[k];
             join(link.from.body, link.to.body);
             for (const int b : {link.from.body, link.to.body})
-                if (mechanism.movable(b)) held_by[b].insert(k);
+                if (mechanism.movable(b)) links_of[b].insert(k);
         }
         for (const Load& load : mechanism.scene().loads)
             if (const auto* tie = std::get_if<PointSpring>(&load))
@@ -134,9 +134,9 @@ class ConstrainedEquations {
             std::set<int> met;
             for (const int other : near[b]) {
                 met.insert(other);
-                for (const int k : held_by[other]) met.insert(bodies + k);
+                for (const int k : links_of[other]) met.insert(bodies + k);
             }
-            group.met_by.assign(met.begin(), met.end());
+            group.coupled_groups.assign(met.begin(), met.end());
         }
         for (int k = 0; k < links; ++k) {
             const Link<P>& link = mechanism.links[k];
@@ -150,20 +150,20 @@ class ConstrainedEquations {
             for (const int b : {link.from.body, link.to.body}) {
                 if (!mechanism.movable(b)) continue;
                 met.insert(b);
-                for (const int other : held_by[b]) met.insert(bodies + other);
+                for (const int other : links_of[b]) met.insert(bodies + other);
             }
-            group.met_by.assign(met.begin(), met.end());
+            group.coupled_groups.assign(met.begin(), met.end());
         }
         // Greedy colouring: each group takes the first colour not used by any group that shares an equation with it.
         std::vector<std::set<int>> taken(groups_.size());
         for (Group& group : groups_) {
             if (group.unknowns.empty()) continue;
             const auto meets = [&](int color) {
-                return std::any_of(group.met_by.begin(), group.met_by.end(),
+                return std::any_of(group.coupled_groups.begin(), group.coupled_groups.end(),
                                    [&](int other) { return taken[other].contains(color); });
             };
             while (meets(group.color)) ++group.color;
-            for (const int other : group.met_by) taken[other].insert(group.color);
+            for (const int other : group.coupled_groups) taken[other].insert(group.color);
             colors_ = std::max(colors_, group.color + 1);
         }
     }

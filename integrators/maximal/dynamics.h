@@ -67,7 +67,7 @@ class Dynamics {
             for (std::size_t i = 0; i < rows[k].size(); ++i) result[first_row_[k] + i] = -rows[k][i].bias;
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (!mechanism_->movable(b)) continue;
-            const HeldBody<P>& body = mechanism_->bodies[b];
+            const MaximalBody<P>& body = mechanism_->bodies[b];
             const Vector3<S>& w = at[b].angular_velocity_B;
             const Vector3<S> a = (P(1) / body.mass) * on[b].force_W;
             const Vector3<S> gyroscopic = cross(w, body.inertia * w);
@@ -90,7 +90,7 @@ class Dynamics {
         std::vector<P> right(static_cast<std::size_t>(rows_count_), P(0));
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (!mechanism_->movable(b)) continue;
-            const HeldBody<P>& body = mechanism_->bodies[b];
+            const MaximalBody<P>& body = mechanism_->bodies[b];
             const Vector3<P> v = at[b].velocity_W + (P(1) / body.mass) * on[b].force_W;
             const Vector3<P> w =
                 at[b].angular_velocity_B + body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W));
@@ -116,7 +116,7 @@ class Dynamics {
 
     /// Adds the constraint forces of the links.
     template <class S>
-    void add_held(const Rows<S>& rows, const std::vector<S>& lambda, std::vector<Wrench<S>>& on) const {
+    void add_constraint_forces(const Rows<S>& rows, const std::vector<S>& lambda, std::vector<Wrench<S>>& on) const {
         for (const int k : order_)
             for (std::size_t i = 0; i < rows[k].size(); ++i) {
                 on[mechanism_->links[k].to.body].add_to(rows[k][i], lambda[first_row_[k] + i]);
@@ -126,7 +126,7 @@ class Dynamics {
 
     /// Negative velocity errors, one per row.
     template <class S>
-    std::vector<S> slips(const std::vector<Placement<S>>& at, const Rows<S>& rows) const {
+    std::vector<S> velocity_errors(const std::vector<Placement<S>>& at, const Rows<S>& rows) const {
         std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
         for (int b = 0; b < mechanism_->world(); ++b)
             if (mechanism_->movable(b)) subtract_motion(b, rows, at[b].velocity_W, at[b].angular_velocity_B, result);
@@ -266,7 +266,7 @@ class Dynamics {
         const Row<S>* seen = nullptr;
         Vector3<S> turned;
         for_pairs([&](int b, const Attached& x, std::size_t i, int, const Attached& y, std::size_t j, int) {
-            const HeldBody<P>& body = mechanism_->bodies[b];
+            const MaximalBody<P>& body = mechanism_->bodies[b];
             const Row<S>&one = rows[x.link][i], &other = rows[y.link][j];
             if (seen != &one || (&one == &other)) turned = body.inverse_inertia * side(one, x.to), seen = &one;
             const P inverse_mass = (x.to == y.to ? P(1) : P(-1)) / body.mass;

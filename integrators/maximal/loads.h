@@ -57,7 +57,7 @@ class Loads {
         for (const Load* load : acting_) {
             if (const auto* gravity = std::get_if<Gravity>(load)) {
                 for (std::size_t b = 0; b < mechanism_->bodies.size(); ++b) {
-                    const HeldBody<P>& body = mechanism_->bodies[b];
+                    const MaximalBody<P>& body = mechanism_->bodies[b];
                     const P weight = body.mass - body.added_mass;
                     on[b].force_W = on[b].force_W + cast<S>(Vector3<P>(weight * cast<P>(gravity->acceleration_W)));
                 }
@@ -136,22 +136,22 @@ class Loads {
 /// Rows and magnitudes of the forces of a joint's spring, damper and motor. `angles`: the angles that count
 /// revolutions. The last placement is the world's.
 template <class P, class S>
-std::vector<std::pair<Row<S>, S>> own_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, std::size_t k,
-                                             const std::vector<Placement<S>>& at, const S* angles) {
+std::vector<std::pair<Row<S>, S>> joint_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, std::size_t k,
+                                               const std::vector<Placement<S>>& at, const S* angles) {
     const Link<P>& link = mechanism.links[k];
     std::vector<std::pair<Row<S>, S>> forces;
     if (!link.has_spring() && !link.has_damper() && loads.motor(k) == P(0)) return forces;
-    const LinkView<P, S> seen(link, at[link.from.body], at[link.to.body]);
+    const LinkView<P, S> view(link, at[link.from.body], at[link.to.body]);
     if (link.kind == Kind::spherical) {
-        forces.emplace_back(seen.torque_row(seen.spherical_torque_B()), S(P(1)));
+        forces.emplace_back(view.torque_row(view.spherical_torque_B()), S(P(1)));
         return forces;
     }
-    const std::vector<Row<S>> rows = seen.coordinate_rows();
-    const std::array<S, 2> rates = seen.rates();
+    const std::vector<Row<S>> rows = view.coordinate_rows();
+    const std::array<S, 2> rates = view.rates();
     for (std::size_t i = 0; i < rows.size(); ++i) {
         S size = S(loads.motor(k)) - link.damping[i] * rates[i];
         if (!(link.stiffness[i] == P(0))) {
-            const S x = link.kind == Kind::prismatic ? seen.displacement() : angles[link.angles + static_cast<int>(i)];
+            const S x = link.kind == Kind::prismatic ? view.displacement() : angles[link.angles + static_cast<int>(i)];
             size = size - link.stiffness[i] * (x - S(link.rest[i]));
         }
         forces.emplace_back(rows[i], size);
@@ -165,7 +165,7 @@ void add_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, const std:
                 const S* angles, std::vector<Wrench<S>>& on) {
     loads.add(at, on);
     for (std::size_t k = 0; k < mechanism.links.size(); ++k)
-        for (const auto& [row, size] : own_forces(mechanism, loads, k, at, angles)) {
+        for (const auto& [row, size] : joint_forces(mechanism, loads, k, at, angles)) {
             on[mechanism.links[k].to.body].add_to(row, size);
             on[mechanism.links[k].from.body].add_from(row, size);
         }

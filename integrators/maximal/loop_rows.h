@@ -13,8 +13,8 @@ namespace polhode::maximal {
 
 /// Returns placements slightly later on a motion that the constraints allow: at most 1e-5 rad.
 template <class P>
-std::vector<Placement<P>> moved_a_little(const Mechanism<P>& mechanism, const Dynamics<P>& dynamics,
-                                         std::vector<Placement<P>> at) {
+std::vector<Placement<P>> displace_along_constraints(const Mechanism<P>& mechanism, const Dynamics<P>& dynamics,
+                                                     std::vector<Placement<P>> at) {
     // Arbitrary velocities, without a preferred direction.
     std::vector<Wrench<P>> given(at.size());
     double seed = 1;
@@ -29,7 +29,7 @@ std::vector<Placement<P>> moved_a_little(const Mechanism<P>& mechanism, const Dy
         given[b].torque_B = mechanism.bodies[b].inertia * Vector3<P>(any(), any(), any());
     }
     const Rows<P> rows = dynamics.constraints(at);
-    dynamics.add_held(rows, dynamics.impulses(at, rows, given), given);
+    dynamics.add_constraint_forces(rows, dynamics.impulses(at, rows, given), given);
     P fastest(1e-6);
     for (int b = 0; b < mechanism.world(); ++b) {
         if (!mechanism.movable(b)) continue;
@@ -82,7 +82,7 @@ void choose_loop_rows(const Mechanism<P>& mechanism, Dynamics<P>& dynamics, cons
         }
         return P(square_root(P(largest / whole)));
     };
-    const Dense<P> later = all.loops(moved_a_little(mechanism, dynamics, start)).first;
+    const Dense<P> later = all.loops(displace_along_constraints(mechanism, dynamics, start)).first;
     std::vector<char> marks = choice.taken;
     bool changes = false;
     for (std::size_t j = 0; j < n; ++j)

@@ -1,7 +1,7 @@
 // A scene of several bodies in maximal coordinates: every body has all six degrees of freedom, and every joint or
 // loop is a link that constrains two bodies. All numbers are exact functions of the scene's numbers, in the scalar P.
 //
-// HeldBody holds mass properties, Link a joint or loop with its constraints, Mechanism all of them. Bodies with zero
+// MaximalBody holds mass properties, Link a joint or loop with its constraints, Mechanism all of them. Bodies with zero
 // mass or moments get an added inertia (Kind::added_inertia).
 #pragma once
 
@@ -22,7 +22,7 @@ namespace polhode::maximal {
 
 /// A body's mass properties, in body axes.
 template <class P>
-struct HeldBody {
+struct MaximalBody {
     P mass = P(1);               ///< kg, including added_mass
     Vector3<P> center;           ///< centre of mass, from the body's origin, m
     Matrix3<P> inertia;          ///< about the centre of mass, kg m^2, including added_moment about each axis
@@ -43,7 +43,7 @@ struct HeldBody {
 
 /// Attachment point of a joint or loop on a body.
 template <class P>
-struct Hold {
+struct Attachment {
     int body = 0;      ///< index in the scene; the number of bodies stands for the world
     Vector3<P> arm_B;  ///< from the centre of mass (for the world: from its origin) to the point, body axes, m
 };
@@ -62,7 +62,7 @@ struct Link {
     std::string name;                         ///< as in the scene
     Kind kind = Kind::revolute;               ///< type of constraint
     bool closes = false;                      ///< a loop rather than a joint of the tree
-    Hold<P> from, to;                         ///< first and second body
+    Attachment<P> from, to;                   ///< first and second body
     Quaternion<P> orientation;                ///< q0: `to` axes at coordinate zero to `from` axes
     std::array<Vector3<P>, 2> axes_to;        ///< unit, fixed in `to`; universal joint: only the second axis
     Vector3<P> axis_from;                     ///< unit, fixed in `from`: the first axis
@@ -120,13 +120,13 @@ class Mechanism {
         for (const Loop& loop : scene.loops) links.push_back(link_of(loop));
         find_depths();
         add_inertia();
-        for (HeldBody<P>& body : bodies) body.inverse_inertia = inverse(body.inertia);
+        for (MaximalBody<P>& body : bodies) body.inverse_inertia = inverse(body.inertia);
     }
 
-    std::vector<HeldBody<P>> bodies;  ///< in the scene's order
-    std::vector<Link<P>> links;       ///< joints in the scene's order, then its loops, then added inertias
-    std::vector<int> depth;           ///< by body: number of joints between it and its root
-    int turns = 0;                    ///< number of angles that count revolutions
+    std::vector<MaximalBody<P>> bodies;  ///< in the scene's order
+    std::vector<Link<P>> links;          ///< joints in the scene's order, then its loops, then added inertias
+    std::vector<int> depth;              ///< by body: number of joints between it and its root
+    int turns = 0;                       ///< number of angles that count revolutions
 
     const Scene& scene() const { return *scene_; }
     /// The index that stands for the world.
@@ -215,16 +215,17 @@ class Mechanism {
     // Adds an inertia of the scale of all bodies to those without mass or with a zero moment.
     void add_inertia() {
         P mass(0), moment(0), square(1);
-        for (const HeldBody<P>& body : bodies) {
+        for (const MaximalBody<P>& body : bodies) {
             mass += body.mass;
             moment += body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2];
         }
         for (const Link<P>& link : links)
-            for (const Hold<P>& hold : {link.from, link.to})
-                if (hold.body != world() && square < dot(hold.arm_B, hold.arm_B)) square = dot(hold.arm_B, hold.arm_B);
+            for (const Attachment<P>& attachment : {link.from, link.to})
+                if (attachment.body != world() && square < dot(attachment.arm_B, attachment.arm_B))
+                    square = dot(attachment.arm_B, attachment.arm_B);
         if (!(moment > P(0))) moment = mass * square;
         for (int b = 0; b < world(); ++b) {
-            HeldBody<P>& body = bodies[b];
+            MaximalBody<P>& body = bodies[b];
             const bool is_massless = !(body.mass > P(0)), is_thin = has_vanishing_moment(body.inertia);
             if (!body.movable || (!is_massless && !is_thin)) continue;
             Link<P> link;
@@ -252,9 +253,9 @@ class Mechanism {
                 if (!link.is_joint()) continue;
                 const int parent = link.from.body, child = link.to.body;
                 const int below = parent == world() ? 1 : depth[parent] + 1;
-                const bool held = link.kind == Kind::fixed && !movable(parent);
-                if (depth[child] == below && bodies[child].movable == !held) continue;
-                depth[child] = below, bodies[child].movable = !held;
+                const bool is_fixed = link.kind == Kind::fixed && !movable(parent);
+                if (depth[child] == below && bodies[child].movable == !is_fixed) continue;
+                depth[child] = below, bodies[child].movable = !is_fixed;
                 changed = true;
             }
         }

@@ -71,7 +71,7 @@ class System {
     void initial(P* y) const {
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (place_[b] < 0) continue;
-            const HeldBody<P>& body = mechanism_->bodies[b];
+            const MaximalBody<P>& body = mechanism_->bodies[b];
             put(y, place_[b], start_[b].q);
             put(y, place_[b] + 4, start_[b].position_W);
             put(y, place_[b] + 7, rotate(start_[b].q, body.inertia * start_[b].angular_velocity_B));
@@ -90,7 +90,7 @@ class System {
         std::vector<Wrench<P>> given(at.size());
         if (!loads_.add_impulses(begin, at, given)) return;
         const Rows<P> rows = dynamics_->constraints(at);
-        dynamics_->add_held(rows, dynamics_->impulses(at, rows, given), given);
+        dynamics_->add_constraint_forces(rows, dynamics_->impulses(at, rows, given), given);
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (place_[b] < 0) continue;
             put(y, place_[b] + 7, vector_at(y, place_[b] + 7) + given[b].torque_W + at[b].world(given[b].torque_B));
@@ -110,7 +110,7 @@ class System {
         std::vector<Wrench<S>> on(at.size());
         add_forces(*mechanism_, loads_, at, y + angles_, on);
         std::vector<S> lambda = dynamics_->multipliers(at, rows, on);
-        dynamics_->add_held(rows, lambda, on);
+        dynamics_->add_constraint_forces(rows, lambda, on);
         put_rates(at, on, dy);
         return lambda;
     }
@@ -158,7 +158,7 @@ class System {
         at.back().axes = diagonal(Vector3<S>(S(P(1)), S(P(1)), S(P(1))));
         at.back().q = {S(P(1)), S(P(0)), S(P(0)), S(P(0))};
         for (std::size_t b = 0; b < place_.size(); ++b) {
-            const HeldBody<P>& body = mechanism_->bodies[b];
+            const MaximalBody<P>& body = mechanism_->bodies[b];
             if (place_[b] < 0) {
                 at[b].q = cast<S>(start_[b].q);
                 at[b].axes = cast<S>(rotation_matrix(start_[b].q));
@@ -197,7 +197,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
     add_forces(*mechanism_, loads_, at, y + angles_, on);
     const std::vector<P> lambda =
         given ? std::vector<P>(given, given + dynamics_->rows()) : dynamics_->multipliers(at, rows, on);
-    dynamics_->add_held(rows, lambda, on);
+    dynamics_->add_constraint_forces(rows, lambda, on);
 
     const std::size_t count = static_cast<std::size_t>(
         std::ranges::count_if(mechanism_->links, [](const Link<P>& link) { return link.kind != Kind::added_inertia; }));
@@ -209,7 +209,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
             reaction.torque_W = reaction.torque_W + size * row.torque_W;
         };
         for (std::size_t i = 0; i < rows[k].size(); ++i) add(rows[k][i], lambda[dynamics_->first_row(k) + i]);
-        for (const auto& [row, size] : own_forces(*mechanism_, loads_, k, at, y + angles_)) add(row, size);
+        for (const auto& [row, size] : joint_forces(*mechanism_, loads_, k, at, y + angles_)) add(row, size);
     }
     // Bodies at rest in the world: the joint balances all other loads on the body, from the leaves inwards.
     std::vector<std::size_t> resting;
@@ -261,7 +261,7 @@ JointGap<P> System<P>::gap(const P* y) const {
             raise(worst.turn, dot(from.world(link.axis_from), to.world(link.axes_to[1])) - link.between);
         }
     }
-    for (const P& slip : dynamics_->slips(at, dynamics_->constraints(at))) raise(worst.velocity, slip);
+    for (const P& slip : dynamics_->velocity_errors(at, dynamics_->constraints(at))) raise(worst.velocity, slip);
     return worst;
 }
 

@@ -11,7 +11,7 @@ template <const auto& methods, auto... solves>
 constexpr auto with_binary32_twins() {
     auto all = with_binary32<methods, beyond_binary32, solves...>();
     // a mechanism is posed as a system other than one body
-    for (Method& method : all) method.own_systems = true;
+    for (Method& method : all) method.general_systems = true;
     return all;
 }
 

@@ -21,7 +21,7 @@ class MaximalState {
             MovingBody<S> body;
             body.R = diagonal(Vector3<S>(1, 1, 1));
             if (b < start.size()) {
-                const maximal::HeldBody<double>& given = shared->mechanism.bodies[b];
+                const maximal::MaximalBody<double>& given = shared->mechanism.bodies[b];
                 body.movable = given.movable;
                 body.mass = S(given.mass);
                 if (given.movable) {

@@ -93,12 +93,12 @@ constexpr Method each_in_joints[] = {
      .solve = solve_in_joints<ImplicitDamping>},
 };
 
-constexpr auto in_joints = sharing({.control = Control::fixed_step,
-                                    .own_systems = true,
-                                    .order = 1,
-                                    .family = Family::engine_update,
-                                    .refuses = multibody::needs_a_mechanism},
-                                   each_in_joints);
+constexpr auto in_joints = apply_defaults({.control = Control::fixed_step,
+                                           .general_systems = true,
+                                           .order = 1,
+                                           .family = Family::engine_update,
+                                           .refusal = multibody::needs_a_mechanism},
+                                          each_in_joints);
 
 }  // namespace
 

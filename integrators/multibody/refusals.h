@@ -1,4 +1,4 @@
-// Values of Method::refuses that methods for mechanisms share.
+// Values of Method::refusal that methods for mechanisms share.
 #pragma once
 
 #include <string>

@@ -62,16 +62,16 @@ constexpr Method each_by_impulses[] = {
      .solve = solve_by_impulses<double, plain>},
 };
 
-constexpr auto by_impulses =
-    sharing({.source = "E. Catto 2005, Iterative Dynamics with Temporal Coherence, Game Developers Conference; split "
-                       "impulses: E. Coumans, Bullet, btSequentialImpulseConstraintSolver",
-             .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
-             .control = Control::fixed_step,
-             .own_systems = true,
-             .order = 1,
-             .family = Family::engine_update,
-             .refuses = multibody::needs_inertia_of_each_body},
-            each_by_impulses);
+constexpr auto by_impulses = apply_defaults(
+    {.source = "E. Catto 2005, Iterative Dynamics with Temporal Coherence, Game Developers Conference; split "
+               "impulses: E. Coumans, Bullet, btSequentialImpulseConstraintSolver",
+     .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
+     .control = Control::fixed_step,
+     .general_systems = true,
+     .order = 1,
+     .family = Family::engine_update,
+     .refusal = multibody::needs_inertia_of_each_body},
+    each_by_impulses);
 
 constexpr auto all_by_impulses =
     multibody::with_binary32_twins<by_impulses, solve_by_impulses<float, ten>, solve_by_impulses<float, four>,

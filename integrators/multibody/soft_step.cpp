@@ -91,15 +91,16 @@ constexpr Method each_softly[] = {
      .solve = solve_softly<double, 16>},
 };
 
-constexpr auto softly = sharing({.source = "E. Catto 2011, Soft Constraints, Game Developers Conference; Box2D v3.1, "
-                                           "b2MakeSoft and the stages of b2Solve, jointHertz 60, jointDampingRatio 2",
-                                 .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
-                                 .control = Control::fixed_step,
-                                 .own_systems = true,
-                                 .order = 1,
-                                 .family = Family::engine_update,
-                                 .refuses = multibody::needs_inertia_of_each_body},
-                                each_softly);
+constexpr auto softly =
+    apply_defaults({.source = "E. Catto 2011, Soft Constraints, Game Developers Conference; Box2D v3.1, "
+                              "b2MakeSoft and the stages of b2Solve, jointHertz 60, jointDampingRatio 2",
+                    .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
+                    .control = Control::fixed_step,
+                    .general_systems = true,
+                    .order = 1,
+                    .family = Family::engine_update,
+                    .refusal = multibody::needs_inertia_of_each_body},
+                   each_softly);
 
 constexpr auto all_softly = multibody::with_binary32_twins<softly, solve_softly<float, 4>, solve_softly<float, 16>>();
 

@@ -92,7 +92,7 @@ class VariationalTree : public multibody::JointState {
     bool finite() const { return JointState::finite() && all_finite(std::span<const double>(momenta_)); }
     long rhs_evaluations() const { return evaluations_; }
     bool failed() const { return failed_; }
-    void explain(Trajectory& trajectory) const { explain_unsolved(trajectory, sample(failed_at_)); }
+    void explain(Trajectory& trajectory) const { report_unsolved_step(trajectory, sample(failed_at_)); }
 
   private:
     std::vector<double> momenta_;               // p_k
@@ -185,11 +185,11 @@ constexpr Method each_variational[] = {
          "Systems, WAFR (recursions as the quasi-Newton matrix; there on SE(3))",
      .conserves = "|q|; joints closed; the symplectic form, and therefore nearly the energy; momenta of symmetries",
      .control = Control::fixed_step,
-     .own_systems = true,
+     .general_systems = true,
      .order = 2,
      .solve = solve_variational_tree,
      .family = Family::rotation_group,
-     .refuses = refused_by_variational_tree},
+     .refusal = refused_by_variational_tree},
 };
 
 }  // namespace

@@ -133,17 +133,17 @@ constexpr Method each_of_positions[] = {
      .solve = solve_jointed_positions<double, 20>},
 };
 
-constexpr auto of_positions =
-    sharing({.source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body "
-                       "Simulation with Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2; "
-                       "M. Macklin et al. 2019, Small Steps in Physics Simulation, Symposium on Computer Animation",
-             .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
-             .control = Control::fixed_step,
-             .own_systems = true,
-             .order = 1,
-             .family = Family::engine_update,
-             .refuses = multibody::needs_inertia_of_each_body},
-            each_of_positions);
+constexpr auto of_positions = apply_defaults(
+    {.source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body "
+               "Simulation with Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2; "
+               "M. Macklin et al. 2019, Small Steps in Physics Simulation, Symposium on Computer Animation",
+     .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
+     .control = Control::fixed_step,
+     .general_systems = true,
+     .order = 1,
+     .family = Family::engine_update,
+     .refusal = multibody::needs_inertia_of_each_body},
+    each_of_positions);
 
 constexpr auto all_of_positions =
     multibody::with_binary32_twins<of_positions, solve_jointed_positions<float, 10>, solve_jointed_positions<float, 1>,

@@ -12,7 +12,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
 #include "integrators/odeint/odeint_pair.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 namespace polhode {
 namespace {
@@ -97,7 +97,7 @@ double stepper_growth(std::complex<double> z) {
 }
 
 Trajectory extrapolate(const Problem& problem, const Settings& settings) {
-    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         return march_controlled(problem, settings, ControlledExtrapolation<SystemType>(problem, *settings.tolerance));
     });
@@ -114,7 +114,7 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 1,
      .solve = march_odeint<Euler>,
-     .growth = stepper_growth<Euler>},
+     .amplification = stepper_growth<Euler>},
     {.name = "odeint_rk4",
      .documentation =
          "The classical Runge-Kutta method of order 4 (Boost.Odeint's `runge_kutta4`), fixed step. Four right-hand "
@@ -123,7 +123,7 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 4,
      .solve = solve_rk4,
-     .growth = classical_growth},
+     .amplification = classical_amplification},
     {.name = "odeint_cash_karp54",
      .documentation =
          "Cash & Karp's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_cash_karp54`), propagating the fifth "
@@ -132,7 +132,7 @@ constexpr Method each[] = {
      .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 5,
      .solve = fixed_or_controlled<CashKarp54>,
-     .growth = stepper_growth<CashKarp54>},
+     .amplification = stepper_growth<CashKarp54>},
     {.name = "odeint_dopri5",
      .documentation =
          "Dormand & Prince's pair of orders 5 and 4 (Boost.Odeint's `runge_kutta_dopri5`), propagating the fifth "
@@ -141,7 +141,7 @@ constexpr Method each[] = {
      .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 5,
      .solve = fixed_or_controlled<Dopri5>,
-     .growth = stepper_growth<Dopri5>},
+     .amplification = stepper_growth<Dopri5>},
     {.name = "odeint_fehlberg78",
      .documentation =
          "Fehlberg's pair of orders 8 and 7 (Boost.Odeint's `runge_kutta_fehlberg78`), propagating the eighth order. "
@@ -150,7 +150,7 @@ constexpr Method each[] = {
      .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 8,
      .solve = fixed_or_controlled<Fehlberg78>,
-     .growth = stepper_growth<Fehlberg78>},
+     .amplification = stepper_growth<Fehlberg78>},
     {.name = "odeint_adams_bashforth_moulton",
      .documentation =
          "Adams-Bashforth formula of six steps as predictor and Adams-Moulton formula of order 6 as corrector, each "
@@ -163,7 +163,7 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .order = 6,
      .solve = solve_adams_bashforth_moulton,
-     .growth = adams_bashforth_moulton_growth,
+     .amplification = adams_bashforth_moulton_growth,
      .family = Family::multistep},
     {.name = "odeint_bulirsch_stoer",
      .documentation =
@@ -184,18 +184,18 @@ constexpr Method each[] = {
      .source = "Hairer & Wanner 1996, IV.7 (RODAS); Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 4,
      .solve = solve_rosenbrock4,
-     .growth = rosenbrock4_growth,
-     .refuses = no_derivative_of_user_torque},
+     .amplification = rosenbrock4_growth,
+     .refusal = no_derivative_of_user_torque},
 };
 
-constexpr auto in_binary64 = sharing({.conserves = "nothing",
-                                      .control = Control::fixed_step_or_tolerance,
-                                      .own_systems = true,
-                                      .family = Family::runge_kutta,
-                                      .library = odeint_library},
-                                     each);
+constexpr auto in_binary64 = apply_defaults({.conserves = "nothing",
+                                             .control = Control::fixed_step_or_tolerance,
+                                             .general_systems = true,
+                                             .family = Family::runge_kutta,
+                                             .library = odeint_library},
+                                            each);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32_system, solve_euler_float32, solve_rk4_float32,
+constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve_euler_float32, solve_rk4_float32,
                                       nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace

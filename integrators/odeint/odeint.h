@@ -141,13 +141,13 @@ Trajectory solve_rk4_float32(const Problem& problem, const Settings& settings);
 
 /// Boost's adams_bashforth_moulton on the problem, compiled in its own file for the same reason as solve_rk4().
 Trajectory solve_adams_bashforth_moulton(const Problem& problem, const Settings& settings);
-/// Method::growth of adams_bashforth_moulton.
+/// Method::amplification of adams_bashforth_moulton.
 double adams_bashforth_moulton_growth(std::complex<double> z);
 
 /// Boost's rosenbrock4 on the problem, with fixed or controlled steps, in its own file because it compiles only as
 /// C++17.
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings);
-/// Method::growth of rosenbrock4.
+/// Method::amplification of rosenbrock4.
 double rosenbrock4_growth(std::complex<double> z);
 
 }  // namespace polhode

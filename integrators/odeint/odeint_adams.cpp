@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "integrators/odeint/odeint.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 namespace polhode {
 namespace {

@@ -76,7 +76,7 @@ class ControlledPair
 template <template <std::size_t> class Scheme>
 Trajectory fixed_or_controlled(const Problem& problem, const Settings& settings) {
     if (!settings.tolerance) return march_odeint<Scheme>(problem, settings);
-    if (!reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         return march_controlled(problem, settings, ControlledPair<SystemType, Scheme>(problem, *settings.tolerance));
     });

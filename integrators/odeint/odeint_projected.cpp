@@ -53,7 +53,7 @@ Trajectory projected_rk4(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory projected_fehlberg78(const Problem& problem, const Settings& settings) {
-    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_one_body(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<ProjectedFixedStepper<SystemType, Fehlberg78>>(problem, settings);
         return march_controlled(problem, settings, ProjectedPair<SystemType>(problem, *settings.tolerance));
@@ -83,7 +83,8 @@ constexpr Method each[] = {
      .solve = projected_fehlberg78},
 };
 
-constexpr auto family = sharing({.conserves = kept, .family = Family::runge_kutta, .library = odeint_library}, each);
+constexpr auto family =
+    apply_defaults({.conserves = kept, .family = Family::runge_kutta, .library = odeint_library}, each);
 
 }  // namespace
 

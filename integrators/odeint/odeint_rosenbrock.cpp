@@ -1,6 +1,6 @@
 #include "integrators/odeint/odeint.h"
 #include "integrators/odeint/rosenbrock.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "motion/jacobian.h"
 
 namespace polhode {
@@ -96,7 +96,7 @@ double rosenbrock4_growth(std::complex<double> z) {
 }
 
 Trajectory solve_rosenbrock4(const Problem& problem, const Settings& settings) {
-    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<FixedRosenbrock<SystemType>>(problem, settings);
         return march_controlled(problem, settings, ControlledRosenbrock<SystemType>(problem, *settings.tolerance));

@@ -6,7 +6,7 @@
 
 #include "integrators/method.h"
 #include "integrators/own/exact.h"
-#include "integrators/own/recorded.h"
+#include "integrators/own/record_system.h"
 #include "integrators/run/stiffness.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
@@ -19,8 +19,8 @@ namespace {
 // long right-hand side is faster to evaluate for eight columns side by side. Measured on all trees and loops of the
 // catalogue at errors of 1e-6, 1e-9 and 1e-12: extrapolation is faster from about 100 operations on (300 below a
 // tolerance of 3e-12), a quotient counted as 25. It does not reach the smallest errors on chaotic motions.
-bool is_long(const Problem& problem, double tolerance) {
-    constexpr std::ptrdiff_t long_for_most = 100, long_for_all = 300, quotient = 25;
+bool favors_extrapolation(const Problem& problem, double tolerance) {
+    constexpr std::ptrdiff_t min_operations = 100, min_operations_if_tight = 300, quotient = 25;
     constexpr double tight = 3e-12,
                      least = 1e-14;  // below it only rounding error remains, which series sum more carefully
     if (std::holds_alternative<OneBody>(problem.system) || tolerance < least) return false;
@@ -28,11 +28,12 @@ bool is_long(const Problem& problem, double tolerance) {
     Numbers<run_time> y(system.size());
     system.initial(y.data());
     if (!problem.segments.empty()) system.enter(problem.segments.front(), y.data());
-    const auto nodes = recorded<double>(system).tape.nodes;
+    const auto nodes = record_system<double>(system).tape.nodes;
     using Node = TapeNode<double>;
     const auto quotients =
         std::ranges::count_if(nodes, [](const Node& node) { return node.kind == Node::Kind::quotient; });
-    return std::ssize(nodes) + (quotient - 1) * quotients >= (tolerance < tight ? long_for_all : long_for_most);
+    return std::ssize(nodes) + (quotient - 1) * quotients >=
+           (tolerance < tight ? min_operations_if_tight : min_operations);
 }
 
 }  // namespace
@@ -44,7 +45,7 @@ Choice choose_method(const Problem& problem, double tolerance) {
     if (is_stiff(problem))
         if (const Method* method = find_method("radau"))
             return {method, "the motion is stiff: it damps far faster than it rotates"};
-    if (is_long(problem, tolerance))
+    if (favors_extrapolation(problem, tolerance))
         return {find_method("extrapolation"),
                 "many joined bodies: evaluating eight right-hand sides in parallel is the fastest"};
     if (!problem.needs.user_torque)

@@ -18,19 +18,19 @@ template <class P>
 struct BodyLaw {
     PrincipalInertia<P> inertia;
     Forcing<P> forcing;
-    bool moves = false;  // p and v are variables too
+    bool has_translation = false;  // p and v are variables too
 
-    int variables() const { return moves ? BodyState::motion : BodyState::rotation; }
+    int variables() const { return has_translation ? BodyState::motion : BodyState::rotation; }
     template <class S>
     void derivative(const S* y, S* dy) const {
-        if (moves)
+        if (has_translation)
             LoadedEquations<P, PrincipalInertia<P>, true>{inertia, &forcing}.derivative(0, y, dy);
         else
             LoadedEquations<P, PrincipalInertia<P>, false>{inertia, &forcing}.derivative(0, y, dy);
     }
     // Visits all parameters, always in the same order.
     template <class Visit>
-    void each_number(Visit&& visit) {
+    void visit_parameters(Visit&& visit) {
         const auto each = [&](auto&... triple) { (visit(triple[0], triple[1], triple[2]), ...); };
         each(inertia.gyroscopic, inertia.inverse_moments);
         if (forcing.has_torque) each(forcing.torque);
@@ -41,38 +41,38 @@ struct BodyLaw {
         for (auto& point : forcing.world_points) each(point.point_W, point.force);
         for (auto& spring : forcing.springs)
             visit(spring.stiffness, spring.rest.w, spring.rest.x), visit(spring.rest.y, spring.rest.z);
-        if (!moves) return;
+        if (!has_translation) return;
         each(forcing.acceleration_W);
         if (forcing.has_body_force) each(forcing.specific_force);
         if (forcing.has_translational_drag) visit(forcing.specific_drag);
     }
-    std::vector<P> numbers() {
+    std::vector<P> parameters() {
         std::vector<P> all;
-        each_number([&](const auto&... numbers) { (all.push_back(numbers), ...); });
+        visit_parameters([&](const auto&... parameters) { (all.push_back(parameters), ...); });
         return all;
     }
 };
 
 /// A law whose nonzero parameters are constant state variables. One recording serves all bodies with such a law.
-struct AnyBody {
-    BodyLaw<double> like;
+struct ParametrizedBody {
+    BodyLaw<double> reference_law;
 
     void derivative(const TracedNumber* y, TracedNumber* dy) const {
         BodyLaw<TracedNumber> law;
         Forcing<TracedNumber>& f = law.forcing;
-        const Forcing<double>& g = like.forcing;
-        law.moves = like.moves;
+        const Forcing<double>& g = reference_law.forcing;
+        law.has_translation = reference_law.has_translation;
         f.has_torque = g.has_torque, f.has_world_torque = g.has_world_torque, f.has_damping = g.has_damping;
         f.has_translational_drag = g.has_translational_drag, f.has_body_force = g.has_body_force;
         f.pivoted = g.pivoted, f.field.present = g.field.present;
         for (const auto& point : g.world_points) f.world_points.push_back({{}, {}, point.frame});
         f.springs.resize(g.springs.size());
-        const std::vector<double> numbers = BodyLaw<double>(like).numbers();
+        const std::vector<double> parameters = BodyLaw<double>(reference_law).parameters();
         int k = 0, at = law.variables();
         const auto put = [&](TracedNumber& number) {
-            if (numbers[k++] != 0) number = y[at++];
+            if (parameters[k++] != 0) number = y[at++];
         };
-        law.each_number([&](auto&... each) { (put(each), ...); });
+        law.visit_parameters([&](auto&... each) { (put(each), ...); });
         law.derivative(y, dy);
         std::fill(dy + law.variables(), dy + at, TracedNumber());
     }
@@ -98,7 +98,7 @@ struct SymmetricBody {
     }
     // Returns the axis s, or -1 if there is none.
     static int axis(const BodyLaw<double>& law, const Vector3<double>& moments) {
-        if (law.moves || law.forcing.any_torque_beside_field()) return -1;
+        if (law.has_translation || law.forcing.any_torque_beside_field()) return -1;
         for (int s = 0; s < 3; ++s) {
             const int i = (s + 1) % 3, j = (s + 2) % 3;
             bool is_along = moments[i] == moments[j];

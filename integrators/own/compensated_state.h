@@ -13,12 +13,12 @@
 namespace polhode {
 
 // Floor for squared error scales.
-inline constexpr double least_square = 1e-290;
+inline constexpr double min_squared_scale = 1e-290;
 
 /// Returns a first step, s: 0.8 over the fastest rate of y and of dy/dt in units of the scales, at most `longest`. The
 /// rate of dy/dt comes from a short Euler step. Costs two evaluations.
 template <class SystemType, class Values>
-double first_step_of(const SystemType& system, double t, const double* y, const Values& scales, double longest) {
+double estimate_first_step(const SystemType& system, double t, const double* y, const Values& scales, double longest) {
     const std::size_t N = scales.size();
     Values f = scales, z = scales, f_ahead = scales;
     system.derivative(t, y, f.data());
@@ -41,20 +41,20 @@ class GeneralState {
     GeneralState(const Problem& problem, double tolerance) : system_(problem) {
         system_.scales(scales_.data());
         for (int i = 0; i < system_.size(); ++i)
-            squared_scale_[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
+            squared_scale_[i] = min_squared_scale + (tolerance * scales_[i]) * (tolerance * scales_[i]);
         restart();
     }
     void restart() {
         system_.initial(y_.data());
-        forget_lost();
+        clear_rounding_error();
     }
     void enter(const Segment& segment) {
-        if (system_.enter(segment, y_.data())) forget_lost();
+        if (system_.enter(segment, y_.data())) clear_rounding_error();
     }
-    double first_step(double t, double longest) { return first_step_of(system_, t, y_.data(), scales_, longest); }
+    double first_step(double t, double longest) { return estimate_first_step(system_, t, y_.data(), scales_, longest); }
     void accept() {
         y_ = next_, lost_ = next_lost_;
-        if (project_step(system_, y_.data())) forget_lost();
+        if (project_step(system_, y_.data())) clear_rounding_error();
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
 
@@ -67,7 +67,7 @@ class GeneralState {
         next_lost_[i] = rounded_away(sum, rest, next_[i]);
     }
 
-    void forget_lost() { std::fill(lost_.begin(), lost_.end(), 0); }
+    void clear_rounding_error() { std::fill(lost_.begin(), lost_.end(), 0); }
 
     SystemType system_;
     Y scales_{system_.size()}, squared_scale_ = scales_, y_ = scales_, lost_ = scales_, next_ = scales_,
@@ -79,9 +79,9 @@ template <class SystemType>
 class RotationLanes {
   public:
     /// Returns whether all torques of the problem have coefficients, with terms up to `most`.
-    static bool serves(const Problem& problem, RotationTerms most = RotationTerms::quadratic) {
+    static bool supports(const Problem& problem, RotationTerms most = RotationTerms::quadratic) {
         return std::all_of(problem.segments.begin(), problem.segments.end(), [&](const Segment& segment) {
-            const auto c = rotation_coefficients(problem.body.principal_inertia, forcing_of(segment));
+            const auto c = rotation_coefficients(problem.body.principal_inertia, segment_forcing(segment));
             return c && c->terms <= most;
         });
     }
@@ -90,7 +90,7 @@ class RotationLanes {
         allowance_.rounding = rounding;
         allowance_.squared_scale[7] = 1;
         for (int i = 0; i < 7; ++i)
-            allowance_.squared_scale[i] = least_square + (tolerance * scales_[i]) * (tolerance * scales_[i]);
+            allowance_.squared_scale[i] = min_squared_scale + (tolerance * scales_[i]) * (tolerance * scales_[i]);
         restart();
     }
     void restart() {
@@ -99,14 +99,14 @@ class RotationLanes {
     }
     void enter(const Segment& segment) {
         if (system_.enter(segment, state_.y)) std::fill_n(state_.lost, 8, 0.0);
-        coefficients_ = *rotation_coefficients(problem_->body.principal_inertia, forcing_of(segment));
+        coefficients_ = *rotation_coefficients(problem_->body.principal_inertia, segment_forcing(segment));
     }
-    double first_step(double t, double longest) { return first_step_of(system_, t, state_.y, scales_, longest); }
+    double first_step(double t, double longest) { return estimate_first_step(system_, t, state_.y, scales_, longest); }
     void accept() { state_ = next_.state; }
     auto sample(double t) const { return system_.motion(t, state_.y); }
 
   protected:
-    static const Forcing<double>* forcing_of(const Segment& segment) {
+    static const Forcing<double>* segment_forcing(const Segment& segment) {
         return SystemType::has_torque ? &segment.forcing : nullptr;
     }
 

@@ -7,7 +7,7 @@
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/dop853_interpolant.h"
 #include "integrators/own/dormand_prince.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
@@ -15,7 +15,7 @@ namespace polhode {
 namespace {
 
 /// The allowed error of a component is increased by this factor times its increment.
-constexpr double rounding = 0x1p-52;
+constexpr double dop853_rounding = 0x1p-52;
 
 struct PairErrors {
     double fifth, third;  ///< squared, in units of the allowed error
@@ -35,15 +35,15 @@ class GeneralDop853 : public GeneralState<SystemType> {
         this->system_.derivative(t, this->y_.data(), k[0].data());
         Y y(N);
         for (int s = 1; s < dop853_stages; ++s) {
-            for (int i = 0; i < N; ++i) y[i] = this->y_[i] + h * weighted(k, dop853.a[s], s, i);
+            for (int i = 0; i < N; ++i) y[i] = this->y_[i] + h * weighted_sum(k, dop853.a[s], s, i);
             this->system_.derivative(t + dop853.c[s] * h, y.data(), k[s].data());
         }
         PairErrors errors{0, 0};
         for (int i = 0; i < N; ++i) {
-            const double slope = weighted(k, dop853.b, dop853_stages, i), change = h * slope;
-            const double fifth = h * weighted(k, dop853.fifth_error, dop853_stages, i);
-            const double third = h * (slope - weighted(k, dop853.third, dop853_stages, i));
-            const double allowed = this->squared_scale_[i] + rounding * change * (rounding * change);
+            const double slope = weighted_sum(k, dop853.b, dop853_stages, i), change = h * slope;
+            const double fifth = h * weighted_sum(k, dop853.fifth_error, dop853_stages, i);
+            const double third = h * (slope - weighted_sum(k, dop853.third, dop853_stages, i));
+            const double allowed = this->squared_scale_[i] + dop853_rounding * change * (dop853_rounding * change);
             errors.fifth += fifth * fifth / allowed;
             errors.third += third * third / allowed;
             this->add(i, change, 0);
@@ -63,7 +63,7 @@ class GeneralDop853 : public GeneralState<SystemType> {
         interpolant_.form(this->system_, t, h, start_.data(), change, rates_);
     }
     /// The motion at t (s), at the fraction x of that step.
-    auto interpolated(double t, double x) const {
+    auto motion_inside(double t, double x) const {
         Y y = interpolant_.change(x);
         for (int i = 0; i < this->system_.size(); ++i) y[i] = start_[i] + (lost_at_start_[i] + y[i]);
         project_step(this->system_, y.data());
@@ -75,7 +75,7 @@ class GeneralDop853 : public GeneralState<SystemType> {
     Y start_{this->system_.size()}, lost_at_start_ = start_;
     Dop853Interpolant<Y> interpolant_{this->system_.size()};
 
-    static double weighted(const std::array<Y, dop853_stages>& k, const double* weights, int count, int i) {
+    static double weighted_sum(const std::array<Y, dop853_stages>& k, const double* weights, int count, int i) {
         double sum = 0;
         for (int j = 0; j < count; ++j)
             if (weights[j] != 0) sum += weights[j] * k[j][i];
@@ -89,7 +89,7 @@ class RotationDop853 : public RotationLanes<SystemType> {
 
   public:
     RotationDop853(const Problem& problem, double tolerance)
-        : Base(problem, tolerance, rounding), step_(dop853_step(instruction_set())) {}
+        : Base(problem, tolerance, dop853_rounding), step_(dop853_step(instruction_set())) {}
 
     PairErrors attempt(double, double h) {
         step_(this->coefficients_, this->allowance_, this->state_, h, next_);
@@ -104,7 +104,7 @@ class RotationDop853 : public RotationLanes<SystemType> {
         interpolant_.form(this->system_, t, h, start_.y, change, next_.rates);
     }
     /// The motion at t (s), at the fraction x of that step.
-    auto interpolated(double t, double x) const {
+    auto motion_inside(double t, double x) const {
         Y y = interpolant_.change(x);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = start_.y[i] + (start_.lost[i] + y[i]);
         return this->system_.motion(t, y.data());
@@ -153,18 +153,18 @@ class ControlledDop853 {
         rejected_ = !accepted;
         if (!accepted) return Attempt::rejected;
         state_.accept();
-        start_ = t, length_ = tried, is_interpolated_ = false;
+        start_ = t, length_ = tried, has_interpolant_ = false;
         t += tried;
         return Attempt::accepted;
     }
     auto sample(double t) const { return state_.sample(t); }
     auto sample_inside(double t) {
-        if (!is_interpolated_) {
+        if (!has_interpolant_) {
             state_.interpolate(start_, length_);
             sample_evaluations_ += Dop853Interpolant<Numbers<1>>::evaluations;
-            is_interpolated_ = true;
+            has_interpolant_ = true;
         }
-        return state_.interpolated(t, (t - start_) / length_);
+        return state_.motion_inside(t, (t - start_) / length_);
     }
     long rhs_evaluations() const { return evaluations_; }
     long sample_evaluations() const { return sample_evaluations_; }
@@ -172,28 +172,28 @@ class ControlledDop853 {
   private:
     double duration_;
     State state_;
-    bool rejected_ = false, is_interpolated_ = false;
+    bool rejected_ = false, has_interpolant_ = false;
     double start_ = 0, length_ = 0;  // s, of the last accepted step
     long evaluations_ = 0, sample_evaluations_ = 0;
 };
 
 Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (!reachable(tolerance)) return out_of_reach(tolerance);
-    const double aim = aimed_at(tolerance);
+    if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
+    const double aim = local_tolerance(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
-            if (RotationLanes<SystemType>::serves(problem))
+            if (RotationLanes<SystemType>::supports(problem))
                 return march_controlled(problem, settings, ControlledDop853<RotationDop853<SystemType>>(problem, aim));
         return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SystemType>>(problem, aim));
     });
 }
 
-double growth(std::complex<double> z) {
-    return runge_kutta_growth({&dop853.a[0][0], std::size_t{dop853_stages} * dop853_stages}, dop853.b, z);
+double dop853_amplification(std::complex<double> z) {
+    return runge_kutta_amplification({&dop853.a[0][0], std::size_t{dop853_stages} * dop853_stages}, dop853.b, z);
 }
 
-constexpr Method each[] = {
+constexpr Method dop853_variants[] = {
     {.name = "dop853",
      .documentation =
          "Dormand & Prince's method of order 8 with the error estimates of orders 5 and 3 of Hairer, Norsett & Wanner, "
@@ -204,16 +204,16 @@ constexpr Method each[] = {
      .source = "Dormand & Prince 1981; Hairer, Norsett & Wanner 1993, II.5 and II.10 (DOP853)",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
+     .general_systems = true,
      .order = 0,
      .solve = solve_dop853,
-     .growth = growth},
+     .amplification = dop853_amplification},
 };
 
-constexpr auto family = sharing({.family = Family::runge_kutta}, each);
+constexpr auto dop853_list = apply_defaults({.family = Family::runge_kutta}, dop853_variants);
 
 }  // namespace
 
-extern const std::span<const Method> dop853_methods{family};
+extern const std::span<const Method> dop853_methods{dop853_list};
 
 }  // namespace polhode

@@ -22,49 +22,50 @@
 namespace polhode {
 namespace {
 
-// bodies that are recorded and moved together: enough that those of one law fill lanes; where all go by the closed
-// form, as many as stay in a core's own cache
+// bodies per block: enough to fill the lanes with bodies of one law; with closed forms only, as many as fit in a core's
+// cache
 constexpr std::size_t block_size = 512, free_block_size = 128;
-// principal moments nearer than this are found in binary64; beyond, in 128 bits; beyond the second, one by one
-constexpr double near_moments = 1e3, far_moments = 1e8;
+// up to the first ratio of the largest to the smallest moment, principal moments are computed in binary64, otherwise in
+// 128 bits; above the second ratio, bodies are solved individually
+constexpr double binary64_moment_ratio = 1e3, lane_moment_ratio = 1e8;
 // the range in which squares and quotients of squares neither overflow nor underflow
-constexpr double least = 1e-60, most = 1e60;
-// beyond this many decay times explicit steps are bound by stability, and the body goes to `auto` alone
-constexpr double stiff_decays = 1e4;
-// what the closed form's own estimate may come to before it is set up in 128 bits
+constexpr double smallest_magnitude = 1e-60, largest_magnitude = 1e60;
+// above this number of decay times, stability limits explicit steps: `auto` solves the body individually
+constexpr double max_decay_times = 1e4;
+// above this error estimate of the closed form, the body is solved individually
 constexpr double rounding_limit = 1e-12;
-constexpr double least_tolerance = 1e-15;
+constexpr double min_ensemble_tolerance = 1e-15;
 
 // The motion between two events.
 struct Piece {
     double begin = 0, end = 0;
-    bool free = false, impulses = false;
-    bool couples = false;  // where the body is and how it turns depend on each other
+    bool free = false, has_impulses = false;
+    bool is_coupled = false;  // translation and rotation depend on each other
 };
 
 struct Plan {
     std::vector<Piece> pieces;
-    bool one_by_one = false;  // planes, or a user-defined torque
-    bool drifts = false;      // p and v move by themselves
+    bool is_individual = false;    // bodies are solved individually: planes or a user-defined torque
+    bool has_translation = false;  // the centre of mass moves freely
 };
 
-Plan plan_of(const Scene& scene) {
+Plan make_plan(const Scene& scene) {
     Plan plan;
-    plan.one_by_one = !scene.planes.empty();
-    plan.drifts = !scene.pivot;
-    for (const Load& load : scene.loads) plan.one_by_one |= std::holds_alternative<UserTorque>(load);
+    plan.is_individual = !scene.planes.empty();
+    plan.has_translation = !scene.pivot;
+    for (const Load& load : scene.loads) plan.is_individual |= std::holds_alternative<UserTorque>(load);
     const ExactBody<double> body = exact_body<double>(scene);
     for (const Leg& leg : itinerary(scene)) {
         const Forcing<double> f = forcing_at(scene, body, leg.begin, Quaternion<double>{});
-        const bool couples = !f.pivoted && (f.has_body_force || !f.world_points.empty());
-        const bool struck = !impulses_at(scene, body, leg.begin, Quaternion<double>{}).empty();
-        plan.pieces.push_back({leg.begin, leg.end, !f.any_torque() && !couples, struck, couples});
+        const bool is_coupled = !f.pivoted && (f.has_body_force || !f.world_points.empty());
+        const bool has_impulse = !impulses_at(scene, body, leg.begin, Quaternion<double>{}).empty();
+        plan.pieces.push_back({leg.begin, leg.end, !f.any_torque() && !is_coupled, has_impulse, is_coupled});
     }
     return plan;
 }
 
-// One body on its way, in principal axes.
-struct Traveller {
+// Current state of one body, in principal axes.
+struct LaneBody {
     std::size_t row = 0;
     ExactBody<double> body;
     PrincipalFrame frame;
@@ -72,13 +73,13 @@ struct Traveller {
     Quaternion<double> q;
     Vector3<double> p, v;
     double steps = 0;
-    bool running = true, one_by_one = false;
+    bool running = true, is_individual = false;
 };
 
-bool in_range(double x) { return x == 0 || (std::abs(x) >= least && std::abs(x) <= most); }
+bool in_range(double x) { return x == 0 || (std::abs(x) >= smallest_magnitude && std::abs(x) <= largest_magnitude); }
 
-// A scene of one body; its own where they agree, so that a shape is kept.
-Scene scene_with(const Scene& scene, const EnsembleBody& body) {
+// The scene with this body. It keeps its shape if mass and inertia agree.
+Scene make_body_scene(const Scene& scene, const EnsembleBody& body) {
     Scene one = scene;
     if (one.body.mass != body.mass || !(one.body.inertia_B == body.inertia_B)) {
         one.body.source = nullptr;
@@ -90,10 +91,10 @@ Scene scene_with(const Scene& scene, const EnsembleBody& body) {
     return one;
 }
 
-EnsembleRow solve_one(const Scene& scene, const EnsembleBody& body, const EnsembleSettings& settings) {
+EnsembleRow solve_individually(const Scene& scene, const EnsembleBody& body, const EnsembleSettings& settings) {
     EnsembleRow row;
     try {
-        const Scene one = scene_with(scene, body);
+        const Scene one = make_body_scene(scene, body);
         if (!scene.planes.empty() && scene.body.source && !one.body.source) {
             row.status = Status::unsupported;
             row.message = "impacts on planes require the scene's own shape; remove mass and inertia";
@@ -122,77 +123,80 @@ class Block {
         : scene_(scene), plan_(plan), settings_(settings), bodies_(bodies), rows_(rows) {}
 
     void solve() {
-        travellers_.reserve(bodies_.size());
-        for (std::size_t i = 0; i < bodies_.size(); ++i) begin(i);
+        lane_bodies_.reserve(bodies_.size());
+        for (std::size_t i = 0; i < bodies_.size(); ++i) start_body(i);
         for (const Piece& piece : plan_.pieces) {
-            if (piece.impulses)
-                for (Traveller& t : travellers_) strike(piece, t);
+            if (piece.has_impulses)
+                for (LaneBody& t : lane_bodies_) apply_impulses(piece, t);
             if (!(piece.end > piece.begin)) continue;
             if (piece.free)
                 advance_free(piece);
             else
                 advance_loaded(piece);
         }
-        for (const Traveller& t : travellers_) {
-            if (t.one_by_one)
-                rows_[t.row] = solve_one(scene_, bodies_[t.row], settings_);
+        for (const LaneBody& t : lane_bodies_) {
+            if (t.is_individual)
+                rows_[t.row] = solve_individually(scene_, bodies_[t.row], settings_);
             else if (t.running)
-                end(t, scene_.duration);
+                write_row(t, scene_.duration);
         }
     }
 
   private:
-    void begin(std::size_t i) {
-        const EnsembleBody& given = bodies_[i];
+    void start_body(std::size_t i) {
+        const EnsembleBody& input = bodies_[i];
         rows_[i] = {};
-        if (const auto fault = fault_of(given, scene_.pivot.has_value())) {
+        if (const auto fault = fault_of(input, scene_.pivot.has_value())) {
             rows_[i].status = Status::failed;
             rows_[i].message = fault->columns + " " + fault->fault + "; " + fault->remedy;
             return;
         }
-        Traveller& t = travellers_.emplace_back();
+        LaneBody& t = lane_bodies_.emplace_back();
         t.row = i;
-        if (plan_.one_by_one) {
-            t.running = false, t.one_by_one = true;
+        if (plan_.is_individual) {
+            t.running = false, t.is_individual = true;
             return;
         }
         ExactBody<double>& b = t.body;
-        b.mass = given.mass;
+        b.mass = input.mass;
         b.center = scene_.body.center_of_mass;
         b.pivoted = scene_.pivot.has_value();
         b.origin = b.pivoted ? *scene_.pivot : b.center;
         b.arm = b.center - b.origin;
-        b.inertia_B = b.pivoted ? given.inertia_B + parallel_axis(b.mass, b.arm) : given.inertia_B;
-        b.q = normalized(given.orientation);
-        b.angular_velocity_B = given.angular_velocity;
+        b.inertia_B = b.pivoted ? input.inertia_B + parallel_axis(b.mass, b.arm) : input.inertia_B;
+        b.q = normalized(input.orientation);
+        b.angular_velocity_B = input.angular_velocity;
         if (scene_.initial.angular_velocity_frame == Frame::world)
             b.angular_velocity_B = rotate_back(b.q, b.angular_velocity_B);
-        t.p = given.position_W, t.v = given.velocity_W;
+        t.p = input.position_W, t.v = input.velocity_W;
 
         t.frame = fast_principal_frame(b.inertia_B);
         const auto spread = [&] {
             const auto& I = t.frame.moments.component;
             const auto [lowest, highest] = std::minmax_element(I.begin(), I.end());
-            return *lowest > least && *highest < most ? *highest / *lowest : std::numeric_limits<double>::infinity();
+            return *lowest > smallest_magnitude && *highest < largest_magnitude
+                       ? *highest / *lowest
+                       : std::numeric_limits<double>::infinity();
         };
-        if (!(spread() < near_moments)) t.frame = principal_frame(cast<Wide>(b.inertia_B));
-        const bool turned = !(t.frame.q_BP == Quaternion<double>{});
-        t.w = turned ? rotate_back(t.frame.q_BP, b.angular_velocity_B) : b.angular_velocity_B;
-        t.q = turned ? b.q * t.frame.q_BP : b.q;
-        t.one_by_one = !(spread() < far_moments) || !in_range(t.w[0]) || !in_range(t.w[1]) || !in_range(t.w[2]);
-        t.running = !t.one_by_one;
+        if (!(spread() < binary64_moment_ratio)) t.frame = principal_frame(cast<Wide>(b.inertia_B));
+        const bool is_rotated = !(t.frame.q_BP == Quaternion<double>{});
+        t.w = is_rotated ? rotate_back(t.frame.q_BP, b.angular_velocity_B) : b.angular_velocity_B;
+        t.q = is_rotated ? b.q * t.frame.q_BP : b.q;
+        t.is_individual =
+            !(spread() < lane_moment_ratio) || !in_range(t.w[0]) || !in_range(t.w[1]) || !in_range(t.w[2]);
+        t.running = !t.is_individual;
     }
 
-    void strike(const Piece& piece, Traveller& t) const {
+    void apply_impulses(const Piece& piece, LaneBody& t) const {
         if (!t.running) return;
         const PrincipalInertia<double> inertia{t.frame.gyroscopic, t.frame.inverse_moments, false};
         for (const auto& impulse : impulses_at(scene_, t.body, piece.begin, t.frame.q_BP))
             apply(impulse, inertia, t.body.mass, t.body.pivoted, t.w, t.q, t.p, t.v);
     }
 
-    // The forces that move the centre of mass alone.
-    void translate_free(const Piece& piece, Traveller& t) const {
-        if (!plan_.drifts) return;
+    // Applies the forces that act on the translation only.
+    void translate_free(const Piece& piece, LaneBody& t) const {
+        if (!plan_.has_translation) return;
         Vector3<double> a;
         double drag = 0;
         for (const Load& load : scene_.loads) {
@@ -205,17 +209,17 @@ class Block {
     }
 
     void advance_free(const Piece& piece) {
-        const std::size_t count = (travellers_.size() + 7) / 8;
+        const std::size_t count = (lane_bodies_.size() + 7) / 8;
         octets_.resize(count);
         for (std::size_t i = 0; i < 8 * count; ++i) {
-            // a lane without a body holds one at rest
-            static const Traveller nobody = [] {
-                Traveller t;
+            // lanes without a body compute a body at rest
+            static const LaneBody idle_lane = [] {
+                LaneBody t;
                 t.frame.moments = {1, 1, 1};
                 return t;
             }();
-            const bool held = i < travellers_.size() && travellers_[i].running;
-            const Traveller& t = held ? travellers_[i] : nobody;
+            const bool is_active = i < lane_bodies_.size() && lane_bodies_[i].running;
+            const LaneBody& t = is_active ? lane_bodies_[i] : idle_lane;
             FreeOctet& octet = octets_[i / 8];
             const std::size_t lane = i % 8;
             for (std::size_t k = 0; k < 3; ++k)
@@ -225,76 +229,77 @@ class Block {
         }
         advance_free_octets(octets_.data(), count, piece.end - piece.begin, settings_.instructions);
         const double limit = std::max(settings_.tolerance, rounding_limit);
-        for (std::size_t i = 0; i < travellers_.size(); ++i) {
-            Traveller& t = travellers_[i];
+        for (std::size_t i = 0; i < lane_bodies_.size(); ++i) {
+            LaneBody& t = lane_bodies_[i];
             if (!t.running) continue;
             const FreeOctet& octet = octets_[i / 8];
             const std::size_t lane = i % 8;
             for (std::size_t k = 0; k < 3; ++k) t.w[k] = octet.w[k].v[lane];
             t.q = {octet.q[0].v[lane], octet.q[1].v[lane], octet.q[2].v[lane], octet.q[3].v[lane]};
-            if (!(octet.error.v[lane] <= limit) || !(t.q.w * 0 == 0)) t.running = false, t.one_by_one = true;
+            if (!(octet.error.v[lane] <= limit) || !(t.q.w * 0 == 0)) t.running = false, t.is_individual = true;
             translate_free(piece, t);
         }
     }
 
-    BodyLaw<double> law_of(const Piece& piece, const Traveller& t) const {
+    BodyLaw<double> body_law(const Piece& piece, const LaneBody& t) const {
         return {{t.frame.gyroscopic, t.frame.inverse_moments, false},
                 forcing_at(scene_, t.body, piece.begin, t.frame.q_BP),
-                piece.couples};
+                piece.is_coupled};
     }
-    static bool is_stiff(const BodyLaw<double>& law, double span) {
+    static bool has_stiff_damping(const BodyLaw<double>& law, double span) {
         double decay = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto& row = law.forcing.damping[i];
             const double rate = std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]);
             decay = std::max(decay, law.inertia.inverse_moments[i] * rate);
         }
-        return !(decay * span <= stiff_decays);
+        return !(decay * span <= max_decay_times);
     }
 
-    // Bodies of one law: each by its variables and numbers, and by what its errors are measured by.
-    struct Queue {
+    // Bodies with one law. `y` holds the variables and parameters of each, `sizes` their error scales.
+    struct Batch {
         BodyLaw<double> law;
-        std::vector<Traveller*> travellers;
+        std::vector<LaneBody*> bodies;
         std::vector<double> y, sizes;
     };
 
     static double largest(const double* x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); }
 
-    static void join(Queue& queue, BodyLaw<double>& law, double span, const Traveller& t) {
+    static void append_body(Batch& batch, BodyLaw<double>& law, double span, const LaneBody& t) {
         double y[BodyState::motion], rate[BodyState::motion]{};
         BodyState::set_rotation(y, t.w, t.q), BodyState::set_translation(y, t.p, t.v);
         law.derivative(y, rate);
         // the larger of w and the rate that w reaches in the time of a rotation by one radian
-        const double turning = std::max({largest(y), std::sqrt(largest(rate)), 1e-100});
+        const double rotation_rate = std::max({largest(y), std::sqrt(largest(rate)), 1e-100});
         double speed = 1, place = 1;
-        if (law.moves) {
+        if (law.has_translation) {
             speed = std::max({largest(y + 10), largest(rate + 10) * span, 1e-100});
             place = std::max({largest(y + 7), speed * span, 1e-100});
         }
         const int n = law.variables();
         for (int i = 0; i < n; ++i) {
-            queue.y.push_back(y[i]);
-            queue.sizes.push_back(i < 3 ? turning : i < 7 ? 1 : i < 10 ? place : speed);
+            batch.y.push_back(y[i]);
+            batch.sizes.push_back(i < 3 ? rotation_rate : i < 7 ? 1 : i < 10 ? place : speed);
         }
-        for (const double number : law.numbers())
-            if (number != 0) queue.y.push_back(number), queue.sizes.push_back(1);
+        for (const double number : law.parameters())
+            if (number != 0) batch.y.push_back(number), batch.sizes.push_back(1);
     }
-    static void join_symmetric(int s, Queue& queue, const BodyLaw<double>& law, const Traveller& t) {
+    static void append_symmetric_body(int s, Batch& batch, const BodyLaw<double>& law, const LaneBody& t) {
         const int i = (s + 1) % 3, j = (s + 2) % 3;
         const double inverse = law.inertia.inverse_moments[i], c = t.frame.moments[s] * t.w[s] * inverse;
-        double mu[3], pull = 0;
+        double mu[3], largest_mu = 0;
         for (int b = 0; b < 3; ++b) {
             mu[b] = law.forcing.field.moment[(s + 1 + b) % 3][s] * inverse;
-            pull = std::max(pull, std::abs(mu[b]));
+            largest_mu = std::max(largest_mu, std::abs(mu[b]));
         }
         const double q[4] = {t.q.w, t.q.x, t.q.y, t.q.z};
         for (const double number : {t.w[i], t.w[j], q[0], q[1 + i], q[1 + j], q[1 + s], c, mu[0], mu[1], mu[2]})
-            queue.y.push_back(number);
-        const double turning = std::max({std::abs(t.w[i]), std::abs(t.w[j]), std::abs(c), std::sqrt(pull), 1e-100});
-        queue.sizes.insert(queue.sizes.end(), {turning, turning, 1, 1, 1, 1, 1, 1, 1, 1});
+            batch.y.push_back(number);
+        const double rotation_rate =
+            std::max({std::abs(t.w[i]), std::abs(t.w[j]), std::abs(c), std::sqrt(largest_mu), 1e-100});
+        batch.sizes.insert(batch.sizes.end(), {rotation_rate, rotation_rate, 1, 1, 1, 1, 1, 1, 1, 1});
     }
-    static void leave_symmetric(int s, const LaneMotion& motion, Traveller& t) {
+    static void store_symmetric_rotation(int s, const LaneMotion& motion, LaneBody& t) {
         const int i = (s + 1) % 3, j = (s + 2) % 3;
         const double *const y = motion.y, angle = t.w[s] * motion.reached, sine = std::sin(angle);
         const double cosine = std::cos(angle);
@@ -308,84 +313,84 @@ class Block {
 
     void advance_loaded(const Piece& piece) {
         const double span = piece.end - piece.begin;
-        // by the axis of symmetry and by what is not zero
-        std::map<std::pair<int, std::vector<bool>>, Queue> queues;
-        for (Traveller& t : travellers_) {
+        // key: the axis of symmetry, and the parameters that are not zero
+        std::map<std::pair<int, std::vector<bool>>, Batch> batches;
+        for (LaneBody& t : lane_bodies_) {
             if (!t.running) continue;
-            BodyLaw<double> law = law_of(piece, t);
-            if (is_stiff(law, span)) {
-                t.running = false, t.one_by_one = true;
+            BodyLaw<double> law = body_law(piece, t);
+            if (has_stiff_damping(law, span)) {
+                t.running = false, t.is_individual = true;
                 continue;
             }
             const int s = SymmetricBody::axis(law, t.frame.moments);
             const auto& present = law.forcing.field.present;
             std::vector<bool> kind{law.forcing.has_torque, law.forcing.has_world_torque, present[0], present[1],
                                    present[2]};
-            for (const double number : law.numbers())
+            for (const double number : law.parameters())
                 if (s < 0) kind.push_back(number != 0);
-            Queue& queue = queues[{s, kind}];
-            if (queue.travellers.empty()) queue.law = law;
-            queue.travellers.push_back(&t);
+            Batch& batch = batches[{s, kind}];
+            if (batch.bodies.empty()) batch.law = law;
+            batch.bodies.push_back(&t);
             if (s < 0)
-                join(queue, law, span, t);
+                append_body(batch, law, span, t);
             else
-                join_symmetric(s, queue, law, t);
+                append_symmetric_body(s, batch, law, t);
         }
-        for (auto& [kind, queue] : queues) advance(piece, kind.first, queue);
+        for (auto& [kind, batch] : batches) advance(piece, kind.first, batch);
     }
 
-    void advance(const Piece& piece, int s, Queue& queue) {
-        const auto& present = queue.law.forcing.field.present;
-        const int n = static_cast<int>(queue.y.size() / queue.travellers.size());
+    void advance(const Piece& piece, int s, Batch& batch) {
+        const auto& present = batch.law.forcing.field.present;
+        const int n = static_cast<int>(batch.y.size() / batch.bodies.size());
         std::vector<int> units{0, 0, 0, 3, 3, 3, 3};
         if (s >= 0) units = {0, 0, 2, 2, 2, 2};
-        if (queue.law.moves) units.insert(units.end(), {7, 7, 7, 10, 10, 10});
+        if (batch.law.has_translation) units.insert(units.end(), {7, 7, 7, 10, 10, 10});
         for (int i = static_cast<int>(units.size()); i < n; ++i) units.push_back(i);
-        const auto recording = s < 0 ? record<double>(AnyBody{queue.law}, n)
+        const auto recording = s < 0 ? record<double>(ParametrizedBody{batch.law}, n)
                                      : record<double>(SymmetricBody{{present[(s + 1) % 3], present[(s + 2) % 3],
                                                                      present[static_cast<std::size_t>(s)]}},
                                                       n);
-        ExtrapolatedLanes lanes(recording, std::move(units), std::max(settings_.tolerance, least_tolerance),
+        ExtrapolatedLanes lanes(recording, std::move(units), std::max(settings_.tolerance, min_ensemble_tolerance),
                                 settings_.max_steps, {.instructions = settings_.instructions});
-        std::vector<LaneMotion> motions(queue.travellers.size());
+        std::vector<LaneMotion> motions(batch.bodies.size());
         for (std::size_t k = 0; k < motions.size(); ++k) {
             const std::size_t first = k * static_cast<std::size_t>(n);
-            motions[k].y = &queue.y[first], motions[k].sizes = &queue.sizes[first];
+            motions[k].y = &batch.y[first], motions[k].sizes = &batch.sizes[first];
         }
         lanes.advance(motions, piece.end - piece.begin);
         for (std::size_t k = 0; k < motions.size(); ++k) {
-            Traveller& t = *queue.travellers[k];
+            LaneBody& t = *batch.bodies[k];
             if (s < 0)
                 t.w = BodyState::angular_velocity(motions[k].y), t.q = BodyState::attitude(motions[k].y);
             else
-                leave_symmetric(s, motions[k], t);
-            arrive(piece, motions[k], t);
+                store_symmetric_rotation(s, motions[k], t);
+            store_result(piece, motions[k], t);
         }
     }
 
-    void arrive(const Piece& piece, const LaneMotion& motion, Traveller& t) {
-        if (piece.couples) t.p = BodyState::position(motion.y), t.v = BodyState::velocity(motion.y);
+    void store_result(const Piece& piece, const LaneMotion& motion, LaneBody& t) {
+        if (piece.is_coupled) t.p = BodyState::position(motion.y), t.v = BodyState::velocity(motion.y);
         if (motion.end != LaneMotion::End::reached) {
-            LaneFailure failure = failure_of(motion, piece.begin, settings_.max_steps);
+            LaneFailure failure = describe_failure(motion, piece.begin, settings_.max_steps);
             t.running = false;
-            end(t, piece.begin + motion.reached);
+            write_row(t, piece.begin + motion.reached);
             rows_[t.row].status = failure.status, rows_[t.row].message = std::move(failure.message);
             return;
         }
-        if (!piece.couples) translate_free(piece, t);
-        if (settings_.tolerance < least_tolerance) {
+        if (!piece.is_coupled) translate_free(piece, t);
+        if (settings_.tolerance < min_ensemble_tolerance) {
             rows_[t.row].status = Status::tolerance_not_met;
             rows_[t.row].message = "a tolerance below 1e-15 cannot be met in binary64";
         }
     }
 
-    void end(const Traveller& t, double at) {
+    void write_row(const LaneBody& t, double at) {
         Sample& s = rows_[t.row].end;
-        const bool turned = !(t.frame.q_BP == Quaternion<double>{});
+        const bool is_rotated = !(t.frame.q_BP == Quaternion<double>{});
         rows_[t.row].moved = true;
         s.t = at;
-        s.q = turned ? t.q * conjugate(t.frame.q_BP) : t.q;
-        s.angular_velocity_B = turned ? rotate(t.frame.q_BP, t.w) : t.w;
+        s.q = is_rotated ? t.q * conjugate(t.frame.q_BP) : t.q;
+        s.angular_velocity_B = is_rotated ? rotate(t.frame.q_BP, t.w) : t.w;
         s.position_W = t.p, s.velocity_W = t.v;
         if (t.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, t.body.arm, s.position_W, s.velocity_W);
     }
@@ -395,7 +400,7 @@ class Block {
     const EnsembleSettings& settings_;
     std::span<const EnsembleBody> bodies_;
     std::span<EnsembleRow> rows_;
-    std::vector<Traveller> travellers_;
+    std::vector<LaneBody> lane_bodies_;
     std::vector<FreeOctet> octets_;
 };
 
@@ -420,7 +425,7 @@ EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& setti
     require_in_range(settings);
     if (is_mechanism(scene)) throw std::invalid_argument("EnsembleSolver supports only scenes of one body");
     validate(scene, scene.name);
-    prepared_.reset(new Prepared{scene, settings, plan_of(scene)});
+    prepared_.reset(new Prepared{scene, settings, make_plan(scene)});
 }
 
 EnsembleSolver::~EnsembleSolver() = default;
@@ -429,8 +434,8 @@ EnsembleSolver& EnsembleSolver::operator=(EnsembleSolver&&) noexcept = default;
 
 std::size_t EnsembleSolver::block() const {
     const Plan& plan = prepared_->plan;
-    // bodies that are posed one by one take long: fewer a block, so that all threads have some
-    if (plan.one_by_one) return 8;
+    // individual solves are slow: small blocks distribute them over all threads
+    if (plan.is_individual) return 8;
     const bool free = std::ranges::all_of(plan.pieces, [](const Piece& piece) { return piece.free; });
     return free ? free_block_size : block_size;
 }

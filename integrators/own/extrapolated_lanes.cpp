@@ -35,16 +35,16 @@ struct ExtrapolatedLanes::Kernels {
                   double* before);
     void (*end)(const StepEnd&);
 
-    static const Kernels& of(InstructionSet set);
+    static const Kernels& select_kernels(InstructionSet set);
 
-    POLHODE_INLINE static Octet tried(const Control& c, double span) {
+    POLHODE_INLINE static Octet step_size(const Control& c, double span) {
         return smaller(octet_at(c.step), span - octet_at(c.time));
     }
 
     // z_1 = h f(y), z_0 = 0.
     POLHODE_INLINE static void begin_column(const Control& c, double span, int n, std::size_t end, const double* rate,
                                             double* twice_h, double* now, double* before) {
-        const Octet h = tried(c, span) / octet(n);
+        const Octet h = step_size(c, span) / octet(n);
         put(twice_h, 2.0 * h);
         for (std::size_t i = 0; i < end; i += 8) put(now + i, h * octet_at(rate + i)), put(before + i, octet(0));
     }
@@ -95,7 +95,8 @@ struct ExtrapolatedLanes::Kernels {
     // Accepts or rejects the step and selects the next H: the least of the last four suggestions (see OrderControl).
     POLHODE_INLINE static void end_columns(const StepEnd& s) {
         Control& c = *s.control;
-        const Octet squared = extrapolate(s), H = tried(c, s.span), step = octet_at(c.step), time = octet_at(c.time);
+        const Octet squared = extrapolate(s), H = step_size(c, s.span), step = octet_at(c.step),
+                    time = octet_at(c.time);
         const OctetMask accepted = squared <= octet(1), is_finite = squared * 0.0 == octet(0);
         for (int i = 0; i < s.size; ++i) {
             if (!s.is_moving[i]) continue;
@@ -142,12 +143,12 @@ struct ExtrapolatedLanes::Kernels {
     POLHODE_TARGET_AVX512 static void end_avx512(const StepEnd& s) { end_columns(s); }
 };
 
-const ExtrapolatedLanes::Kernels& ExtrapolatedLanes::Kernels::of(InstructionSet set) {
+const ExtrapolatedLanes::Kernels& ExtrapolatedLanes::Kernels::select_kernels(InstructionSet set) {
     static constexpr Kernels all[] = {{begin_plain, end_plain}, {begin_avx2, end_avx2}, {begin_avx512, end_avx512}};
     return all[static_cast<std::size_t>(set)];
 }
 
-LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps) {
+LaneFailure describe_failure(const LaneMotion& motion, double begin, long max_steps) {
     const std::string at = shortest_decimal(begin + motion.reached);
     if (motion.end == LaneMotion::End::too_many_steps)
         return {Status::failed, "more than " + std::to_string(max_steps) + " steps are needed"};
@@ -162,15 +163,15 @@ ExtrapolatedLanes::ExtrapolatedLanes(const Recording<double>& recording, std::ve
     : size_(static_cast<int>(recording.rates.size())),
       tolerance_(tolerance),
       max_steps_(max_steps),
-      row_(&extrapolation_rows[static_cast<std::size_t>(first_row(tolerance, most_columns))]),
+      row_(&extrapolation_rows[static_cast<std::size_t>(initial_row(tolerance, max_columns))]),
       units_(std::move(units)),
-      kernels_(&Kernels::of(options.instructions)),
+      kernels_(&Kernels::select_kernels(options.instructions)),
       rates_(recording, options) {
     for (int i = 0; i < size_; ++i) {
         is_moving_.push_back(rates_.is_parameter(i) ? 0 : 1);
         if (is_moving_.back()) moving_ = i + 1;
     }
-    const std::size_t end = place(size_, 0);
+    const std::size_t end = index_of(size_, 0);
     for (Register& r : registers_) {
         for (Numbers8* const list : {&r.start, &r.lost, &r.rate, &r.scratch, &r.next, &r.next_lost})
             list->assign(end, 0);
@@ -190,8 +191,8 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
     c.taken[lane] = motion ? static_cast<double>(motion->steps) : 0;
     for (double* const suggested : c.suggested) suggested[lane] = std::numeric_limits<double>::infinity();
     for (int i = 0; i < size_; ++i) {
-        r.start[place(i, lane)] = motion ? motion->y[i] : 0, r.lost[place(i, lane)] = 0;
-        r.sizes[place(i, lane)] = motion ? motion->sizes[i] : 1;
+        r.start[index_of(i, lane)] = motion ? motion->y[i] : 0, r.lost[index_of(i, lane)] = 0;
+        r.sizes[index_of(i, lane)] = motion ? motion->sizes[i] : 1;
     }
 }
 
@@ -199,7 +200,7 @@ void ExtrapolatedLanes::fill(Register& r, int lane, std::vector<LaneMotion>& mot
 double ExtrapolatedLanes::first_step(const Register& r, int lane, double span) const {
     double rate = 0;
     for (int i = 0; i < size_; ++i)
-        rate = std::max(rate, std::abs(r.rate[place(i, lane)]) / r.sizes[place(units_[i], lane)]);
+        rate = std::max(rate, std::abs(r.rate[index_of(i, lane)]) / r.sizes[index_of(units_[i], lane)]);
     return rate > 0 && rate * span > 0.5 ? 0.5 / rate : span;
 }
 
@@ -212,7 +213,7 @@ void ExtrapolatedLanes::begin_step(Register& r, double span) {
 }
 
 void ExtrapolatedLanes::end_step(Register& r, double span, std::vector<LaneMotion>& motions, std::size_t& next) {
-    std::array<const double*, most_columns> columns{};
+    std::array<const double*, max_columns> columns{};
     for (int j = 0; j < row_->columns; ++j) columns[j] = r.column[j].data();
     kernels_->end({moving_, is_moving_.data(), units_.data(), tolerance_, span, static_cast<double>(max_steps_), row_,
                    columns.data(), r.sizes.data(), r.next.data(), r.next_lost.data(), r.start.data(), r.lost.data(),
@@ -222,7 +223,7 @@ void ExtrapolatedLanes::end_step(Register& r, double span, std::vector<LaneMotio
         if (!motion || r.control.ended[lane] == 0) continue;
         motion->end = static_cast<LaneMotion::End>(static_cast<int>(r.control.ended[lane]) - 1);
         for (int i = 0; i < moving_; ++i)
-            if (is_moving_[i]) motion->y[i] = r.start[place(i, lane)];
+            if (is_moving_[i]) motion->y[i] = r.start[index_of(i, lane)];
         motion->step = r.control.step[lane], motion->reached = r.control.time[lane];
         motion->steps = static_cast<long>(r.control.taken[lane]);
         fill(r, lane, motions, next);
@@ -233,10 +234,10 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
     std::size_t next = 0;
     for (Register& r : registers_)
         for (int lane = 0; lane < lanes; ++lane) fill(r, lane, motions, next);
-    constexpr int between_looks = 64;
-    for (int until_look = between_looks;; --until_look) {
-        if (until_look == 0) {
-            until_look = between_looks;
+    constexpr int check_interval = 64;
+    for (int until_check = check_interval;; --until_check) {
+        if (until_check == 0) {
+            until_check = check_interval;
             // Interrupted motions keep the state from the start of the span; waiting ones are not started.
             if (Interruption::is_wanted()) {
                 for (const Register& r : registers_)
@@ -258,7 +259,7 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
                 Register& r = *busy[k];
                 // n is even: n - 1 swaps leave the result in the column.
                 r.now = {r.scratch.data(), r.column[j].data()};
-                kernels_->begin(r.control, span, n, place(moving_, 0), r.rate.data(), r.twice_h.data(), r.now[0],
+                kernels_->begin(r.control, span, n, index_of(moving_, 0), r.rate.data(), r.twice_h.data(), r.now[0],
                                 r.now[1]);
             }
             for (int m = 1; m < n; ++m)

@@ -29,7 +29,7 @@ struct LaneFailure {
     std::string message;
 };
 /// Describes why `motion` ended.
-LaneFailure failure_of(const LaneMotion& motion, double begin, long max_steps);
+LaneFailure describe_failure(const LaneMotion& motion, double begin, long max_steps);
 
 /// Two registers of eight lanes are processed alternately to hide latency. The result of a motion does not depend on
 /// its neighbours or on the instruction set.
@@ -47,7 +47,7 @@ class ExtrapolatedLanes {
   private:
     static constexpr int lanes = TapeRates::lanes;
     using Numbers8 = std::vector<double, LineAllocator<double>>;
-    static std::size_t place(int i, int lane) {
+    static std::size_t index_of(int i, int lane) {
         return static_cast<std::size_t>(i) * lanes + static_cast<std::size_t>(lane);
     }
     /// Times, step sizes and suggested steps of eight motions.
@@ -58,7 +58,7 @@ class ExtrapolatedLanes {
     /// Eight motions.
     struct Register {
         Numbers8 start, lost, sizes, rate, scratch, next, next_lost, twice_h;
-        std::array<Numbers8, most_columns> column;
+        std::array<Numbers8, max_columns> column;
         Control control;
         std::array<double*, 2> now{};  ///< current and previous increments of a column
         std::array<LaneMotion*, lanes> motion{};

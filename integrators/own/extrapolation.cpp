@@ -16,7 +16,7 @@
 #include "integrators/own/extrapolation_control.h"
 #include "integrators/own/lane_columns.h"
 #include "integrators/own/midpoint_columns.h"
-#include "integrators/own/recorded.h"
+#include "integrators/own/record_system.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 
@@ -24,10 +24,10 @@ namespace polhode {
 namespace {
 
 /// Below this tolerance rounding dominates the error: the order is fixed and the columns use compensated sums.
-constexpr double least_of_variable_order = 3e-14;
+constexpr double min_variable_order_tolerance = 3e-14;
 /// The allowed error of a component is increased by this factor times its increment and the amplification, for the
 /// rounding error that no step size avoids.
-double rounding(double tolerance) { return tolerance < least_of_variable_order ? 0x1p-56 : 0x1p-53; }
+double rounding_allowance(double tolerance) { return tolerance < min_variable_order_tolerance ? 0x1p-56 : 0x1p-53; }
 
 struct StepErrors {
     double squared, squared_before;  ///< see RotationStep
@@ -40,13 +40,13 @@ class OrderControl {
   public:
     OrderControl(double tolerance, const ExtrapolationTable& table, int most)
         : table_(&table),
-          most_(most),
-          first_(tolerance < least_of_variable_order ? careful_row : first_row(tolerance, most)) {
+          max_columns_(most),
+          first_(tolerance < min_variable_order_tolerance ? compensated_row : initial_row(tolerance, most)) {
         restart();
     }
     void restart() {
         row_ = first_, rejected_ = false;
-        forget();
+        reset();
     }
     int number() const { return row_; }
     const ExtrapolationRow& row() const { return (*table_)[row_]; }
@@ -59,37 +59,37 @@ class OrderControl {
         if (!accepted) same = std::min(same, 0.9 * H), lower = std::min(lower, 0.9 * H);
         const double least = suggested_.least(same);
         lower *= least / same, same = least;
-        if (row_ == careful_row) return on_grid(same);
-        if (K > fewest_columns && work(K - 1, lower) < gain_to_lower * work(K, same)) {
+        if (row_ == compensated_row) return on_grid(same);
+        if (K > min_columns && work(K - 1, lower) < gain_to_lower * work(K, same)) {
             row_ = K - 1, same = lower;
-            forget();
-        } else if (accepted && !rejected_ && K < most_ && work(K, same) < gain_to_raise * work(K - 1, lower)) {
+            reset();
+        } else if (accepted && !rejected_ && K < max_columns_ && work(K, same) < gain_to_raise * work(K - 1, lower)) {
             // The step at which K + 1 columns would cost as much per unit of time.
             row_ = K + 1, same *= work(K + 1, 1) / work(K, 1);
-            forget();
+            reset();
         }
         rejected_ = !accepted;
         return on_grid(same);
     }
     /// Returns the next H after a step whose result is not finite.
-    double retreat(double H) {
-        if (row_ != careful_row) row_ = std::max(row_ - 2, fewest_columns);
+    double shrink_after_divergence(double H) {
+        if (row_ != compensated_row) row_ = std::max(row_ - 2, min_columns);
         rejected_ = true;
-        forget();
+        reset();
         return 0.1 * H;
     }
     double on_grid(double H) const { return step_on_grid(H, row().odd_multiple); }
 
   private:
-    void forget() { suggested_.forget(); }
+    void reset() { suggested_.reset(); }
     double work(int K, double H) const { return (*table_)[K].work / H; }
     /// With careful columns the aim keeps even the worst error of T_KK along the motion below rounding.
     double factor(double squared_error, int K) const {
-        return step_factor(row_ == careful_row ? -7 : -2.32, squared_error, K);
+        return step_factor(row_ == compensated_row ? -7 : -2.32, squared_error, K);
     }
 
     const ExtrapolationTable* table_;
-    int most_, first_, row_ = first_;
+    int max_columns_, first_, row_ = first_;
     bool rejected_ = false;
     SuggestedSteps suggested_;
 };
@@ -99,7 +99,7 @@ template <class SystemType>
 class ColumnsState : public GeneralState<SystemType> {
   public:
     ColumnsState(const Problem& problem, double tolerance)
-        : GeneralState<SystemType>(problem, tolerance), rounding_(rounding(tolerance)) {}
+        : GeneralState<SystemType>(problem, tolerance), rounding_(rounding_allowance(tolerance)) {}
 
   protected:
     template <class Column, class Lost>
@@ -135,17 +135,17 @@ class RecordedColumns : public ColumnsState<SystemType> {
     using Base = ColumnsState<SystemType>;
 
   public:
-    static constexpr const ExtrapolationTable& table = rows_in_lanes;
-    static constexpr int most = most_columns_in_lanes;
+    static constexpr const ExtrapolationTable& table = lane_rows;
+    static constexpr int most = max_lane_columns;
 
     using Base::Base;
     void enter(const Segment& segment) {
         Base::enter(segment);
-        columns_.emplace(recorded<double>(this->system_));
+        columns_.emplace(record_system<double>(this->system_));
     }
     StepErrors attempt(double, double H, int number) {
         const ExtrapolationRow& row = table[number];
-        columns_->step(this->y_.data(), H, row, number == careful_row);
+        columns_->step(this->y_.data(), H, row, number == compensated_row);
         return this->extrapolated(
             row, [&](int j, int i) { return columns_->increment(j, i); },
             [&](int j, int i) { return columns_->lost(j, i); });
@@ -162,7 +162,7 @@ class GeneralColumns : public ColumnsState<SystemType> {
 
   public:
     static constexpr const ExtrapolationTable& table = extrapolation_rows;
-    static constexpr int most = most_columns;
+    static constexpr int most = max_columns;
 
     using ColumnsState<SystemType>::ColumnsState;
     StepErrors attempt(double t, double H, int number) {
@@ -170,9 +170,9 @@ class GeneralColumns : public ColumnsState<SystemType> {
         const int N = this->system_.size();
         Y f(N);
         this->system_.derivative(t, this->y_.data(), f.data());
-        std::array<Y, most_columns> column = copies_of<most_columns>(Y(N)), lost_column = column;
+        std::array<Y, max_columns> column = copies_of<max_columns>(Y(N)), lost_column = column;
         for (int j = 0; j < row.columns; ++j)
-            midpoint(t, f, H / row.substeps[j], row.substeps[j], number == careful_row, column[j], lost_column[j]);
+            midpoint(t, f, H / row.substeps[j], row.substeps[j], number == compensated_row, column[j], lost_column[j]);
         return this->extrapolated(
             row, [&](int j, int i) { return column[j][i]; }, [&](int j, int i) { return lost_column[j][i]; });
     }
@@ -204,10 +204,10 @@ class RotationColumns : public RotationLanes<SystemType> {
 
   public:
     static constexpr const ExtrapolationTable& table = extrapolation_rows;
-    static constexpr int most = most_columns;
+    static constexpr int most = max_columns;
 
     RotationColumns(const Problem& problem, double tolerance)
-        : Base(problem, tolerance, rounding(tolerance)), step_(midpoint_step(instruction_set())) {}
+        : Base(problem, tolerance, rounding_allowance(tolerance)), step_(midpoint_step(instruction_set())) {}
 
     StepErrors attempt(double, double H, int row) {
         step_(this->coefficients_, this->allowance_, this->state_, H, row, this->next_);
@@ -241,7 +241,7 @@ class ControlledExtrapolation {
         const StepErrors errors = columns_.attempt(t, h, control_.number());
         evaluations_ += control_.row().evaluations;
         if (!std::isfinite(errors.squared) || !std::isfinite(errors.squared_before)) {
-            h = control_.retreat(h);
+            h = control_.shrink_after_divergence(h);
             return Attempt::not_finite;
         }
         const bool accepted = errors.squared <= 1;
@@ -262,12 +262,12 @@ class ControlledExtrapolation {
     long evaluations_ = 0;
 };
 
-Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+Trajectory solve_extrapolation(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
-    if (!reachable(tolerance)) return out_of_reach(tolerance);
+    if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
-            if (RotationLanes<SystemType>::serves(problem, RotationTerms::axial_field))
+            if (RotationLanes<SystemType>::supports(problem, RotationTerms::axial_field))
                 return march_controlled(problem, settings,
                                         ControlledExtrapolation<RotationColumns<SystemType>>(problem, tolerance));
         if (!problem.needs.user_torque)
@@ -278,7 +278,7 @@ Trajectory extrapolate(const Problem& problem, const Settings& settings) {
     });
 }
 
-constexpr Method each[] = {
+constexpr Method extrapolation_variants[] = {
     {.name = "extrapolation",
      .documentation =
          "Extrapolation of the explicit midpoint rule, order 4 to 18 and step size by the tolerance, on increments "
@@ -290,15 +290,15 @@ constexpr Method each[] = {
                "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
+     .general_systems = true,
      .order = 0,
-     .solve = extrapolate},
+     .solve = solve_extrapolation},
 };
 
-constexpr auto family = sharing({.family = Family::extrapolation}, each);
+constexpr auto extrapolation_list = apply_defaults({.family = Family::extrapolation}, extrapolation_variants);
 
 }  // namespace
 
-extern const std::span<const Method> extrapolation_methods{family};
+extern const std::span<const Method> extrapolation_methods{extrapolation_list};
 
 }  // namespace polhode

@@ -13,11 +13,11 @@
 
 namespace polhode {
 
-inline constexpr int fewest_columns = 2, most_columns = 9;
+inline constexpr int min_columns = 2, max_columns = 9;
 
 /// Rows are numbered by their column count. The last row is for tolerances near rounding: six columns with the
 /// smallest possible amplification of rounding errors, each summed with compensation.
-inline constexpr int careful_row = 10, table_rows = 11;
+inline constexpr int compensated_row = 10, table_rows = 11;
 
 /// The n_j of a row, found by search: least work A_K / (product of n_j)^(1/K) with sum |c_j| <= 30. This sum is the
 /// factor by which the rounding error of an increment is amplified; for 2, 4, 6, .. it is 120 at K = 8 and 600 at K =
@@ -32,14 +32,14 @@ constexpr auto substeps() {
     if constexpr (row == 7) return std::array{4, 6, 8, 10, 12, 16, 20};
     if constexpr (row == 8) return std::array{4, 6, 8, 10, 12, 14, 18, 26};
     if constexpr (row == 9) return std::array{4, 6, 8, 10, 12, 14, 16, 22, 32};
-    if constexpr (row == careful_row) return std::array{4, 6, 8, 12, 16, 24};
+    if constexpr (row == compensated_row) return std::array{4, 6, 8, 12, 16, 24};
 }
 template <int row>
-inline constexpr int columns_of = static_cast<int>(substeps<row>().size());
+inline constexpr int column_count = static_cast<int>(substeps<row>().size());
 
 /// The n_j in registers of eight, padded with ones.
 template <int row>
-constexpr auto substeps_as_lanes() {
+constexpr auto padded_substeps() {
     constexpr auto n = substeps<row>();
     std::array<double, (n.size() + 7) / 8 * 8> lanes{};
     for (std::size_t j = 0; j < lanes.size(); ++j) lanes[j] = j < n.size() ? n[j] : 1;
@@ -66,7 +66,7 @@ constexpr auto column_weights(int first, int last) {
 }
 
 template <auto n>
-constexpr auto weights_of() {
+constexpr auto compute_weights() {
     constexpr int K = static_cast<int>(n.size());
     ExtrapolationWeights<K> weights;
     const auto all = column_weights<n>(0, K), without_first = column_weights<n>(1, K);
@@ -81,7 +81,7 @@ constexpr auto weights_of() {
 
 template <int row>
 constexpr auto extrapolation_weights() {
-    return weights_of<substeps<row>()>();
+    return compute_weights<substeps<row>()>();
 }
 
 /// A row of the extrapolation table that is selected at run time: its columns, their weights and the cost of a step.
@@ -91,15 +91,15 @@ struct ExtrapolationRow {
     int work = 0;              ///< cost of a step, in evaluations
     double amplification = 0;  ///< sum |c_j|
     int odd_multiple = 1;      ///< least common multiple of the odd parts of n_j
-    std::array<int, most_columns> substeps{};
-    ExtrapolationWeights<most_columns> weights;
+    std::array<int, max_columns> substeps{};
+    ExtrapolationWeights<max_columns> weights;
 };
 
 /// The row for given n_j.
 template <auto n>
-constexpr ExtrapolationRow row_of() {
+constexpr ExtrapolationRow make_row() {
     ExtrapolationRow row;
-    const auto weights = weights_of<n>();
+    const auto weights = compute_weights<n>();
     row.columns = static_cast<int>(n.size()), row.evaluations = 1;
     for (int j = 0; j < row.columns; ++j) {
         row.substeps[j] = n[j];
@@ -117,21 +117,28 @@ constexpr ExtrapolationRow row_of() {
 }
 template <int number>
 constexpr ExtrapolationRow extrapolation_row() {
-    return row_of<substeps<number>()>();
+    return make_row<substeps<number>()>();
 }
 
 using ExtrapolationTable = std::array<ExtrapolationRow, table_rows>;
-inline constexpr ExtrapolationTable extrapolation_rows{
-    ExtrapolationRow{},     ExtrapolationRow{},     extrapolation_row<2>(),          extrapolation_row<3>(),
-    extrapolation_row<4>(), extrapolation_row<5>(), extrapolation_row<6>(),          extrapolation_row<7>(),
-    extrapolation_row<8>(), extrapolation_row<9>(), extrapolation_row<careful_row>()};
+inline constexpr ExtrapolationTable extrapolation_rows{ExtrapolationRow{},
+                                                       ExtrapolationRow{},
+                                                       extrapolation_row<2>(),
+                                                       extrapolation_row<3>(),
+                                                       extrapolation_row<4>(),
+                                                       extrapolation_row<5>(),
+                                                       extrapolation_row<6>(),
+                                                       extrapolation_row<7>(),
+                                                       extrapolation_row<8>(),
+                                                       extrapolation_row<9>(),
+                                                       extrapolation_row<compensated_row>()};
 
 /// The n_j of a row where each column has its own lane. Only the longest column costs time there, so the search
 /// minimised n_K / (product of n_j)^(1/K) with sum |c_j| <= 60 (2, 4, .., 16 amplifies rounding by 119). Of the
 /// candidates, these took the least time on the catalogue. Longer sequences do not pay where a step would be longer
 /// than the sample spacing or where poles of the motion limit it.
 template <int K>
-constexpr auto substeps_in_lanes() {
+constexpr auto lane_substeps() {
     if constexpr (K == 2) return std::array{4, 6};
     if constexpr (K == 3) return std::array{6, 8, 10};
     if constexpr (K == 4) return std::array{6, 8, 10, 14};
@@ -141,24 +148,24 @@ constexpr auto substeps_in_lanes() {
     if constexpr (K == 8) return std::array{4, 6, 8, 10, 12, 14, 18, 22};
 }
 template <int K>
-constexpr ExtrapolationRow row_in_lanes() {
-    constexpr auto n = substeps_in_lanes<K>();
-    ExtrapolationRow row = row_of<n>();
+constexpr ExtrapolationRow make_lane_row() {
+    constexpr auto n = lane_substeps<K>();
+    ExtrapolationRow row = make_row<n>();
     row.work = n[K - 1];
     return row;
 }
-inline constexpr int most_columns_in_lanes = 8;
-inline constexpr ExtrapolationTable rows_in_lanes{ExtrapolationRow{},
-                                                  ExtrapolationRow{},
-                                                  row_in_lanes<2>(),
-                                                  row_in_lanes<3>(),
-                                                  row_in_lanes<4>(),
-                                                  row_in_lanes<5>(),
-                                                  row_in_lanes<6>(),
-                                                  row_in_lanes<7>(),
-                                                  row_in_lanes<8>(),
-                                                  ExtrapolationRow{},
-                                                  extrapolation_row<careful_row>()};
+inline constexpr int max_lane_columns = 8;
+inline constexpr ExtrapolationTable lane_rows{ExtrapolationRow{},
+                                              ExtrapolationRow{},
+                                              make_lane_row<2>(),
+                                              make_lane_row<3>(),
+                                              make_lane_row<4>(),
+                                              make_lane_row<5>(),
+                                              make_lane_row<6>(),
+                                              make_lane_row<7>(),
+                                              make_lane_row<8>(),
+                                              ExtrapolationRow{},
+                                              extrapolation_row<compensated_row>()};
 
 /// K columns packed into as few chains as the longest column allows, first fit, longest first. A chain runs its
 /// columns in sequence. The chains are independent, so the processor overlaps them.
@@ -174,7 +181,7 @@ struct ColumnChains {
 
 template <int row>
 constexpr auto column_chains() {
-    constexpr int K = columns_of<row>;
+    constexpr int K = column_count<row>;
     ColumnChains<K> c;
     const auto n = substeps<row>();
     std::array<int, K> filled{};

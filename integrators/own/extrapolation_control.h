@@ -22,7 +22,7 @@ inline double rough_exp2(double x) {
 }
 
 /// Initial row of the extrapolation table, with at most `most` columns.
-inline int first_row(double tolerance, int most) {
+inline int initial_row(double tolerance, int most) {
     return std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most);
 }
 
@@ -45,7 +45,7 @@ inline double step_on_grid(double H, int odd_multiple) {
 /// worst accepted ones dominated the error.
 class SuggestedSteps {
   public:
-    void forget() { last_.fill(std::numeric_limits<double>::infinity()); }
+    void reset() { last_.fill(std::numeric_limits<double>::infinity()); }
     /// Returns the least of the last four suggestions, including this one.
     double least(double suggested) {
         last_ = {suggested, last_[0], last_[1], last_[2]};

@@ -18,19 +18,19 @@ class LaneColumns {
     /// Computes all columns of a step H from y.
     void step(const double* y, double H, const ExtrapolationRow& row, bool careful);
     /// The increment of variable i in a column, and its rounding error.
-    double increment(int column, int i) const { return found_[place(i, column)]; }
-    double lost(int column, int i) const { return found_lost_[place(i, column)]; }
+    double increment(int column, int i) const { return increment_[index_of(i, column)]; }
+    double lost(int column, int i) const { return increment_lost_[index_of(i, column)]; }
 
   private:
     static constexpr int lanes = TapeRates::lanes;
     using Lanes = std::vector<double, LineAllocator<double>>;
-    static std::size_t place(int i, int column) {
+    static std::size_t index_of(int i, int column) {
         return static_cast<std::size_t>(i) * lanes + static_cast<std::size_t>(column);
     }
 
     int size_;
     TapeRates rates_;
-    Lanes start_, before_, now_, lost_before_, lost_, y_, rate_, found_, found_lost_;
+    Lanes start_, before_, now_, lost_before_, lost_, y_, rate_, increment_, increment_lost_;
 };
 
 }  // namespace polhode

@@ -16,7 +16,7 @@
 namespace polhode {
 namespace {
 
-MechanismRow solved_row(const Scene& scene, long samples, const EnsembleSettings& settings) {
+MechanismRow solve_row(const Scene& scene, long samples, const EnsembleSettings& settings) {
     MechanismRow row;
     try {
         const Problem problem = pose(scene);
@@ -37,10 +37,10 @@ MechanismRow solved_row(const Scene& scene, long samples, const EnsembleSettings
 }
 
 // Motions of one mechanism, a lane each.
-class RowsInLanes {
+class MechanismLanes {
   public:
-    RowsInLanes(const Scene& scene, const MechanismModel& model, const MechanismTable& table, std::size_t first,
-                std::span<MechanismRow> rows, const EnsembleSettings& settings)
+    MechanismLanes(const Scene& scene, const MechanismModel& model, const MechanismTable& table, std::size_t first,
+                   std::span<MechanismRow> rows, const EnsembleSettings& settings)
         : scene_(scene),
           model_(model),
           settings_(settings),
@@ -53,13 +53,13 @@ class RowsInLanes {
             const Scene row = table.scene_of(scene, first + k);
             try {
                 Tree<double>(row, bodies_mass_properties<double>(row)).initial(&y_[n_ * k]);
-                row_of_.push_back(k);
+                row_index_.push_back(k);
             } catch (const InputError& fault) {
                 // a singular mass matrix
                 rows[k].status = Status::failed, rows[k].message = fault.what();
             }
         }
-        for (const std::size_t k : row_of_) motions_.push_back({.y = &y_[n_ * k], .sizes = &sizes_[n_ * k]});
+        for (const std::size_t k : row_index_) motions_.push_back({.y = &y_[n_ * k], .sizes = &sizes_[n_ * k]});
         // components of one kind have the same size
         for (const double size : sizes)
             units_.push_back(static_cast<int>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin()));
@@ -70,19 +70,20 @@ class RowsInLanes {
         SampleQueue samples(scene_.duration, count);
         samples.pop();
         follow(
-            itinerary(scene_), samples, [&](const Leg& leg) { return enter(leg); }, [&](double t) { return show(t); },
+            itinerary(scene_), samples, [&](const Leg& leg) { return enter(leg); },
+            [&](double t) { return record_samples(t); },
             [&](const Leg& leg) {
                 for (; samples.in(leg); samples.pop())
-                    if (!go(samples.front()) || !show(samples.front())) return false;
-                return go(leg.end);
+                    if (!advance(samples.front()) || !record_samples(samples.front())) return false;
+                return advance(leg.end);
             });
     }
 
   private:
     bool enter(const Leg& leg) {
-        std::vector<double> nowhere(n_);
-        model_.initial(nowhere.data());
-        model_.enter(leg.begin, nowhere.data());
+        std::vector<double> unused(n_);
+        model_.initial(unused.data());
+        model_.enter(leg.begin, unused.data());
         for (LaneMotion& motion : motions_) model_.tree().strike(scene_, leg.begin, motion.y), motion.step = 0;
         struct Form {
             const MechanismModel* model;
@@ -93,30 +94,30 @@ class RowsInLanes {
         now_ = leg.begin;
         return true;
     }
-    bool show(double t) {
+    bool record_samples(double t) {
         for (std::size_t k = 0; k < motions_.size(); ++k) {
-            std::vector<Sample>& samples = rows_[row_of_[k]].samples;
+            std::vector<Sample>& samples = rows_[row_index_[k]].samples;
             for (Sample& sample : model_.motion(motions_[k].y)) sample.t = t, samples.push_back(sample);
         }
         return true;
     }
-    bool go(double until) {
+    bool advance(double until) {
         if (!(until > now_)) return true;
         lanes_->advance(motions_, until - now_);
-        std::size_t kept = 0;
+        std::size_t active = 0;
         for (std::size_t k = 0; k < motions_.size(); ++k) {
             const LaneMotion& motion = motions_[k];
             if (motion.end == LaneMotion::End::reached) {
-                motions_[kept] = motion, row_of_[kept++] = row_of_[k];
+                motions_[active] = motion, row_index_[active++] = row_index_[k];
                 continue;
             }
-            MechanismRow& row = rows_[row_of_[k]];
-            LaneFailure failure = failure_of(motion, now_, settings_.max_steps);
+            MechanismRow& row = rows_[row_index_[k]];
+            LaneFailure failure = describe_failure(motion, now_, settings_.max_steps);
             row.status = failure.status, row.message = std::move(failure.message);
         }
-        motions_.resize(kept), row_of_.resize(kept);
+        motions_.resize(active), row_index_.resize(active);
         now_ = until;
-        return kept > 0;
+        return active > 0;
     }
 
     const Scene& scene_;
@@ -126,7 +127,7 @@ class RowsInLanes {
     std::size_t n_;
     std::vector<double> y_, sizes_;
     std::vector<LaneMotion> motions_;
-    std::vector<std::size_t> row_of_;
+    std::vector<std::size_t> row_index_;
     std::vector<int> units_;
     std::optional<ExtrapolatedLanes> lanes_;
     double now_ = 0;
@@ -139,10 +140,10 @@ MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_s
     : scene_(scene), settings_(settings), samples_(samples) {
     require_in_range(settings);
     if (samples < 1) throw std::invalid_argument("samples must be at least 1");
-    constexpr double least_tolerance = 1e-13;
-    if (!scene.loops.empty() || !only_starts || settings.tolerance < least_tolerance) return;
-    shared_ = pose(scene);
-    if (is_stiff(*shared_)) shared_.reset();
+    constexpr double min_lane_tolerance = 1e-13;
+    if (!scene.loops.empty() || !only_starts || settings.tolerance < min_lane_tolerance) return;
+    common_problem_ = pose(scene);
+    if (is_stiff(*common_problem_)) common_problem_.reset();
 }
 
 void MechanismEnsembleSolver::solve(const MechanismTable& table, std::span<MechanismRow> rows) const {
@@ -151,10 +152,10 @@ void MechanismEnsembleSolver::solve(const MechanismTable& table, std::span<Mecha
     parallel_for((rows.size() + size - 1) / size, settings_.threads, [&](std::size_t i) {
         const std::size_t first = i * size;
         const auto some = rows.subspan(first, std::min(size, rows.size() - first));
-        if (shared_)
-            RowsInLanes(scene_, mechanism_of(*shared_), table, first, some, settings_).solve(samples_);
+        if (common_problem_)
+            MechanismLanes(scene_, mechanism_of(*common_problem_), table, first, some, settings_).solve(samples_);
         else
-            some[0] = solved_row(table.scene_of(scene_, first), samples_, settings_);
+            some[0] = solve_row(table.scene_of(scene_, first), samples_, settings_);
     });
 }
 

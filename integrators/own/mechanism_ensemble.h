@@ -29,7 +29,7 @@ class MechanismEnsembleSolver {
     MechanismEnsembleSolver(const Scene& scene, bool only_starts, long samples, const EnsembleSettings& settings);
 
     /// The number of rows that one thread solves per block.
-    std::size_t block() const { return shared_ ? 256 : 1; }
+    std::size_t block() const { return common_problem_ ? 256 : 1; }
     /// Writes the motion of each row's mechanism at k T/N, k = 1..N, T the scene's duration, to `rows`. Thread-safe. If
     /// the table sets only initial states, and there are no loops and no stiff damping, all rows share one right-hand
     /// side and are extrapolated sixteen at a time with individual steps. Errors are then relative to the larger of the
@@ -43,7 +43,7 @@ class MechanismEnsembleSolver {
     Scene scene_;
     EnsembleSettings settings_;
     long samples_;
-    std::optional<Problem> shared_;  // the common right-hand side of all rows, if there is one
+    std::optional<Problem> common_problem_;  // the common right-hand side of all rows, if there is one
 };
 
 /// Solves all rows of a table with a MechanismEnsembleSolver.

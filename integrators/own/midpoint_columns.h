@@ -69,10 +69,10 @@ class FreeColumnRule {
 
     POLHODE_INLINE FreeColumnRule(const RotationCoefficients& coefficients, const Register& y)
         : factor_(loaded<Register>(coefficients.product[0]) * loaded<Register>(doubled) + loaded<Register>(eighth)),
-          y_(eight_of(y)),
-          f_(eight_of(RotationRate<RotationTerms::none, Register>(coefficients)(y))) {}
+          y_(fill_eighth_lane(y)),
+          f_(fill_eighth_lane(RotationRate<RotationTerms::none, Register>(coefficients)(y))) {}
     POLHODE_INLINE Column column(double h) const {
-        const Register unit = broadcast<Register>(h) * loaded<Register>(of_rates) + loaded<Register>(signs);
+        const Register unit = broadcast<Register>(h) * loaded<Register>(rate_mask) + loaded<Register>(signs);
         return {unit, unit * y_};
     }
     POLHODE_INLINE Register first(const Column& column, double h) const {
@@ -86,15 +86,15 @@ class FreeColumnRule {
         return a + (b - c);
     }
     POLHODE_INLINE Register increment(const Register& z, double inverse_h) const {
-        return z * (broadcast<Register>(inverse_h) * loaded<Register>(of_rates) + loaded<Register>(signs_back));
+        return z * (broadcast<Register>(inverse_h) * loaded<Register>(rate_mask) + loaded<Register>(signs_back));
     }
 
   private:
-    POLHODE_INLINE static Register eight_of(const Register& y) { return permuted<0, 1, 2, 3, 4, 5, 6, 6>(y); }
+    POLHODE_INLINE static Register fill_eighth_lane(const Register& y) { return permuted<0, 1, 2, 3, 4, 5, 6, 6>(y); }
 
     alignas(64) static constexpr double doubled[8] = {2, 2, 2, -2, -2, -2, -2, 0};
     alignas(64) static constexpr double eighth[8] = {0, 0, 0, 0, 0, 0, 0, 1};
-    alignas(64) static constexpr double of_rates[8] = {1, 1, 1, 0, 0, 0, 0, 0};
+    alignas(64) static constexpr double rate_mask[8] = {1, 1, 1, 0, 0, 0, 0, 0};
     alignas(64) static constexpr double signs[8] = {0, 0, 0, -1, 1, 1, 1, -1};
     alignas(64) static constexpr double signs_back[8] = {0, 0, 0, -1, 1, 1, 1, 0};
 
@@ -110,8 +110,8 @@ using ColumnRuleFor =
 template <int row, RotationTerms terms, class Register>
 POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                   const RotationState& from, double H, RotationStep& to) {
-    constexpr int K = columns_of<row>;
-    constexpr bool careful = row == careful_row;
+    constexpr int K = column_count<row>;
+    constexpr bool careful = row == compensated_row;
     constexpr auto n = substeps<row>();
     constexpr auto weights = extrapolation_weights<row>();
     constexpr auto chains = column_chains<row>();
@@ -124,7 +124,7 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
     // Rounding errors of the above; used only if `careful`.
     Register lost_before[chains.chains], lost_now[chains.chains], lost_column[K];
     // H / n_j, exact; one division for eight columns.
-    alignas(64) static constexpr auto divisors = substeps_as_lanes<row>();
+    alignas(64) static constexpr auto divisors = padded_substeps<row>();
     alignas(64) double h_of[divisors.size()];
     for (std::size_t first = 0; first < divisors.size(); first += 8)
         store(h_of + first, broadcast<Register>(H) / loaded<Register>(divisors.data() + first));
@@ -184,8 +184,8 @@ POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, cons
 template <RotationTerms terms, class Register>
 POLHODE_INLINE void midpoint_step(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
                                   const RotationState& from, double H, int row, RotationStep& to) {
-    unrolled<table_rows - fewest_columns>([&](auto i) POLHODE_INLINE_LAMBDA {
-        constexpr int number = fewest_columns + i;
+    unrolled<table_rows - min_columns>([&](auto i) POLHODE_INLINE_LAMBDA {
+        constexpr int number = min_columns + i;
         if (row == number) midpoint_step<number, terms, Register>(coefficients, allowance, from, H, to);
     });
 }

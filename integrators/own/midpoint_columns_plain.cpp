@@ -8,14 +8,14 @@ namespace {
 using Register = LaneHalves;
 
 template <RotationTerms terms, bool careful>
-void columns_in_turn(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                     const RotationState& from, double H, int number, RotationStep& to) {
+void step_column_by_column(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                           const RotationState& from, double H, int number, RotationStep& to) {
     const ExtrapolationRow& row = extrapolation_rows[number];
     const int K = row.columns;
     const Register y = loaded<Register>(from.y), zero = broadcast<Register>(0);
     const ColumnRuleFor<terms, careful, Register> rule(coefficients, y);
     const double inverse_H = 1 / H;
-    Register column[most_columns]{}, lost_column[most_columns]{};
+    Register column[max_columns]{}, lost_column[max_columns]{};
     for (int j = 0; j < K; ++j) {
         const double h = H / row.substeps[j];
         const auto at = rule.column(h);
@@ -43,9 +43,9 @@ void columns_in_turn(const RotationCoefficients& coefficients, const RotationAll
 }
 
 template <RotationTerms terms>
-void columns_in_turn(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
-                     const RotationState& from, double H, int row, RotationStep& to) {
-    const auto step = row == careful_row ? columns_in_turn<terms, true> : columns_in_turn<terms, false>;
+void step_column_by_column(const RotationCoefficients& coefficients, const RotationAllowance& allowance,
+                           const RotationState& from, double H, int row, RotationStep& to) {
+    const auto step = row == compensated_row ? step_column_by_column<terms, true> : step_column_by_column<terms, false>;
     step(coefficients, allowance, from, H, row, to);
 }
 
@@ -55,11 +55,11 @@ void midpoint_step_plain(const RotationCoefficients& coefficients, const Rotatio
                          const RotationState& from, double H, int row, RotationStep& to) {
     switch (coefficients.terms) {
         case RotationTerms::none:
-            return columns_in_turn<RotationTerms::none>(coefficients, allowance, from, H, row, to);
+            return step_column_by_column<RotationTerms::none>(coefficients, allowance, from, H, row, to);
         case RotationTerms::axial_field:
-            return columns_in_turn<RotationTerms::axial_field>(coefficients, allowance, from, H, row, to);
+            return step_column_by_column<RotationTerms::axial_field>(coefficients, allowance, from, H, row, to);
         case RotationTerms::quadratic:
-            return columns_in_turn<RotationTerms::quadratic>(coefficients, allowance, from, H, row, to);
+            return step_column_by_column<RotationTerms::quadratic>(coefficients, allowance, from, H, row, to);
     }
 }
 

@@ -14,7 +14,7 @@
 #include "integrators/own/dense_systems.h"
 #include "integrators/own/radau_coefficients.h"
 #include "integrators/own/stages.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/refusals.h"
@@ -62,10 +62,12 @@ struct Equations {
 
 /// Evaluates the right-hand side at the stages.
 template <class SystemType>
-[[gnu::always_inline]] inline void stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy, int) {
+[[gnu::always_inline]] inline void compute_stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy,
+                                                       int) {
     system.derivative(t, y, dy);
 }
-[[gnu::noinline]] inline void stage_rates(const OwnSystem& system, double t, const Stages* y, Stages* dy, int stages) {
+[[gnu::noinline]] inline void compute_stage_rates(const OwnSystem& system, double t, const Stages* y, Stages* dy,
+                                                  int stages) {
     Numbers<run_time> at(system.size()), rate(system.size());
     for (int j = 0; j < stages; ++j) {
         for (int n = 0; n < system.size(); ++n) at[n] = y[n].lane[j];
@@ -84,20 +86,20 @@ template <class SystemType>
 /// root mean square of dZ over all stages. The residual uses A itself, so rounding errors of the eigenvectors do not
 /// affect it.
 template <class SystemType>
-[[gnu::always_inline]] inline double iterate(Equations<SystemType>& e, const SystemType& system,
-                                             const RadauCoefficients& radau, double t, double h) {
+[[gnu::always_inline]] inline double newton_iteration(Equations<SystemType>& e, const SystemType& system,
+                                                      const RadauCoefficients& radau, double t, double h) {
     const int N = system.size();
     const int s = radau.stages;
     const double per_h = 1 / h;
     Numbers<SystemType::dimension, Stages> Y(N), F(N);
     for (int n = 0; n < N; ++n) Y[n] = e.y[n] + e.Z[n];
-    stage_rates(system, t, Y.data(), F.data(), s);
+    compute_stage_rates(system, t, Y.data(), F.data(), s);
     Numbers<SystemType::dimension, Complex4> W(N);
     for (int n = 0; n < N; ++n) {
         // Lambda T^-1 (A F - Z / h); multiplication by (eigenvalue / h - J)^-1 gives T^-1 dZ
         Lanes8 residual = -per_h * e.Z[n].lane, transformed{};
         for (int j = 0; j < s; ++j) residual += F[n].lane[j] * radau.a[j];
-        for (int j = 0; j < s; ++j) transformed += residual[j] * radau.inward[j];
+        for (int j = 0; j < s; ++j) transformed += residual[j] * radau.to_eigenbasis[j];
         W[n].re = __builtin_shufflevector(transformed, transformed, 0, 1, 2, 3);
         W[n].im = __builtin_shufflevector(transformed, transformed, 4, 5, 6, 7);
     }
@@ -105,8 +107,8 @@ template <class SystemType>
     Lanes8 squares{};
     for (int n = 0; n < N; ++n) {
         Lanes8 change{};
-        for (int k = 0; k < 4; ++k) change += W[n].re[k] * radau.outward[k];
-        for (int k = 0; k < 3; ++k) change += W[n].im[k] * radau.outward[4 + k];
+        for (int k = 0; k < 4; ++k) change += W[n].re[k] * radau.from_eigenbasis[k];
+        for (int k = 0; k < 3; ++k) change += W[n].im[k] * radau.from_eigenbasis[4 + k];
         e.Z[n].lane += change;
         const Lanes8 weighted = e.weight[n] * change;
         squares += weighted * weighted;
@@ -130,23 +132,23 @@ template <class SystemType>
 template <class SystemType>
 struct Kernel {
     void (*factor)(Equations<SystemType>&, const RadauCoefficients&, double h);
-    double (*iterate)(Equations<SystemType>&, const SystemType&, const RadauCoefficients&, double t, double h);
+    double (*newton_iteration)(Equations<SystemType>&, const SystemType&, const RadauCoefficients&, double t, double h);
     void (*solve_real)(const Equations<SystemType>&, double*);
 };
 
-#define POLHODE_RADAU_KERNEL(NAME, TARGET)                                                                             \
-    template <class SystemType>                                                                                        \
-    struct NAME {                                                                                                      \
-        using E = Equations<SystemType>;                                                                               \
-        TARGET [[gnu::flatten]] static void factored(E& e, const RadauCoefficients& radau, double h) {                 \
-            factor(e, radau, h);                                                                                       \
-        }                                                                                                              \
-        TARGET [[gnu::flatten]] static double iterated(E& e, const SystemType& system, const RadauCoefficients& radau, \
-                                                       double t, double h) {                                           \
-            return iterate(e, system, radau, t, h);                                                                    \
-        }                                                                                                              \
-        TARGET [[gnu::flatten]] static void solved(const E& e, double* x) { solve_real(e, x); }                        \
-        static constexpr Kernel<SystemType> kernel{factored, iterated, solved};                                        \
+#define POLHODE_RADAU_KERNEL(NAME, TARGET)                                                                            \
+    template <class SystemType>                                                                                       \
+    struct NAME {                                                                                                     \
+        using E = Equations<SystemType>;                                                                              \
+        TARGET [[gnu::flatten]] static void factor_equations(E& e, const RadauCoefficients& radau, double h) {        \
+            factor(e, radau, h);                                                                                      \
+        }                                                                                                             \
+        TARGET [[gnu::flatten]] static double iterate_equations(E& e, const SystemType& system,                       \
+                                                                const RadauCoefficients& radau, double t, double h) { \
+            return newton_iteration(e, system, radau, t, h);                                                          \
+        }                                                                                                             \
+        TARGET [[gnu::flatten]] static void solve_equations(const E& e, double* x) { solve_real(e, x); }              \
+        static constexpr Kernel<SystemType> kernel{factor_equations, iterate_equations, solve_equations};             \
     };
 POLHODE_RADAU_KERNEL(PlainKernel, )
 POLHODE_RADAU_KERNEL(Avx2Kernel, POLHODE_TARGET_AVX2)
@@ -154,7 +156,7 @@ POLHODE_RADAU_KERNEL(Avx512Kernel, POLHODE_TARGET_AVX512)
 #undef POLHODE_RADAU_KERNEL
 
 template <class SystemType>
-const Kernel<SystemType>& kernel_for(InstructionSet set) {
+const Kernel<SystemType>& select_kernel(InstructionSet set) {
     constexpr const Kernel<SystemType>* all[] = {&PlainKernel<SystemType>::kernel, &Avx2Kernel<SystemType>::kernel,
                                                  &Avx512Kernel<SystemType>::kernel};
     return *all[static_cast<std::size_t>(set)];
@@ -168,7 +170,7 @@ class Radau {
     Radau(const Problem& problem, int stages)
         : problem_(&problem),
           system_(problem),
-          kernel_(kernel_for<SystemType>(instruction_set())),
+          kernel_(select_kernel<SystemType>(instruction_set())),
           radau_(&radau_coefficients(stages)),
           equations_(std::make_shared<Equations<SystemType>>(system_.size())) {
         system_.scales(scales_.data());
@@ -176,12 +178,12 @@ class Radau {
     }
     void restart() {
         system_.initial(y_.data());
-        std::fill(carry_.begin(), carry_.end(), 0);
+        std::fill(rounding_error_.begin(), rounding_error_.end(), 0);
         evaluations_ = 0;
         last_h_ = 0;
     }
     void enter(const Segment& segment) {
-        if (system_.enter(segment, y_.data())) std::fill(carry_.begin(), carry_.end(), 0);
+        if (system_.enter(segment, y_.data())) std::fill(rounding_error_.begin(), rounding_error_.end(), 0);
         last_h_ = 0;
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
@@ -192,7 +194,7 @@ class Radau {
     struct Newton {
         bool converged = false, finite = true;
         int iterations = 0;
-        double expected = 0;  ///< expected error after the last allowed iteration, in units of `enough`
+        double expected = 0;  ///< expected error after the last allowed iteration, in units of `newton_tolerance`
     };
 
     using Values = Numbers<SystemType::dimension>;
@@ -205,50 +207,50 @@ class Radau {
     }
 
     /// Sets the weight of component i to 1 / (unit (scale_i + |y_i|)).
-    void weigh(double unit) {
+    void set_weights(double unit) {
         for (int i = 0; i < system_.size(); ++i) {
             equations_->y[i] = y_[i];
             equations_->weight[i] = 1 / (unit * (scales_[i] + std::abs(y_[i])));
         }
     }
 
-    void differentiate(const Values& y) { jacobian(system_, 0, y.data(), equations_->J.data()); }
+    void compute_jacobian(const Values& y) { jacobian(system_, 0, y.data(), equations_->J.data()); }
 
     /// Sets up the equations. Z is extrapolated from the previous step's polynomial unless the step grows too much.
     /// The Jacobian is evaluated at the predicted middle of the step; in a fast spin this halves the iterations
     /// compared with a Jacobian at the start.
-    void begin(double h) {
-        constexpr double furthest = 8;
+    void set_up_step(double h) {
+        constexpr double max_step_ratio = 8;
         Equations<SystemType>& e = *equations_;
         const int N = system_.size();
         Values middle(N);
         const double ratio = h / last_h_;
-        const bool known = last_h_ > 0 && ratio <= furthest;
+        const bool has_polynomial = last_h_ > 0 && ratio <= max_step_ratio;
         const Lanes8 x = ratio * radau_->nodes;
         for (int n = 0; n < N; ++n) {
             Lanes8 sum{};
             double half = 0;
-            for (int k = known ? radau_->stages : 0; k-- > 0;) {
+            for (int k = has_polynomial ? radau_->stages : 0; k-- > 0;) {
                 sum = (sum + polynomial_[n][k]) * x;
                 half = (half + polynomial_[n][k]) * (ratio / 2);
             }
             e.Z[n].lane = sum, middle[n] = y_[n] + half;
         }
-        differentiate(middle);
+        compute_jacobian(middle);
         kernel_.factor(e, *radau_, h);
     }
 
-    /// Iterates until the next change is expected below `enough`, or until only rounding remains: changes near
-    /// `noise` that no longer shrink.
-    Newton solve(double t, double h, double enough, double noise, int most) {
+    /// Iterates until the next change is expected below `newton_tolerance`, or until only rounding remains: changes
+    /// near `noise` that no longer shrink.
+    Newton solve(double t, double h, double newton_tolerance, double noise, int max_iterations) {
         Newton newton;
         // The first changes may come from components that converge faster than others. Near rounding level, where the
         // remaining error accumulates over all steps, no better ratio than this is assumed (a fast top: 3e-13 instead
         // of 1e-11).
-        const double least_left = enough < 2 * noise ? 0.3 : 0;
-        double last = 0, last_rate = 0, left = std::max({0.01, std::pow(left_, 0.8), least_left});
-        for (; newton.iterations < most;) {
-            const double change = kernel_.iterate(*equations_, system_, *radau_, t, h);
+        const double min_change_ratio = newton_tolerance < 2 * noise ? 0.3 : 0;
+        double last = 0, last_rate = 0, change_ratio = std::max({0.01, std::pow(change_ratio_, 0.8), min_change_ratio});
+        for (; newton.iterations < max_iterations;) {
+            const double change = kernel_.newton_iteration(*equations_, system_, *radau_, t, h);
             evaluations_ += radau_->stages;
             ++newton.iterations;
             if (!std::isfinite(change)) {
@@ -267,13 +269,14 @@ class Radau {
                     newton.expected = 1e4;
                     return newton;
                 }
-                left = std::max(rate / (1 - rate), least_left);
-                newton.expected = left * change * std::pow(rate, most - newton.iterations) / enough;
+                change_ratio = std::max(rate / (1 - rate), min_change_ratio);
+                newton.expected =
+                    change_ratio * change * std::pow(rate, max_iterations - newton.iterations) / newton_tolerance;
             }
             last = change;
-            if (left * change <= enough) {
+            if (change_ratio * change <= newton_tolerance) {
                 newton.converged = true;
-                left_ = left;
+                change_ratio_ = change_ratio;
                 return newton;
             }
             if (newton.expected >= 1) return newton;
@@ -282,19 +285,19 @@ class Radau {
     }
 
     /// Adds Z_s to y with compensation. Keeps the polynomial through the stages for begin() of the next step.
-    void finish(double h) {
+    void accept_step(double h) {
         const int s = radau_->stages;
         for (int n = 0; n < system_.size(); ++n) {
             const Lanes8& Z = equations_->Z[n].lane;
-            const double change = Z[s - 1] + carry_[n], sum = y_[n] + change;
-            carry_[n] = change - (sum - y_[n]);
+            const double change = Z[s - 1] + rounding_error_[n], sum = y_[n] + change;
+            rounding_error_[n] = change - (sum - y_[n]);
             y_[n] = sum;
             Lanes8 coefficients{};
             for (int j = 0; j < s; ++j) coefficients += Z[j] * radau_->power[j];
             for (int k = 0; k < s; ++k) polynomial_[n][k] = coefficients[k];
         }
         last_h_ = h;
-        if (project_step(system_, y_.data())) std::fill(carry_.begin(), carry_.end(), 0);
+        if (project_step(system_, y_.data())) std::fill(rounding_error_.begin(), rounding_error_.end(), 0);
     }
 
     const Problem* problem_;
@@ -302,11 +305,11 @@ class Radau {
     Kernel<SystemType> kernel_;
     const RadauCoefficients* radau_;
     std::shared_ptr<Equations<SystemType>> equations_;
-    Values scales_{system_.size()}, y_ = scales_, carry_ = scales_;
+    Values scales_{system_.size()}, y_ = scales_, rounding_error_ = scales_;
     Numbers<SystemType::dimension, std::array<double, 8>> polynomial_{
-        system_.size()};  ///< powers x, x^2, ..: y at 1 + x, in units of the last step, minus y at its end
-    double last_h_ = 0;   ///< last step size; 0: no polynomial
-    double left_ = 1;     ///< sum of later changes relative to the last one
+        system_.size()};       ///< powers x, x^2, ..: y at 1 + x, in units of the last step, minus y at its end
+    double last_h_ = 0;        ///< last step size; 0: no polynomial
+    double change_ratio_ = 1;  ///< sum of later changes relative to the last one
     long evaluations_ = 0;
 };
 
@@ -317,28 +320,28 @@ class FixedRadau : public Radau<SystemType> {
 
     void restart() {
         Radau<SystemType>::restart();
-        failed_at_.reset();
+        failure_time_.reset();
     }
     void step(double t, double h) {
-        constexpr int most = 50;
-        if (failed_at_) return;
-        this->weigh(1);
-        this->begin(h);
-        const auto newton = this->solve(t, h, epsilon / 8, epsilon, most);
+        constexpr int max_iterations = 50;
+        if (failure_time_) return;
+        this->set_weights(1);
+        this->set_up_step(h);
+        const auto newton = this->solve(t, h, epsilon / 8, epsilon, max_iterations);
         if (!newton.converged)
-            failed_at_ = t;
+            failure_time_ = t;
         else
-            this->finish(h);
+            this->accept_step(h);
     }
-    bool failed() const { return failed_at_.has_value(); }
+    bool failed() const { return failure_time_.has_value(); }
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::failed;
         trajectory.message =
-            fmt::format("Newton's iteration for the stages did not converge at t = {:g} s", *failed_at_);
+            fmt::format("Newton's iteration for the stages did not converge at t = {:g} s", *failure_time_);
     }
 
   private:
-    std::optional<double> failed_at_;
+    std::optional<double> failure_time_;
 };
 
 /// Step size control of Hairer & Wanner (1996), IV.8, and (1999).
@@ -352,27 +355,27 @@ class ControlledRadau : public Radau<SystemType> {
     ControlledRadau(const Problem& problem, double tolerance, int stages) : Base(problem, stages) {
         // The error estimate has order s, the error that it stands for has order 2 s - 1.
         const double s = stages;
-        unit_ = 0.1 * std::pow(tolerance, (s + 1) / (2 * s));
-        enough_ = std::max(epsilon / unit_, 0.01 * std::sqrt(unit_));
-        most_ = 7 + 5 * (stages - 3) / 2;
+        error_unit_ = 0.1 * std::pow(tolerance, (s + 1) / (2 * s));
+        newton_tolerance_ = std::max(epsilon / error_unit_, 0.01 * std::sqrt(error_unit_));
+        max_iterations_ = 7 + 5 * (stages - 3) / 2;
         restart();
     }
     void restart() {
         Base::restart();
         newton_failures_ = 0;
-        forget();
+        reset_control();
     }
     void enter(const Segment& segment) {
         Base::enter(segment);
-        forget();
+        reset_control();
     }
     long newton_failures() const { return newton_failures_; }
 
     /// First step size, from the time scale |y'| / |y''| of the initial motion.
     double first_step(double t) {
-        this->weigh(unit_);
-        evaluate(t);
-        this->differentiate(y_);
+        this->set_weights(error_unit_);
+        compute_rate(t);
+        this->compute_jacobian(y_);
         const int N = system_.size();
         Values second(N);
         for (int i = 0; i < N; ++i) {
@@ -380,29 +383,30 @@ class ControlledRadau : public Radau<SystemType> {
             for (int j = 0; j < N; ++j) second[i] += equations_->J[i * N + j] * rate_[j];
         }
         const double T = this->problem_->scene.duration;
-        const double h = std::pow(unit_, 1.0 / (radau_->stages + 1)) * this->norm(rate_) / this->norm(second);
+        const double h = std::pow(error_unit_, 1.0 / (radau_->stages + 1)) * this->norm(rate_) / this->norm(second);
         // A right-hand side that is not finite is detected and reported at the first attempt.
         return h > 0 && h < T / 10 ? h : T / 10;
     }
 
     Attempt attempt(double& t, double& h) {
         const int s = radau_->stages;
-        this->weigh(unit_);
-        if (!evaluated_) evaluate(t);
-        this->begin(h);
-        const auto newton = this->solve(t, h, enough_, epsilon / unit_, most_);
+        this->set_weights(error_unit_);
+        if (!has_rate_) compute_rate(t);
+        this->set_up_step(h);
+        const auto newton = this->solve(t, h, newton_tolerance_, epsilon / error_unit_, max_iterations_);
         if (!newton.finite) return not_finite(h);
         if (!newton.converged) {
             ++newton_failures_;
-            h *= std::min(0.5, 0.8 * std::pow(std::max(newton.expected, 1.0), -1.0 / (4 + most_ - newton.iterations)));
+            h *= std::min(
+                0.5, 0.8 * std::pow(std::max(newton.expected, 1.0), -1.0 / (4 + max_iterations_ - newton.iterations)));
             return Attempt::rejected;
         }
-        const double error = std::max(estimate(t, h), least_error);
+        const double error = std::max(estimate(t, h), min_error);
         if (!std::isfinite(error)) return not_finite(h);
 
         const double power = 1.0 / (s + 1);
-        const double safety = 0.9 * (1 + 2.0 * most_) / (newton.iterations + 2.0 * most_);
-        double ratio = std::clamp(safety * std::pow(error, -power), least_ratio, most_ratio);
+        const double safety = 0.9 * (1 + 2.0 * max_iterations_) / (newton.iterations + 2.0 * max_iterations_);
+        double ratio = std::clamp(safety * std::pow(error, -power), min_ratio, max_ratio);
         if (error >= 1) {
             h *= first_ ? 0.1 : ratio;
             rejected_ = true;
@@ -411,25 +415,25 @@ class ControlledRadau : public Radau<SystemType> {
         if (!first_) {
             // Gustafsson 1994: use the trend of the last two errors.
             const double predicted = 0.9 * h / last_size_ * std::pow(error * error / last_error_, -power);
-            ratio = std::min(ratio, std::clamp(predicted, least_ratio, most_ratio));
+            ratio = std::min(ratio, std::clamp(predicted, min_ratio, max_ratio));
         }
         if (rejected_) ratio = std::min(ratio, 1.0);
         last_error_ = std::max(error, 0.01), last_size_ = h;
-        this->finish(h);
+        this->accept_step(h);
         t += h, h *= ratio;
-        first_ = rejected_ = evaluated_ = false;
+        first_ = rejected_ = has_rate_ = false;
         return Attempt::accepted;
     }
 
   private:
     // Far beyond the usual 8: after a decay within 1e-8 s, five steps are enough to return to a step of 1 s.
-    static constexpr double least_ratio = 0.125, most_ratio = 100, least_error = 1e-18;
+    static constexpr double min_ratio = 0.125, max_ratio = 100, min_error = 1e-18;
 
-    void forget() { first_ = true, rejected_ = evaluated_ = false; }
-    void evaluate(double t) {
+    void reset_control() { first_ = true, rejected_ = has_rate_ = false; }
+    void compute_rate(double t) {
         system_.derivative(t, y_.data(), rate_.data());
         ++evaluations_;
-        evaluated_ = true;
+        has_rate_ = true;
     }
     static Attempt not_finite(double& h) {
         h *= 0.1;
@@ -458,43 +462,43 @@ class ControlledRadau : public Radau<SystemType> {
         return this->norm(error);
     }
 
-    double unit_;    ///< tolerance of the error estimate
-    double enough_;  ///< tolerance of the Newton iteration, in these units
-    int most_;
+    double error_unit_;        ///< tolerance of the error estimate
+    double newton_tolerance_;  ///< tolerance of the Newton iteration, in these units
+    int max_iterations_;
     Values rate_{system_.size()};  ///< f at the start of the step
     double last_error_ = 1, last_size_ = 1;
-    bool first_ = true, rejected_ = false, evaluated_ = false;
+    bool first_ = true, rejected_ = false, has_rate_ = false;
     long newton_failures_ = 0;
 };
 
-Trajectory solve_with(const Problem& problem, const Settings& settings, int stages) {
-    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages) {
+    if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) return march<FixedRadau<SystemType>>(problem, settings, stages);
         return march_controlled(problem, settings,
-                                ControlledRadau<SystemType>(problem, aimed_at(*settings.tolerance), stages));
+                                ControlledRadau<SystemType>(problem, local_tolerance(*settings.tolerance), stages));
     });
 }
 
 template <int stages>
 Trajectory solve_radau(const Problem& problem, const Settings& settings) {
-    return solve_with(problem, settings, stages);
+    return solve_stages(problem, settings, stages);
 }
 
 Trajectory solve_any_order(const Problem& problem, const Settings& settings) {
     // Order 9 takes a half to nine tenths of the time of order 13 at 1e-3, and more from 1e-5 on.
-    return solve_with(problem, settings, *settings.tolerance > 3e-5 ? 5 : 7);
+    return solve_stages(problem, settings, *settings.tolerance > 3e-5 ? 5 : 7);
 }
 
-constexpr std::string_view source =
+constexpr std::string_view radau_source =
     "E. Hairer and G. Wanner 1999, Stiff differential equations solved by Radau methods, J. Comput. Appl. Math. 111, "
     "93-111; Solving Ordinary Differential Equations II, 1996, IV.5 and IV.8";
 
-constexpr std::string_view of_one_order =
+constexpr std::string_view fixed_order_documentation =
     "Radau IIA collocation of one order, at fixed steps with the stages solved to round-off, or by tolerance as "
     "`radau`.";
 
-constexpr Method each[] = {
+constexpr Method radau_variants[] = {
     {.name = "radau",
      .documentation =
          "Radau IIA collocation of order 13 (7 stages), or of order 9 (5 stages) at tolerances above 3e-5, for stiff "
@@ -508,21 +512,33 @@ constexpr Method each[] = {
          "sides are counted, Jacobians (one per attempt) are not.",
      .control = Control::tolerance,
      .solve = solve_any_order},
-    {.name = "radau5", .documentation = of_one_order, .order = 5, .solve = solve_radau<3>, .growth = radau_growth<3>},
-    {.name = "radau9", .documentation = of_one_order, .order = 9, .solve = solve_radau<5>, .growth = radau_growth<5>},
-    {.name = "radau13", .documentation = of_one_order, .order = 13, .solve = solve_radau<7>, .growth = radau_growth<7>},
+    {.name = "radau5",
+     .documentation = fixed_order_documentation,
+     .order = 5,
+     .solve = solve_radau<3>,
+     .amplification = radau_amplification<3>},
+    {.name = "radau9",
+     .documentation = fixed_order_documentation,
+     .order = 9,
+     .solve = solve_radau<5>,
+     .amplification = radau_amplification<5>},
+    {.name = "radau13",
+     .documentation = fixed_order_documentation,
+     .order = 13,
+     .solve = solve_radau<7>,
+     .amplification = radau_amplification<7>},
 };
 
-constexpr auto list = sharing({.source = source,
-                               .conserves = "nothing",
-                               .control = Control::fixed_step_or_tolerance,
-                               .own_systems = true,
-                               .family = Family::runge_kutta,
-                               .refuses = no_jacobian_of_user_torque},
-                              each);
+constexpr auto radau_list = apply_defaults({.source = radau_source,
+                                            .conserves = "nothing",
+                                            .control = Control::fixed_step_or_tolerance,
+                                            .general_systems = true,
+                                            .family = Family::runge_kutta,
+                                            .refusal = no_jacobian_of_user_torque},
+                                           radau_variants);
 
 }  // namespace
 
-extern const std::span<const Method> radau_methods{list};
+extern const std::span<const Method> radau_methods{radau_list};
 
 }  // namespace polhode

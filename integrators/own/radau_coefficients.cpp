@@ -16,7 +16,7 @@ using Real = long double;
 using Complex = std::complex<Real>;
 using Polynomial = std::vector<Real>;  // coefficient of x^k at index k
 
-Polynomial times_root(const Polynomial& p, Real root) {
+Polynomial multiply_by_root(const Polynomial& p, Real root) {
     Polynomial product(p.size() + 1, 0);
     for (std::size_t k = 0; k < p.size(); ++k) product[k + 1] += p[k], product[k] -= root * p[k];
     return product;
@@ -29,7 +29,7 @@ Polynomial derivative(const Polynomial& p) {
 }
 
 template <class S>
-S value(const Polynomial& p, const S& x) {
+S evaluate(const Polynomial& p, const S& x) {
     S sum(0);
     for (std::size_t k = p.size(); k-- > 0;) sum = sum * x + S(p[k]);
     return sum;
@@ -50,7 +50,7 @@ std::vector<Complex> upper_zeros(Polynomial p) {
             Complex others = 1;
             for (std::size_t m = 0; m < n; ++m)
                 if (m != k) others *= zero[k] - zero[m];
-            zero[k] -= value(p, zero[k]) / others;
+            zero[k] -= evaluate(p, zero[k]) / others;
         }
     std::sort(zero.begin(), zero.end(), [](const Complex& a, const Complex& b) { return a.imag() > b.imag(); });
     zero.resize((n + 1) / 2);
@@ -59,7 +59,7 @@ std::vector<Complex> upper_zeros(Polynomial p) {
 }
 
 // Gauss-Jordan elimination with row exchanges.
-std::vector<Real> inverse_of(std::vector<Real> m, std::size_t n) {
+std::vector<Real> invert(std::vector<Real> m, std::size_t n) {
     std::vector<Real> inverse(n * n, 0);
     for (std::size_t i = 0; i < n; ++i) inverse[i * n + i] = 1;
     for (std::size_t k = 0; k < n; ++k) {
@@ -81,23 +81,25 @@ std::vector<Real> inverse_of(std::vector<Real> m, std::size_t n) {
     return inverse;
 }
 
-RadauCoefficients made(int stages) {
-    const RadauNodes<Real> radau(stages);
-    const auto s = static_cast<std::size_t>(stages);
-    RadauCoefficients result;
-    result.stages = stages;
-    for (std::size_t i = 0; i < s; ++i) {
-        result.nodes[i] = static_cast<double>(radau.c[i]);
-        for (std::size_t j = 0; j < s; ++j) result.a[j][i] = static_cast<double>(radau.a[i * s + j]);
-    }
+using Nodes = RadauNodes<Real>;
 
-    // Let p have degree s - 1 and A p = m p at the c_i. Then P(x) = integral of p from 0 to x equals m P' + M with M
-    // = product of (x - c_i), so P = sum of m^k M^(k). P(0) = 0 gives the eigenvalues 1 / m of A^-1, and P' at the
-    // c_i gives the eigenvectors.
+// M = product of (x - c_i) and its derivatives.
+std::vector<Polynomial> node_polynomials(const Nodes& radau) {
     Polynomial M{1};
-    for (const Real& c : radau.c) M = times_root(M, c);
+    for (const Real& c : radau.c) M = multiply_by_root(M, c);
     std::vector<Polynomial> derivatives{M};
-    for (std::size_t k = 0; k < s; ++k) derivatives.push_back(derivative(derivatives.back()));
+    for (std::size_t k = 0; k < radau.c.size(); ++k) derivatives.push_back(derivative(derivatives.back()));
+    return derivatives;
+}
+
+// Stores the eigenvalues of A^-1, T and Lambda T^-1.
+//
+// Let p have degree s - 1 and A p = m p at the c_i. Then P(x) = integral of p from 0 to x equals m P' + M with M
+// = product of (x - c_i), so P = sum of m^k M^(k). P(0) = 0 gives the eigenvalues 1 / m of A^-1, and P' at the
+// c_i gives the eigenvectors.
+void store_eigenbasis(const Nodes& radau, RadauCoefficients& result) {
+    const std::size_t s = radau.c.size();
+    const std::vector<Polynomial> derivatives = node_polynomials(radau);
     Polynomial characteristic(s + 1);
     for (std::size_t k = 0; k <= s; ++k) characteristic[s - k] = derivatives[k][0];
     const std::vector<Complex> eigenvalues = upper_zeros(characteristic);
@@ -116,7 +118,7 @@ RadauCoefficients made(int stages) {
         if (!real) lanes.push_back(4 + lane);
         const auto component = [&](std::size_t i) {
             Complex sum = 0, power = 1;
-            for (std::size_t k = 1; k <= s; ++k, power /= lambda) sum += power * value(derivatives[k], radau.c[i]);
+            for (std::size_t k = 1; k <= s; ++k, power /= lambda) sum += power * evaluate(derivatives[k], radau.c[i]);
             return sum;
         };
         const Complex last = component(s - 1);
@@ -127,37 +129,54 @@ RadauCoefficients made(int stages) {
             if (!real) T[i * s + column + 1] = -2 * v.imag();
         }
     }
-    const std::vector<Real> back = inverse_of(T, s);
+    const std::vector<Real> back = invert(T, s);
     for (std::size_t column = 0; column < s; ++column) {
         const std::size_t lane = lanes[column];
-        for (std::size_t i = 0; i < s; ++i) result.outward[lane][i] = static_cast<double>(T[i * s + column]);
+        for (std::size_t i = 0; i < s; ++i) result.from_eigenbasis[lane][i] = static_cast<double>(T[i * s + column]);
         if (lane > 3) continue;
         const Complex lambda = eigenvalues[lane == 3 ? eigenvalues.size() - 1 : lane];
         for (std::size_t j = 0; j < s; ++j) {
             const Complex w(back[column * s + j], lane == 3 ? 0 : back[(column + 1) * s + j]), scaled = lambda * w;
-            result.inward[j][lane] = static_cast<double>(scaled.real());
-            result.inward[j][4 + lane] = static_cast<double>(scaled.imag());
+            result.to_eigenbasis[j][lane] = static_cast<double>(scaled.real());
+            result.to_eigenbasis[j][4 + lane] = static_cast<double>(scaled.imag());
         }
     }
+}
 
-    // Lagrange basis on 0 and the c_i, in powers of x - 1. The polynomial of node 0 is multiplied by Z = 0.
+// Stores the Lagrange basis on 0 and the c_i, in powers of x - 1. The polynomial of node 0 is multiplied by Z = 0.
+void store_lagrange_basis(const Nodes& radau, RadauCoefficients& result) {
+    const std::size_t s = radau.c.size();
     for (std::size_t j = 0; j < s; ++j) {
         Polynomial basis{radau.weights[j + 1]}, at_0{radau.weights[j + 1]};
         for (std::size_t m = 0; m <= s; ++m)
             if (m != j + 1) {
-                basis = times_root(basis, radau.nodes[m] - 1);
-                at_0 = times_root(at_0, radau.nodes[m]);
+                basis = multiply_by_root(basis, radau.nodes[m] - 1);
+                at_0 = multiply_by_root(at_0, radau.nodes[m]);
             }
         for (std::size_t k = 0; k < s; ++k) result.power[j][k] = static_cast<double>(basis[k + 1]);
         result.slope_at_0[j] = static_cast<double>(at_0[1]);
     }
+}
+
+RadauCoefficients compute_coefficients(int stages) {
+    const Nodes radau(stages);
+    const auto s = static_cast<std::size_t>(stages);
+    RadauCoefficients result;
+    result.stages = stages;
+    for (std::size_t i = 0; i < s; ++i) {
+        result.nodes[i] = static_cast<double>(radau.c[i]);
+        for (std::size_t j = 0; j < s; ++j) result.a[j][i] = static_cast<double>(radau.a[i * s + j]);
+    }
+    store_eigenbasis(radau, result);
+    store_lagrange_basis(radau, result);
     return result;
 }
 
 }  // namespace
 
 const RadauCoefficients& radau_coefficients(int stages) {
-    static const std::array<RadauCoefficients, 3> all{made(3), made(5), made(7)};
+    static const std::array<RadauCoefficients, 3> all{compute_coefficients(3), compute_coefficients(5),
+                                                      compute_coefficients(7)};
     return all[static_cast<std::size_t>((stages - 3) / 2)];
 }
 

@@ -14,10 +14,10 @@ namespace polhode {
 struct RadauCoefficients {
     int stages = 0;
     Lanes8 nodes{};
-    Lanes8 a[8]{};        ///< A by columns
-    Lanes8 inward[8]{};   ///< Lambda T^-1 by columns
-    Lanes8 outward[8]{};  ///< T by columns: real parts, then imaginary parts
-    Complex4 eigenvalue;  ///< eigenvalues of A^-1; 1 in unused lanes
+    Lanes8 a[8]{};                ///< A by columns
+    Lanes8 to_eigenbasis[8]{};    ///< Lambda T^-1 by columns
+    Lanes8 from_eigenbasis[8]{};  ///< T by columns: real parts, then imaginary parts
+    Complex4 eigenvalue;          ///< eigenvalues of A^-1; 1 in unused lanes
     Lanes8 power[8]{};    ///< lane k, column j: coefficient of x^(k + 1) in the factor of Z_j, for the polynomial at
                           ///< 1 + x
     Lanes8 slope_at_0{};  ///< the derivative of the polynomial at 0 is the sum of slope_at_0[j] Z_j

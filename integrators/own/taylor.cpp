@@ -19,9 +19,9 @@
 #include <type_traits>
 #include <variant>
 
-#include "integrators/closed_form/turn.h"
+#include "integrators/closed_form/compensated_rotation.h"
 #include "integrators/own/binary_parts.h"
-#include "integrators/own/recorded.h"
+#include "integrators/own/record_system.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
 #include "integrators/tape/tape_series.h"
@@ -32,19 +32,19 @@ namespace polhode {
 namespace {
 
 // Smallest useful tolerance: below it only rounding of the state remains.
-constexpr double least_tolerance = 1e-16;
+constexpr double min_taylor_tolerance = 1e-16;
 // Below this tolerance a step's truncation error is less than its rounding error.
-constexpr double careful_below = 3e-15;
+constexpr double extended_below = 3e-15;
 // Tolerance of ExtendedSeries, whatever the requested one. Truncation errors are alike in every step, so the
 // resulting angle error grows as the square of the time.
-constexpr double careful_tolerance = 1e-21;
+constexpr double extended_tolerance = 1e-21;
 using Extended = long double;
 // Where long double is no wider than double, RecordedSeries is used at all tolerances.
 constexpr bool has_extended = std::numeric_limits<Extended>::digits >= 64;
 
 // x^(1/p) to a few parts in 10^4, which suffices for a step size, in a tenth of std::pow's time. x = m 2^e with m in
 // [sqrt(1/2), sqrt(2)); log2 m from the series of artanh((m - 1)/(m + 1)), 2^y from the Taylor series about y = 0.
-double root(double x, int p) {
+double approximate_root(double x, int p) {
     if (!(x > 1e-300 && x < 1e300)) return std::pow(x, 1.0 / p);
     double m = mantissa_of(x);
     int e = exponent_of(x);
@@ -58,10 +58,10 @@ double root(double x, int p) {
 
 /// Squared sizes of the last coefficient and the one before it, relative to the scales of the components: maximum
 /// over all components.
-struct Sizes {
+struct CoefficientSizes {
     double last = 0, before = 0;
 
-    void note(double last_squared, double before_squared, double scale) {
+    void add(double last_squared, double before_squared, double scale) {
         const double share = 1 / (scale * scale);
         last = std::max(last, last_squared * share), before = std::max(before, before_squared * share);
         if (std::isnan(last_squared) || std::isnan(before_squared)) last = last_squared + before_squared;
@@ -70,9 +70,9 @@ struct Sizes {
 
 /// Step size from the radius of convergence that two coefficients indicate, times exp(-0.7/(p - 1)) (Jorba & Zou
 /// 2005, Experimental Mathematics 14, 99, eq. 3.4).
-double step_of(const Sizes& sizes, double tolerance, int order) {
+double compute_step(const CoefficientSizes& sizes, double tolerance, int order) {
     const auto radius = [&](double squared, int p) {
-        return squared == 0 ? HUGE_VAL : root(tolerance * tolerance / squared, 2 * p);
+        return squared == 0 ? HUGE_VAL : approximate_root(tolerance * tolerance / squared, 2 * p);
     };
     return std::min(radius(sizes.last, order), radius(sizes.before, order - 1)) * std::exp(-0.7 / (order - 1));
 }
@@ -83,16 +83,16 @@ template <class SystemType, bool careful = false>
 class RecordedCoefficients {
   public:
     RecordedCoefficients(const Problem&, const Segment&, const SystemType& system, double tolerance)
-        : series_(recorded<double>(system), {.careful = careful, .tolerance = tolerance}), scales_(system.size()) {
+        : series_(record_system<double>(system), {.careful = careful, .tolerance = tolerance}), scales_(system.size()) {
         system.scales(scales_.data());
     }
     void expand(const double* y) { series_.expand(y); }
     double step(double tolerance) const {
         const int order = series_.order();
         const double *last = series_.coefficients(order), *before = series_.coefficients(order - 1);
-        Sizes sizes;
-        for (int i = 0; i < size(); ++i) sizes.note(squared(last[i]), squared(before[i]), scales_[i]);
-        return step_of(sizes, tolerance, order);
+        CoefficientSizes sizes;
+        for (int i = 0; i < size(); ++i) sizes.add(squared(last[i]), squared(before[i]), scales_[i]);
+        return compute_step(sizes, tolerance, order);
     }
     /// Sums y_k h^(k - from) from k = `from` on, for each component.
     template <int from>
@@ -100,7 +100,7 @@ class RecordedCoefficients {
         series_.sum(from, h, sums);
     }
     /// Number of elements that tail() writes.
-    int room() const { return TapeLayout::whole(size()); }
+    int padded_size() const { return TapeLayout::whole(size()); }
 
   private:
     static double squared(double x) { return x * x; }
@@ -115,7 +115,9 @@ template <class SystemType>
 class RecordedSeries {
   public:
     RecordedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double tolerance)
-        : coefficients_(problem, segment, system, tolerance), sum_(system.size()), increment_(coefficients_.room()) {}
+        : coefficients_(problem, segment, system, tolerance),
+          sum_(system.size()),
+          increment_(coefficients_.padded_size()) {}
     void start(const double* y) {
         for (int i = 0; i < size(); ++i) sum_[i] = {y[i], 0};
     }
@@ -125,11 +127,11 @@ class RecordedSeries {
     }
     double step(double tolerance) const { return coefficients_.step(tolerance); }
     void advance(double h) {
-        find_increment(h);
+        compute_increment(h);
         for (int i = 0; i < size(); ++i) sum_[i].add(increment_[i]);
     }
-    void look(double h, double* y) {
-        find_increment(h);
+    void evaluate(double h, double* y) {
+        compute_increment(h);
         for (int i = 0; i < size(); ++i) y[i] = sum_[i].value + (sum_[i].lost + increment_[i]);
     }
     void state(double* y) const {
@@ -138,7 +140,7 @@ class RecordedSeries {
 
   private:
     int size() const { return static_cast<int>(sum_.size()); }
-    void find_increment(double h) {
+    void compute_increment(double h) {
         coefficients_.template tail<1>(h, increment_.data());
         for (int i = 0; i < size(); ++i) increment_[i] *= h;
     }
@@ -169,7 +171,7 @@ double torque_rate(const Problem& problem, const Vector3<double>& torque) {
 double response_rate(const Problem& problem, const Segment& segment) {
     const Forcing<double>& f = segment.forcing;
     double rate = f.has_translational_drag ? f.specific_drag : 0;
-    const auto note = [&](double x, double y, double z) {
+    const auto add_torque = [&](double x, double y, double z) {
         rate = std::max(rate, torque_rate(problem, Vector3<double>(x, y, z)));
     };
     const auto length = [](const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); };
@@ -180,13 +182,13 @@ double response_rate(const Problem& problem, const Segment& segment) {
     }
     // |m x e| per component, for any unit vector e
     for (const Vector3<double>& m : f.field.moment)
-        note(std::hypot(m[1], m[2]), std::hypot(m[2], m[0]), std::hypot(m[0], m[1]));
-    for (const auto& spring : f.springs) note(spring.stiffness, spring.stiffness, spring.stiffness);
-    if (f.has_world_torque) note(length(f.torque_W), length(f.torque_W), length(f.torque_W));
+        add_torque(std::hypot(m[1], m[2]), std::hypot(m[2], m[0]), std::hypot(m[0], m[1]));
+    for (const auto& spring : f.springs) add_torque(spring.stiffness, spring.stiffness, spring.stiffness);
+    if (f.has_world_torque) add_torque(length(f.torque_W), length(f.torque_W), length(f.torque_W));
     for (const auto& load : f.world_points) {
         const double arm = length(load.point_W) + (f.pivoted ? 0 : problem.scales.position);
         const double torque = arm * length(load.force);
-        note(torque, torque, torque);
+        add_torque(torque, torque, torque);
     }
     return rate;
 }
@@ -197,8 +199,8 @@ template <class SystemType>
 class ExtendedSeries {
   public:
     ExtendedSeries(const Problem& problem, const Segment& segment, const SystemType& system, double)
-        : coefficients_(problem, segment, system, careful_tolerance),
-          first_(recorded<Extended>(system), extended),
+        : coefficients_(problem, segment, system, extended_tolerance),
+          first_(record_system<Extended>(system), extended),
           longest_(problem.model() ? std::numeric_limits<double>::infinity() : 4 / response_rate(problem, segment)),
           state_(system.size()) {}
     void start(const double* y) { std::copy_n(y, size(), state_.begin()); }
@@ -208,9 +210,9 @@ class ExtendedSeries {
         coefficients_.expand(y.data());
         first_.expand(state_.data());
     }
-    double step(double) const { return std::min(coefficients_.step(careful_tolerance), longest_); }
-    void advance(double h) { state_ = after(h); }
-    void look(double h, double* y) const { round(after(h), y); }
+    double step(double) const { return std::min(coefficients_.step(extended_tolerance), longest_); }
+    void advance(double h) { state_ = advanced_state(h); }
+    void evaluate(double h, double* y) const { round(advanced_state(h), y); }
     void state(double* y) const { round(state_, y); }
 
   private:
@@ -219,8 +221,8 @@ class ExtendedSeries {
     static constexpr int extended = 4;  ///< highest order in extended precision
 
     int size() const { return static_cast<int>(state_.size()); }
-    State after(double h) const {
-        Numbers<run_time> tail(coefficients_.room());
+    State advanced_state(double h) const {
+        Numbers<run_time> tail(coefficients_.padded_size());
         coefficients_.template tail<extended + 1>(h, tail.data());
         const Extended step = h;
         State y(size());
@@ -245,7 +247,7 @@ class ExtendedSeries {
 
 /// Exponent k of the time unit 2^-k s in which the motion's fastest rate is near one. Returns 0 if no coefficient
 /// leaves the range of binary64 without scaling.
-int exponent_of_rate(const Problem& problem) {
+int time_unit_exponent(const Problem& problem) {
     if (problem.model()) return 0;
     double rate = problem.scales.angular_velocity;
     for (int i = 0; i < 3; ++i) rate = std::max(rate, std::abs(problem.body.initial_angular_velocity[i]));
@@ -253,18 +255,18 @@ int exponent_of_rate(const Problem& problem) {
         rate = std::max(rate, response_rate(problem, segment));
         if (segment.forcing.has_torque) rate = std::max(rate, torque_rate(problem, segment.forcing.torque));
     }
-    constexpr int harmless = 12, furthest = 1000;
+    constexpr int max_unscaled_exponent = 12, max_exponent = 1000;
     const int k = std::isfinite(rate) && rate > 0 ? std::ilogb(rate) : 0;
-    if (std::abs(k) <= harmless) return 0;
+    if (std::abs(k) <= max_unscaled_exponent) return 0;
     // Keep every time of the scene a normal number.
     const int first =
         std::ilogb(problem.segments.front().end > 0 ? problem.segments.front().end : problem.scene.duration);
     const int last = std::ilogb(problem.scene.duration);
-    return std::clamp(k, std::max(-furthest, -900 - first), std::min(furthest, 900 - last));
+    return std::clamp(k, std::max(-max_exponent, -900 - first), std::min(max_exponent, 900 - last));
 }
 
 /// Returns the scene with time in units of 2^-k s. Scaling by powers of two is exact.
-Scene in_units_of_rate(Scene scene, int k) {
+Scene scale_time(Scene scene, int k) {
     const auto scale = [k](auto& x, int power) {
         if constexpr (requires { x[0]; })
             for (int i = 0; i < 3; ++i) x[i] = std::scalbn(x[i], k * power);
@@ -315,7 +317,7 @@ class TaylorSession {
     /// Handles an event: applies the impulses and sets the loads of this segment.
     int enter(const Segment& of_problem) {
         const Segment& segment = scaled_->segments[of_problem.index];
-        settle();
+        advance_to_current_time();
         system_.enter(segment, y_.data());
         series_.reset();
         begin_ = t_ = segment.begin, end_ = segment.end;
@@ -339,14 +341,14 @@ class TaylorSession {
 
     double time() const { return t_ * unit_; }
     auto sample() {
-        settle();
-        return in_seconds(system_.motion(t_, y_.data()));
+        advance_to_current_time();
+        return convert_to_seconds(system_.motion(t_, y_.data()));
     }
     /// The motion at a time within the last step.
     auto sample_inside(double at) {
         const double t = at * per_unit_;
-        series_->look(t - begin_, y_.data());
-        return std::optional(in_seconds(system_.motion(t, y_.data())));
+        series_->evaluate(t - begin_, y_.data());
+        return std::optional(convert_to_seconds(system_.motion(t, y_.data())));
     }
     int inside_flag() const { return 0; }
 
@@ -363,15 +365,15 @@ class TaylorSession {
     static constexpr int not_finite = -1, too_short = -2;
 
     // User-defined systems are in seconds already.
-    static Moment in_seconds(Moment bodies) { return bodies; }
-    Sample in_seconds(Sample sample) const {
+    static Moment convert_to_seconds(Moment bodies) { return bodies; }
+    Sample convert_to_seconds(Sample sample) const {
         sample.t *= unit_;
         sample.angular_velocity_B = per_unit_ * sample.angular_velocity_B;
         sample.velocity_W = per_unit_ * sample.velocity_W;
         return sample;
     }
     // Until the next step or event the series stays at the start of the last step, so that samples can be evaluated.
-    void settle() {
+    void advance_to_current_time() {
         if (!series_) return;
         advance();
         series_->state(y_.data());
@@ -398,33 +400,33 @@ class TaylorSession {
 };
 
 template <class Series, class SystemType>
-Trajectory solve_by(const Problem& problem, const Settings& settings) {
-    const int exponent = exponent_of_rate(problem);
+Trajectory solve_with_series(const Problem& problem, const Settings& settings) {
+    const int exponent = time_unit_exponent(problem);
     std::optional<Problem> scaled;
-    if (exponent != 0) scaled = pose(in_units_of_rate(problem.scene, exponent), problem.formulation);
+    if (exponent != 0) scaled = pose(scale_time(problem.scene, exponent), problem.formulation);
     TaylorSession<Series, SystemType> session(problem, scaled ? *scaled : problem, exponent,
-                                              std::max(*settings.tolerance, least_tolerance));
+                                              std::max(*settings.tolerance, min_taylor_tolerance));
     Trajectory trajectory = SolverRun(problem, settings, session).solve();
-    if (*settings.tolerance < least_tolerance && trajectory.status == Status::ok) {
+    if (*settings.tolerance < min_taylor_tolerance && trajectory.status == Status::ok) {
         trajectory.status = Status::tolerance_not_met;
         trajectory.message = "a tolerance below 1e-16 cannot be met in binary64; 1e-16 was used";
     }
     return trajectory;
 }
 
-Trajectory solve(const Problem& problem, const Settings& settings) {
+Trajectory solve_taylor(const Problem& problem, const Settings& settings) {
     return with_system(problem, [&]<class SystemType>() {
-        if (*settings.tolerance < careful_below && has_extended)
-            return solve_by<ExtendedSeries<SystemType>, SystemType>(problem, settings);
-        return solve_by<RecordedSeries<SystemType>, SystemType>(problem, settings);
+        if (*settings.tolerance < extended_below && has_extended)
+            return solve_with_series<ExtendedSeries<SystemType>, SystemType>(problem, settings);
+        return solve_with_series<RecordedSeries<SystemType>, SystemType>(problem, settings);
     });
 }
 
-std::string refused_user_torque(const Problem& problem) {
+std::string user_torque_refusal(const Problem& problem) {
     return problem.needs.user_torque ? "user-defined torques have no Taylor coefficients" : "";
 }
 
-constexpr Method each[] = {
+constexpr Method taylor_variants[] = {
     {.name = "taylor",
      .documentation =
          "Taylor series in binary64, with the order of least work at the tolerance, the step size from the last two "
@@ -438,14 +440,15 @@ constexpr Method each[] = {
      .source = "R. E. Moore 1966, Interval Analysis; A. Jorba and M. Zou 2005, Experimental Mathematics 14, 99-117",
      .conserves = "nothing",
      .control = Control::tolerance,
-     .own_systems = true,
-     .solve = solve},
+     .general_systems = true,
+     .solve = solve_taylor},
 };
 
-constexpr auto list = sharing({.family = Family::series, .refuses = refused_user_torque}, each);
+constexpr auto taylor_list =
+    apply_defaults({.family = Family::series, .refusal = user_torque_refusal}, taylor_variants);
 
 }  // namespace
 
-extern const std::span<const Method> taylor_methods{list};
+extern const std::span<const Method> taylor_methods{taylor_list};
 
 }  // namespace polhode

@@ -252,14 +252,14 @@ constexpr Method each[] = {
          "from the error test.",
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
-     .described_as = "article: point masses at fixed distances, by constraints",
+     .origin = "article: point masses at fixed distances, by constraints",
      .conserves = "distances, to the tolerance",
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_constraints_ida(p, s, {}).trajectory; }},
 };
 
 constexpr auto list =
-    sharing({.family = Family::points, .library = sundials_library, .refuses = cannot_be_made_of_points}, each);
+    apply_defaults({.family = Family::points, .library = sundials_library, .refusal = cannot_be_made_of_points}, each);
 
 }  // namespace
 

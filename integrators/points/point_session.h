@@ -35,7 +35,7 @@ class PointSession {
     /// The motion at time(). Its stretch is included in largest_stretch().
     Sample sample() { return sample_of(t_, y()); }
     /// The motion at time(), without recording its stretch.
-    Sample look() { return motion_.sample(t_, y()); }
+    Sample current_motion() { return motion_.sample(t_, y()); }
     double largest_stretch() const { return largest_stretch_; }
     long rhs_evaluations() const { return evaluations_; }
 
@@ -103,7 +103,7 @@ class PointSession {
         const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}: {}{}",
-                                                  moment(*not_finite_at_), library, said, last_state(sample()))};
+                                                  format_time(*not_finite_at_), library, said, last_state(sample()))};
         return {status, fmt::format("{}: {}", library, said)};
     }
     // Codes above zero are warnings.

@@ -8,7 +8,7 @@
 #include "integrators/points/point_runs.h"
 #include "integrators/points/spring_network.h"
 #include "integrators/points/stiffness.h"
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march.h"
 
 namespace polhode {
@@ -179,24 +179,24 @@ constexpr Method each[] = {
          "vibration. The attitude is the best-fit rotation of the points; w is computed from their angular momentum "
          "and tensor.",
      .source = source,
-     .described_as = "article: point masses at fixed distances, by springs",
+     .origin = "article: point masses at fixed distances, by springs",
      .conserves = "momentum; angular momentum of a free body to the order of the scheme",
      .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; },
-     .growth = classical_growth},
+     .amplification = classical_amplification},
     {.name = "point_springs_verlet",
      .documentation =
          "The points and springs of `point_springs_rk4` by the velocity form of Verlet's scheme: one evaluation of "
          "the springs per step, stable if the step is shorter than 2 over the frequency of the fastest vibration. "
          "Order 2 for the motion on springs.",
      .source = "L. Verlet 1967, Phys. Rev. 159, 98-103; the body as in the article on rotational dynamics",
-     .described_as = "article: point masses at fixed distances, by springs",
+     .origin = "article: point masses at fixed distances, by springs",
      .conserves = "momentum and angular momentum of a free body to round-off; energy on average",
      .solve = [](const Problem& p, const Settings& s) { return point_springs_verlet(p, s, {}).trajectory; },
-     .pendulum_growth = verlet_pendulum_growth},
+     .pendulum_amplification = verlet_pendulum_growth},
 };
 
-constexpr auto list =
-    sharing({.control = Control::fixed_step, .family = Family::points, .refuses = cannot_be_made_of_points}, each);
+constexpr auto list = apply_defaults(
+    {.control = Control::fixed_step, .family = Family::points, .refusal = cannot_be_made_of_points}, each);
 
 }  // namespace
 

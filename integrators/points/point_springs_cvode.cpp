@@ -142,14 +142,14 @@ constexpr Method each[] = {
          "scene's largest rate.",
      .source = "Hindmarsh et al. 2005, SUNDIALS, ACM Trans. Math. Softw. 31, 363-396; the body as in the article on "
                "rotational dynamics",
-     .described_as = "article: point masses at fixed distances, by stiff springs",
+     .origin = "article: point masses at fixed distances, by stiff springs",
      .conserves = "nothing",
      .control = Control::tolerance,
      .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},
 };
 
 constexpr auto list =
-    sharing({.family = Family::points, .library = sundials_library, .refuses = cannot_be_made_of_points}, each);
+    apply_defaults({.family = Family::points, .library = sundials_library, .refusal = cannot_be_made_of_points}, each);
 
 }  // namespace
 

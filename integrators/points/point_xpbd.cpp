@@ -101,14 +101,14 @@ constexpr Method each[] = {
          "displacements. Order 1.",
      .source = "M. Macklin, M. Mueller & N. Chentanez 2016, XPBD: position-based simulation of compliant constrained "
                "dynamics, Motion in Games",
-     .described_as = "article: point masses at fixed distances, as in games",
+     .origin = "article: point masses at fixed distances, as in games",
      .conserves = "momentum of a free body",
      .control = Control::fixed_step,
      .order = 1,
      .solve = [](const Problem& p, const Settings& s) { return point_xpbd(p, s, {}).trajectory; }},
 };
 
-constexpr auto list = sharing({.family = Family::points, .refuses = cannot_be_made_of_points}, each);
+constexpr auto list = apply_defaults({.family = Family::points, .refusal = cannot_be_made_of_points}, each);
 
 }  // namespace
 

@@ -41,20 +41,20 @@ class Binary32 {
     static constexpr int dimension = SystemType::dimension;
     static constexpr int size() { return dimension; }
 
-    explicit Binary32(const Problem& problem) : posed_(problem) { take_equations(); }
+    explicit Binary32(const Problem& problem) : system_(problem) { round_equations(); }
 
     void initial(float* y) const {
         double wide[dimension];
-        posed_.initial(wide);
+        system_.initial(wide);
         narrow(wide, y);
     }
     bool enter(const Segment& segment, float* y) {
         double wide[dimension];
         widen(y, wide);
-        const bool struck = posed_.enter(segment, wide);
-        if (struck) narrow(wide, y);
-        take_equations();
-        return struck;
+        const bool has_impulse = system_.enter(segment, wide);
+        if (has_impulse) narrow(wide, y);
+        round_equations();
+        return has_impulse;
     }
     template <class S>
     void derivative(double t, const S* y, S* dy) const {
@@ -63,27 +63,27 @@ class Binary32 {
     Sample motion(double t, const float* y) const {
         double wide[dimension];
         widen(y, wide);
-        return posed_.motion(t, wide);
+        return system_.motion(t, wide);
     }
-    void scales(double* scales) const { posed_.scales(scales); }
+    void scales(double* scales) const { system_.scales(scales); }
 
   private:
     static void widen(const float* y, double* wide) { std::copy_n(y, dimension, wide); }
     static void narrow(const double* wide, float* y) {
         for (int i = 0; i < dimension; ++i) y[i] = static_cast<float>(wide[i]);
     }
-    void take_equations() {
+    void round_equations() {
         if constexpr (SystemType::about_axis) {
-            equations_ = rounded<float>(static_cast<const typename SystemType::Equations&>(posed_));
+            equations_ = rounded<float>(static_cast<const typename SystemType::Equations&>(system_));
         } else if constexpr (SystemType::has_torque) {
-            forcing_ = std::make_shared<const Forcing<float>>(rounded<float>(*posed_.forcing));
-            equations_ = {rounded<float>(posed_.inertia), forcing_.get()};
+            forcing_ = std::make_shared<const Forcing<float>>(rounded<float>(*system_.forcing));
+            equations_ = {rounded<float>(system_.inertia), forcing_.get()};
         } else {
-            equations_ = {rounded<float>(posed_.inertia)};
+            equations_ = {rounded<float>(system_.inertia)};
         }
     }
 
-    SystemType posed_;
+    SystemType system_;
     std::shared_ptr<const Forcing<float>> forcing_;  // shared: copies of the system point to the same object
     typename RoundedEquations<typename SystemType::Equations>::type equations_;
 };
@@ -113,27 +113,27 @@ Trajectory with_system_in(const Problem& problem, Visitor&& visit) {
 }
 
 /// Why binary32 cannot represent the body or its initial state; empty if it can.
-std::string refused_by_binary32(const Problem& problem);
+std::string binary32_refusal(const Problem& problem);
 
 /// Why with_system_in() cannot represent the problem in binary32, right-hand side included; empty if it can.
-std::string refused_by_binary32_system(const Problem& problem);
+std::string binary32_system_refusal(const Problem& problem);
 
 /// Why binary32 cannot represent the step, s; empty if it can.
-std::string step_beyond_binary32(double step);
+std::string binary32_step_refusal(double step);
 
 using Solve = Trajectory (*)(const Problem&, const Settings&);
-using Refuses = std::string (*)(const Problem&);
+using Refusal = std::string (*)(const Problem&);
 
 /// Calls `solve` if binary32 can represent the step; otherwise returns Status::unsupported.
 template <Solve solve>
 Trajectory solve_within_binary32(const Problem& problem, const Settings& settings) {
-    if (std::string why = step_beyond_binary32(*settings.step); !why.empty()) return unsupported(std::move(why));
+    if (std::string why = binary32_step_refusal(*settings.step); !why.empty()) return unsupported(std::move(why));
     return solve(problem, settings);
 }
 
 /// Concatenates `parts` at compile time, with a terminating zero as in a literal.
 template <const auto& parts>
-struct Joined {
+struct ConcatenatedText {
     static constexpr std::size_t length = [] {
         std::size_t sum = 0;
         for (const std::string_view part : parts) sum += part.size();
@@ -150,7 +150,7 @@ struct Joined {
 };
 
 /// The descriptor of the i-th method of `methods` in binary32.
-template <const auto& methods, std::size_t i, Refuses refuses, Solve solve>
+template <const auto& methods, std::size_t i, Refusal extra_refusal, Solve solve>
 struct MethodInBinary32 {
     static constexpr std::array<std::string_view, 2> name{methods[i].name, "_float32"};
     static constexpr std::array<std::string_view, 4> documentation{
@@ -163,22 +163,22 @@ struct MethodInBinary32 {
     static constexpr std::array<std::string_view, 2> conserves{
         methods[i].conserves, methods[i].conserves == "nothing" ? "" : "; all to binary32 round-off"};
 
-    static std::string refused(const Problem& problem) {
-        std::string why = refuses(problem);
-        if (why.empty() && methods[i].refuses) why = methods[i].refuses(problem);
+    static std::string find_refusal(const Problem& problem) {
+        std::string why = extra_refusal(problem);
+        if (why.empty() && methods[i].refusal) why = methods[i].refusal(problem);
         return why;
     }
 
     static constexpr Method method() {
         Method m = methods[i];
-        m.name = Joined<name>::text;
+        m.name = ConcatenatedText<name>::text;
         m.precision = Precision::binary32;
-        m.in_binary64 = methods[i].name;
-        m.refuses = refused;
-        m.documentation = Joined<documentation>::text;
-        m.described_as = {};
-        m.conserves = Joined<conserves>::text;
-        m.own_systems = false;
+        m.binary64_name = methods[i].name;
+        m.refusal = find_refusal;
+        m.documentation = ConcatenatedText<documentation>::text;
+        m.origin = {};
+        m.conserves = ConcatenatedText<conserves>::text;
+        m.general_systems = false;
         m.solve = solve_within_binary32<solve>;
         return m;
     }
@@ -186,20 +186,20 @@ struct MethodInBinary32 {
 
 // Tests the type: GCC 12 does not accept comparing a function's address as constant under -fsanitize=undefined.
 template <auto solve>
-constexpr bool is_given = !std::is_null_pointer_v<decltype(solve)>;
+constexpr bool is_supplied = !std::is_null_pointer_v<decltype(solve)>;
 
-/// The family `methods` with NAME_float32 directly after NAME. `refuses` applies to all binary32 variants. `solves` has
-/// one binary32 function per method, nullptr for none.
-template <const auto& methods, Refuses refuses, auto... solves>
+/// The family `methods` with NAME_float32 directly after NAME. `extra_refusal` applies to all binary32 variants.
+/// `solves` has one binary32 function per method, nullptr for none.
+template <const auto& methods, Refusal extra_refusal, auto... solves>
 constexpr auto with_binary32() {
     static_assert(sizeof...(solves) == std::size(methods), "one per method");
-    constexpr std::size_t added = ((is_given<solves> ? 1 : 0) + ...);
+    constexpr std::size_t added = ((is_supplied<solves> ? 1 : 0) + ...);
     std::array<Method, sizeof...(solves) + added> all{};
     [&]<std::size_t... i>(std::index_sequence<i...>) {
         std::size_t at = 0;
         const auto add = [&]<std::size_t k, auto solve>() {
             all[at++] = methods[k];
-            if constexpr (is_given<solve>) all[at++] = MethodInBinary32<methods, k, refuses, solve>::method();
+            if constexpr (is_supplied<solve>) all[at++] = MethodInBinary32<methods, k, extra_refusal, solve>::method();
         };
         (add.template operator()<i, solves>(), ...);
     }

@@ -45,7 +45,7 @@ class SampleIntervals {
     /// The k-th interval, 0 <= k < count().
     Interval operator[](long k) const;
     /// True if there is a sample at t = 0.
-    bool begins_with_sample() const { return times_.empty() || times_.front() == 0; }
+    bool has_initial_sample() const { return times_.empty() || times_.front() == 0; }
     /// Longest step, s, up to rounding.
     double longest_step() const { return longest_step_; }
     /// Total number of steps, or the largest long if there are more.
@@ -113,150 +113,213 @@ class SystemStepper {
     long steps_ = 0;
 };
 
+/// One run of march(): advances the stepper through the sample intervals.
+template <Stepper S>
+class FixedStepRun {
+  public:
+    /// The arguments must outlive this object.
+    FixedStepRun(const Problem& problem, const Settings& settings, const SampleIntervals& intervals, Budget& budget,
+                 S& stepper)
+        : problem_(problem),
+          settings_(settings),
+          intervals_(intervals),
+          budget_(budget),
+          stepper_(stepper),
+          bound_(energy_bound(problem)),
+          events_(problem.segments),
+          copy_{{}, events_} {
+        trajectory_.step = intervals.longest_step();
+    }
+    FixedStepRun(const FixedStepRun&) = delete;
+    FixedStepRun& operator=(const FixedStepRun&) = delete;
+
+    /// Runs all repetitions.
+    Trajectory solve() {
+        repeat(settings_, trajectory_, [&](bool recording) { return run(recording); });
+        if (trajectory_.status != Status::diverged) trajectory_.steps = budget_.steps() / settings_.repetitions;
+        if constexpr (requires { stepper_.report(trajectory_); }) stepper_.report(trajectory_);
+        if (!settings_.record && trajectory_.status == Status::ok) store_end();
+        if constexpr (requires { stepper_.sample_evaluations(); })
+            trajectory_.sample_evaluations = stepper_.sample_evaluations();
+        trajectory_.rhs_evaluations = stepper_.rhs_evaluations() + trajectory_.sample_evaluations;
+        return std::move(trajectory_);
+    }
+
+  private:
+    using Interval = SampleIntervals::Interval;
+    // steps between two tests of divergence, at most, and between two copies of the stepper, at least
+    static constexpr long max_stretch = 1024, copy_interval = 64;
+
+    /// A copy of the stepper, if it can be copied, and its position.
+    struct Copy {
+        struct Nothing {};
+        std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> stepper;
+        EventQueue<Segment> events;
+        long steps = 0;               ///< number of steps before the copy
+        long interval = 0, step = 0;  ///< position of the next step
+    };
+
+    /// One repetition. Returns false if it ended early.
+    bool run(bool recording) {
+        stepper_.restart();
+        events_ = EventQueue<Segment>(problem_.segments);
+        enter_segments(0);
+        if (recording && intervals_.has_initial_sample() && !store_start()) return false;
+        copy_.steps = -copy_interval;
+        done_ = 0;
+        for (long k = 0; k < intervals_.count(); ++k)
+            if (!cross_interval(k, recording)) return false;
+        return true;
+    }
+    /// Takes all steps of the k-th interval. Returns false if the run ended early.
+    bool cross_interval(long k, bool recording) {
+        const Interval at = intervals_[k];
+        for (long first = 0; first < at.steps;) {
+            const long last = std::min(first + max_stretch, at.steps);
+            if constexpr (std::copyable<S>)
+                if (done_ - copy_.steps >= copy_interval) {
+                    copy_.stepper = stepper_, copy_.events = events_;
+                    copy_.steps = done_, copy_.interval = k, copy_.step = first;
+                }
+            long i = first;
+            for (bool going = true; i < last && going; ++i) {
+                if (!budget_.count_step(stepper_.rhs_evaluations())) {
+                    budget_.report_limit(trajectory_);
+                    return false;
+                }
+                take_step(at, i);
+                going = !failed();
+                if constexpr (!std::copyable<S>) going = going && stepper_.finite();
+            }
+            if (failed()) {
+                if constexpr (requires { stepper_.explain(trajectory_); }) stepper_.explain(trajectory_);
+                return false;
+            }
+            if (!check_stretch(at, first, i, recording)) return false;
+            done_ += i - first, first = i;
+        }
+        return true;
+    }
+    /// Tests for divergence after the steps [first, i) and stores a sample if there is one. Returns false if the motion
+    /// has diverged.
+    bool check_stretch(const Interval& at, long first, long i, bool recording) {
+        const bool sampled = recording && at.sampled && i == at.steps;
+        if (stepper_.finite() && !sampled && i - first != max_stretch) return true;
+        const auto sample = stepper_.sample(at.time(i));
+        std::string what = divergence(problem_, sample, bound_);
+        if (what.empty() && !stepper_.finite()) what = "not finite at " + format_time(at.time(i));
+        if (!what.empty()) return report_divergence(done_ + i - first, std::move(what));
+        if (sampled) store_sample(sample);
+        return true;
+    }
+
+    /// Takes step i of an interval, cut at events.
+    void take_step(const Interval& at, long i) {
+        double t = at.time(i);
+        const double stop = at.time(i + 1);
+        if (!events_.due(stop)) {
+            stepper_.step(t, at.h);
+            return;
+        }
+        while (events_.due(stop)) {
+            const double event = events_.front();
+            if (event > t) stepper_.step(t, event - t);
+            t = event;
+            enter_segments(event);
+        }
+        if (stop > t) stepper_.step(t, stop - t);
+    }
+    void enter_segments(double t) {
+        while (events_.due(t)) stepper_.enter(events_.pop());
+    }
+    bool failed() const {
+        if constexpr (requires { stepper_.failed(); }) return stepper_.failed();
+        return false;
+    }
+
+    /// Stores the sample at t = 0. Returns false if the motion is not valid there.
+    bool store_start() {
+        const auto start = stepper_.sample(0);
+        if (std::string what = divergence(problem_, start, bound_); !what.empty()) {
+            trajectory_.status = Status::diverged, trajectory_.message = std::move(what);
+            return false;
+        }
+        store_sample(start);
+        return true;
+    }
+    /// Stores the last sample of a run without recording.
+    void store_end() {
+        const auto end = stepper_.sample(problem_.scene.duration);
+        std::string what = divergence(problem_, end, bound_);
+        if (what.empty())
+            store_sample(end);
+        else
+            report_divergence(intervals_.steps(), std::move(what));
+    }
+    void store_sample(const Bodies& moment) {
+        trajectory_.append(moment);
+        if constexpr (requires { stepper_.orthogonality_defect(); })
+            trajectory_.orthogonality_defect.push_back(stepper_.orthogonality_defect());
+    }
+
+    /// The motion diverged within the first `reached` steps of this repetition. Repeats the steps since the copy to
+    /// find the step that diverged, and counts up to it. Returns false.
+    bool report_divergence(long reached, std::string what) {
+        trajectory_.steps = reached;
+        std::string state;
+        if (!trajectory_.samples.empty()) state = last_state(trajectory_.at(trajectory_.moments() - 1));
+        if constexpr (std::copyable<S>) {
+            stepper_ = *copy_.stepper, events_ = copy_.events;
+            long k = copy_.interval, i = copy_.step;
+            Interval at = intervals_[k];
+            for (long n = copy_.steps; n < reached; ++n, ++i) {
+                if (i == at.steps) at = intervals_[++k], i = 0;
+                const auto before = stepper_.sample(at.time(i));
+                take_step(at, i);
+                const std::string here = divergence(problem_, stepper_.sample(at.time(i + 1)), bound_);
+                if (here.empty() && stepper_.finite()) continue;
+                if (!here.empty()) what = here;
+                state = last_state(before), trajectory_.steps = n + 1;
+                break;
+            }
+        }
+        trajectory_.status = Status::diverged, trajectory_.message = what + state;
+        return false;
+    }
+
+    const Problem& problem_;
+    const Settings& settings_;
+    const SampleIntervals& intervals_;
+    Budget& budget_;
+    S& stepper_;
+    double bound_;  // J, see energy_bound()
+    EventQueue<Segment> events_;
+    Copy copy_;
+    long done_ = 0;  // steps of this repetition
+    Trajectory trajectory_;
+};
+
 /// Runs fixed steps. Whole steps meet every sample time; an event inside a step cuts it in two. The steps do not depend
 /// on Settings::record. `options` are passed to the stepper's constructor after the problem.
 ///
-/// Divergence is tested at each sample time and at least every `longest_stretch` steps. When it is found, the steps
+/// Divergence is tested at each sample time and at least every 1024 steps. When it is found, the steps
 /// since the last copy of the stepper are repeated one at a time to identify the step that diverged. A stepper that
 /// cannot be copied is tested after each step.
 template <Stepper S, class... Options>
 requires std::constructible_from<S, const Problem&, const Options&...> Trajectory march(const Problem& problem,
                                                                                         const Settings& settings,
                                                                                         const Options&... options) {
-    constexpr long longest_stretch = 1024, between_copies = 64;
-    Trajectory trajectory;
     const SampleIntervals intervals(problem, settings);
-    using Interval = SampleIntervals::Interval;
-    const double bound = energy_bound(problem);
-    trajectory.step = intervals.longest_step();
     Budget budget(settings);
     // the number of steps is known beforehand: a run that cannot end within its limit is not started
     if (intervals.steps() > settings.max_steps) {
-        budget.forbid(trajectory);
+        Trajectory trajectory;
+        trajectory.step = intervals.longest_step();
+        budget.report_excess_steps(trajectory);
         return trajectory;
     }
     S stepper(problem, options...);
-    EventQueue<Segment> events(problem.segments);
-    const auto failed = [&] {
-        if constexpr (requires { stepper.failed(); }) return stepper.failed();
-        return false;
-    };
-    const auto pass_events = [&](double t) {
-        while (events.due(t)) stepper.enter(events.pop());
-    };
-    const auto take_step = [&](const Interval& at, long i) {
-        double t = at.time(i);
-        const double stop = at.time(i + 1);
-        if (!events.due(stop)) {
-            stepper.step(t, at.h);
-            return;
-        }
-        while (events.due(stop)) {
-            const double event = events.front();
-            if (event > t) stepper.step(t, event - t);
-            t = event;
-            pass_events(event);
-        }
-        if (stop > t) stepper.step(t, stop - t);
-    };
-    const auto keep = [&](const Bodies& moment) {
-        trajectory.append(moment);
-        if constexpr (requires { stepper.orthogonality_defect(); })
-            trajectory.orthogonality_defect.push_back(stepper.orthogonality_defect());
-    };
-    struct Nothing {};
-    std::conditional_t<std::copyable<S>, std::optional<S>, Nothing> copy;
-    long copied_at = 0, copied_interval = 0, copied_step = 0;  // steps before the copy, and its position
-    EventQueue<Segment> events_of_copy = events;
-    // The motion diverged within the first `reached` steps of this repetition. Finds the step and counts up to it.
-    const auto diverge = [&](long reached, std::string what) {
-        trajectory.steps = reached;
-        std::string state;
-        if (!trajectory.samples.empty()) state = last_state(trajectory.at(trajectory.moments() - 1));
-        if constexpr (std::copyable<S>) {
-            stepper = *copy, events = events_of_copy;
-            long k = copied_interval, i = copied_step;
-            Interval at = intervals[k];
-            for (long n = copied_at; n < reached; ++n, ++i) {
-                if (i == at.steps) at = intervals[++k], i = 0;
-                const auto before = stepper.sample(at.time(i));
-                take_step(at, i);
-                const std::string here = divergence(problem, stepper.sample(at.time(i + 1)), bound);
-                if (here.empty() && stepper.finite()) continue;
-                if (!here.empty()) what = here;
-                state = last_state(before), trajectory.steps = n + 1;
-                break;
-            }
-        }
-        trajectory.status = Status::diverged, trajectory.message = what + state;
-        return false;
-    };
-    // returns false if the run ended early
-    const auto run = [&](bool recording) {
-        stepper.restart();
-        events = EventQueue<Segment>(problem.segments);
-        pass_events(0);
-        if (recording && intervals.begins_with_sample()) {
-            const auto start = stepper.sample(0);
-            if (std::string what = divergence(problem, start, bound); !what.empty()) {
-                trajectory.status = Status::diverged, trajectory.message = std::move(what);
-                return false;
-            }
-            keep(start);
-        }
-        copied_at = -between_copies;
-        long done = 0;
-        for (long k = 0; k < intervals.count(); ++k) {
-            const Interval at = intervals[k];
-            for (long first = 0; first < at.steps;) {
-                const long last = std::min(first + longest_stretch, at.steps);
-                if constexpr (std::copyable<S>)
-                    if (done - copied_at >= between_copies) {
-                        copy = stepper, events_of_copy = events;
-                        copied_at = done, copied_interval = k, copied_step = first;
-                    }
-                long i = first;
-                for (bool going = true; i < last && going; ++i) {
-                    if (!budget.take(stepper.rhs_evaluations())) {
-                        budget.stop(trajectory);
-                        return false;
-                    }
-                    take_step(at, i);
-                    going = !failed();
-                    if constexpr (!std::copyable<S>) going = going && stepper.finite();
-                }
-                if (failed()) {
-                    if constexpr (requires { stepper.explain(trajectory); }) stepper.explain(trajectory);
-                    return false;
-                }
-                const bool sampled = recording && at.sampled && i == at.steps;
-                if (!stepper.finite() || sampled || i - first == longest_stretch) {
-                    const auto sample = stepper.sample(at.time(i));
-                    std::string what = divergence(problem, sample, bound);
-                    if (what.empty() && !stepper.finite()) what = "not finite at " + moment(at.time(i));
-                    if (!what.empty()) return diverge(done + i - first, std::move(what));
-                    if (sampled) keep(sample);
-                }
-                done += i - first, first = i;
-            }
-        }
-        return true;
-    };
-    repeat(settings, trajectory, run);
-    if (trajectory.status != Status::diverged) trajectory.steps = budget.steps() / settings.repetitions;
-    if constexpr (requires { stepper.report(trajectory); }) stepper.report(trajectory);
-    if (!settings.record && trajectory.status == Status::ok) {
-        const auto end = stepper.sample(problem.scene.duration);
-        std::string what = divergence(problem, end, bound);
-        if (what.empty())
-            keep(end);
-        else
-            diverge(intervals.steps(), std::move(what));
-    }
-    if constexpr (requires { stepper.sample_evaluations(); })
-        trajectory.sample_evaluations = stepper.sample_evaluations();
-    trajectory.rhs_evaluations = stepper.rhs_evaluations() + trajectory.sample_evaluations;
-    return trajectory;
+    return FixedStepRun<S>(problem, settings, intervals, budget, stepper).solve();
 }
 
 /// Solves a problem by fixed steps of Scheme<SystemType>, for whichever system was posed. Requirements on a scheme: see

@@ -67,13 +67,14 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
             if (!(h > 0) || begin + h == begin) {
                 if (outcome == Attempt::not_finite)
                     return watch.fail(Status::diverged,
-                                      "not finite at any step size, at " + moment(t) + last_state(s.sample(t)));
-                return watch.fail(Status::tolerance_not_met, "step size below the spacing of numbers at " + moment(t) +
+                                      "not finite at any step size, at " + format_time(t) + last_state(s.sample(t)));
+                return watch.fail(Status::tolerance_not_met, "step size below the spacing of numbers at " +
+                                                                 format_time(t) +
                                                                  ": the tolerance is too small for binary64");
             }
         }
         return watch.fail(Status::tolerance_not_met,
-                          std::to_string(attempts_per_step) + " rejected attempts at one step, at " + moment(t));
+                          std::to_string(attempts_per_step) + " rejected attempts at one step, at " + format_time(t));
     };
     const auto run = [&](bool recording) {
         stepper.restart();
@@ -95,7 +96,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                 if (looking) before = stepper;
                 double from = t, side_step = h;
                 if (!advance(stepper, t, h, segment.end)) return false;
-                if (!watch.gets_on(t)) return false;
+                if (!watch.makes_progress(t)) return false;
                 for (; samples.due(segment, t); samples.pop()) {
                     const double at = samples.front();
                     if (at == t) {
@@ -115,7 +116,7 @@ Trajectory march_controlled(const Problem& problem, const Settings& settings, S 
                         if (!watch.record(inside)) return false;
                     }
                 }
-                if (!watch.stays_sane([&] { return stepper.sample(t); })) return false;
+                if (!watch.stays_bounded([&] { return stepper.sample(t); })) return false;
             }
             return true;
         });

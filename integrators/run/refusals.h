@@ -1,4 +1,4 @@
-// Values of Method::refuses that several methods share.
+// Values of Method::refusal that several methods share.
 #pragma once
 
 #include <string>

@@ -10,27 +10,27 @@
 namespace polhode {
 namespace {
 
-Trajectory failed(std::string message) {
+Trajectory failed_trajectory(std::string message) {
     Trajectory trajectory;
     trajectory.status = Status::failed, trajectory.message = std::move(message);
     return trajectory;
 }
 
 /// A method with the texts and the function that its descriptor refers to.
-struct MadeMethod {
+struct OwnedMethod {
     std::array<std::string, 8> texts;
     std::function<Trajectory(const Problem&, const Settings&)> solve;
     Method method;
 };
 
-Trajectory solve_made(const void* context, const Problem& problem, const Settings& settings) {
-    return static_cast<const MadeMethod*>(context)->solve(problem, settings);
+Trajectory solve_owned(const void* context, const Problem& problem, const Settings& settings) {
+    return static_cast<const OwnedMethod*>(context)->solve(problem, settings);
 }
 
-bool positive(const std::optional<double>& value) { return !value || (std::isfinite(*value) && *value > 0); }
+bool is_positive(const std::optional<double>& value) { return !value || (std::isfinite(*value) && *value > 0); }
 
 // Why these sample times are invalid; empty if they are valid or there are none.
-std::string fault_of_times(const std::vector<double>& times, double duration) {
+std::string find_time_fault(const std::vector<double>& times, double duration) {
     for (std::size_t i = 0; i < times.size(); ++i) {
         if (!(times[i] >= 0 && times[i] <= duration))
             return fmt::format(
@@ -52,28 +52,28 @@ const Method* find_method(std::string_view name) {
 
 std::shared_ptr<const Method> make_method(const Method& description,
                                           std::function<Trajectory(const Problem&, const Settings&)> solve) {
-    const auto made = std::make_shared<MadeMethod>();
-    made->solve = std::move(solve), made->method = description;
-    Method& m = made->method;
+    const auto owned = std::make_shared<OwnedMethod>();
+    owned->solve = std::move(solve), owned->method = description;
+    Method& m = owned->method;
     std::size_t i = 0;
-    for (std::string_view* text : {&m.name, &m.documentation, &m.source, &m.described_as, &m.conserves, &m.library,
-                                   &m.in_binary64, &m.identity}) {
-        made->texts[i] = *text, *text = made->texts[i];
+    for (std::string_view* text :
+         {&m.name, &m.documentation, &m.source, &m.origin, &m.conserves, &m.library, &m.binary64_name, &m.identity}) {
+        owned->texts[i] = *text, *text = owned->texts[i];
         ++i;
     }
-    m.solve = nullptr, m.solve_in = solve_made, m.context = made.get();
-    return {made, &m};
+    m.solve = nullptr, m.solve_in = solve_owned, m.context = owned.get();
+    return {owned, &m};
 }
 
 std::string refusal(const Method& method, const Problem& problem) {
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} does not support impacts on planes", method.name);
-    if (!method.own_systems && std::holds_alternative<MechanismSystem>(problem.system))
+    if (!method.general_systems && std::holds_alternative<MechanismSystem>(problem.system))
         return fmt::format("{} supports only scenes of one body; this scene has several bodies with joints",
                            method.name);
-    if (!method.own_systems && std::holds_alternative<UserSystem>(problem.system))
+    if (!method.general_systems && std::holds_alternative<UserSystem>(problem.system))
         return fmt::format("{} supports only rigid bodies, not user-defined systems", method.name);
-    return method.refuses ? method.refuses(problem) : "";
+    return method.refusal ? method.refusal(problem) : "";
 }
 
 bool takes_step(const Method& method) {
@@ -94,19 +94,21 @@ Settings with_defaults(const Problem& problem, const Method& method, Settings se
 }
 
 Trajectory solve(const Problem& problem, const Method& method, const Settings& settings) {
-    if (!positive(settings.step)) return failed("the step must be finite and > 0");
-    if (!positive(settings.tolerance)) return failed("the tolerance must be finite and > 0");
-    if (settings.samples < 1) return failed("the number of samples must be at least 1");
-    if (const std::string fault = fault_of_times(settings.times, problem.scene.duration); !fault.empty())
-        return failed(fault);
-    if (settings.max_steps < 1) return failed("the step limit must be at least 1");
-    if (settings.max_evaluations < 1) return failed("the limit of evaluations must be at least 1");
-    if (!(settings.seconds_limit > 0)) return failed("the limit of seconds must be > 0");
-    if (settings.repetitions < 1) return failed("the number of repetitions must be at least 1");
-    if (settings.step && settings.tolerance) return failed("both a step and a tolerance are set; set only one");
-    if (settings.step && !takes_step(method)) return failed(fmt::format("{} does not take a step", method.name));
+    if (!is_positive(settings.step)) return failed_trajectory("the step must be finite and > 0");
+    if (!is_positive(settings.tolerance)) return failed_trajectory("the tolerance must be finite and > 0");
+    if (settings.samples < 1) return failed_trajectory("the number of samples must be at least 1");
+    if (const std::string fault = find_time_fault(settings.times, problem.scene.duration); !fault.empty())
+        return failed_trajectory(fault);
+    if (settings.max_steps < 1) return failed_trajectory("the step limit must be at least 1");
+    if (settings.max_evaluations < 1) return failed_trajectory("the limit of evaluations must be at least 1");
+    if (!(settings.seconds_limit > 0)) return failed_trajectory("the limit of seconds must be > 0");
+    if (settings.repetitions < 1) return failed_trajectory("the number of repetitions must be at least 1");
+    if (settings.step && settings.tolerance)
+        return failed_trajectory("both a step and a tolerance are set; set only one");
+    if (settings.step && !takes_step(method))
+        return failed_trajectory(fmt::format("{} does not take a step", method.name));
     if (settings.tolerance && !takes_tolerance(method))
-        return failed(fmt::format("{} does not take a tolerance", method.name));
+        return failed_trajectory(fmt::format("{} does not take a tolerance", method.name));
     if (std::string why = refusal(method, problem); !why.empty()) return unsupported(std::move(why));
     if (!settings.times.empty() && method.family == Family::engine)
         return unsupported("engines support only equally spaced samples; set a number of samples instead of times");
@@ -118,7 +120,8 @@ Trajectory solve(const Problem& problem, const Method& method, const Settings& s
 }
 
 Trajectory solve(const Scene& scene, const Method& method, const Settings& settings) {
-    if (!(std::isfinite(scene.duration) && scene.duration > 0)) return failed("the duration must be finite and > 0");
+    if (!(std::isfinite(scene.duration) && scene.duration > 0))
+        return failed_trajectory("the duration must be finite and > 0");
     validate(scene, scene.name);
     return solve(pose(scene, settings.formulation), method, settings);
 }

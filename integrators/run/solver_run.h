@@ -21,7 +21,7 @@ struct SolverFailure {
 /// A library solver and its state for one problem. Flags below zero mean that it cannot continue; failure() explains
 /// them. Optional members:
 /// - `SolverCounts counts()`: counts of rejected steps and failures.
-/// - `look()`: the current motion, if sample() changes the counts; look() must not.
+/// - `current_motion()`: the current motion, if sample() changes the counts; current_motion() must not.
 /// - `long sample_evaluations() const`, if samples inside a step cost evaluations: their number since restart, which
 ///   rhs_evaluations() does not include.
 template <class S>
@@ -67,8 +67,8 @@ class SolverRun {
         if constexpr (requires { session_.sample_evaluations(); }) return session_.sample_evaluations();
         return 0;
     }
-    auto look() {
-        if constexpr (requires { session_.look(); }) return session_.look();
+    auto current_motion() {
+        if constexpr (requires { session_.current_motion(); }) return session_.current_motion();
         return session_.sample();
     }
 
@@ -93,14 +93,14 @@ class SolverRun {
                 const double begin = session_.time();
                 if (const int flag = session_.step(); flag < 0) return fail(flag);
                 const double t = session_.time();
-                if (!watch_.gets_on(t)) return false;
+                if (!watch_.makes_progress(t)) return false;
                 still = t > begin ? 0 : still + 1;
                 if (still == standstill)
                     return watch_.fail(Status::tolerance_not_met,
                                        fmt::format("step size below the spacing of numbers at t = {:g} s", t));
                 for (; samples.due(segment, t); samples.pop())
                     if (!show(samples.front())) return false;
-                if (!watch_.stays_sane([&] { return look(); })) return false;
+                if (!watch_.stays_bounded([&] { return current_motion(); })) return false;
             }
             return true;
         });

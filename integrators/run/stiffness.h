@@ -8,12 +8,12 @@ namespace polhode {
 /// Number of decay times against rotation. Decay limits the steps of an explicit method by stability; rotation limits
 /// the steps of any method by accuracy.
 struct Stiffness {
-    double decays = 0;   ///< integral over the run of the largest |lambda| of decaying eigenvalues of df/dy
-    double turning = 0;  ///< integral over the run of |omega|, rad
+    double decay_times = 0;  ///< integral over the run of the largest |lambda| of decaying eigenvalues of df/dy
+    double rotation = 0;     ///< integral over the run of |omega|, rad
 
     /// Explicit steps of high order cover about five decay times and about one radian. Ten implicit steps, each about
     /// ten times as expensive, bring a motion to rest.
-    bool stiff() const { return decays > 500 && decays > 20 * turning; }
+    bool stiff() const { return decay_times > 500 && decay_times > 20 * rotation; }
 };
 
 /// Evaluates the stiffness along the motion, which `radau` computes to a tolerance of 1e-3. Returns zero if nothing

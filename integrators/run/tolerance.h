@@ -13,9 +13,9 @@
 namespace polhode {
 
 /// False for a relative tolerance below the spacing of binary64, which no solver can reach.
-inline bool reachable(double tolerance) { return tolerance >= std::numeric_limits<double>::epsilon(); }
+inline bool is_reachable(double tolerance) { return tolerance >= std::numeric_limits<double>::epsilon(); }
 /// The result for an unreachable tolerance: Status::tolerance_not_met.
-inline Trajectory out_of_reach(double tolerance) {
+inline Trajectory unreachable_tolerance(double tolerance) {
     Trajectory trajectory;
     trajectory.status = Status::tolerance_not_met;
     trajectory.message = fmt::format("the tolerance {:g} is below the spacing of binary64, {:.3g}", tolerance,
@@ -52,6 +52,8 @@ double first_step(const Rate& rate, const Values& y, const Values& tolerated, in
 
 /// The local error that a moderate-order method of polhode aims at for a relative tolerance R. Local errors accumulate
 /// over hundreds of rotations; a tenth of R costs at most a quarter more steps.
-inline double aimed_at(double tolerance) { return std::max(0.1 * tolerance, std::numeric_limits<double>::epsilon()); }
+inline double local_tolerance(double tolerance) {
+    return std::max(0.1 * tolerance, std::numeric_limits<double>::epsilon());
+}
 
 }  // namespace polhode

@@ -21,53 +21,53 @@ Budget::Budget(const Settings& settings)
       start_(std::chrono::steady_clock::now()),
       processor_start_(processor_time()) {}
 
-void Budget::stop(Trajectory& trajectory) const {
+void Budget::report_limit(Trajectory& trajectory) const {
     trajectory.status = Status::failed, trajectory.message = message_, trajectory.limit_reached = true;
 }
 
-void Budget::forbid(Trajectory& trajectory) const {
+void Budget::report_excess_steps(Trajectory& trajectory) const {
     trajectory.status = Status::failed, trajectory.limit_reached = true;
     trajectory.message = fmt::format("needs more than the limit of {} steps", max_steps_ / repetitions_);
 }
 
-bool Budget::refuse_step() {
+bool Budget::report_step_limit() {
     message_ = fmt::format("stopped at the limit of {} steps", max_steps_ / repetitions_);
     return false;
 }
 
-bool Budget::refuse_evaluation() {
+bool Budget::report_evaluation_limit() {
     message_ = fmt::format("stopped at the limit of {} evaluations", max_evaluations_);
     return false;
 }
 
-double Budget::spent() const {
+double Budget::elapsed() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-bool Budget::in_time() {
-    constexpr double between_looks = 0.01;  // s
+bool Budget::check_time() {
+    constexpr double check_interval = 0.01;  // s
     constexpr long most_steps = 1024;
-    const double now = spent();
+    const double now = elapsed();
     if (Interruption::is_wanted()) {
-        until_look_ = 1;
+        until_check_ = 1;
         message_ = "interrupted";
         return false;
     }
     if (now > seconds_limit_) {
         // reading the wall clock is fast; reading the processor time is slow, but it never exceeds the wall clock
         if (processor_time() - processor_start_ > seconds_limit_) {
-            until_look_ = 1;
+            until_check_ = 1;
             message_ = fmt::format("stopped at the limit of {} s", seconds_limit_ / repetitions_);
             return false;
         }
     }
-    between_looks_ =
-        now - looked_ < between_looks ? std::min(2 * between_looks_, most_steps) : std::max(between_looks_ / 2, 1L);
-    until_look_ = between_looks_, looked_ = now;
+    check_interval_ = now - checked_at_ < check_interval ? std::min(2 * check_interval_, most_steps)
+                                                         : std::max(check_interval_ / 2, 1L);
+    until_check_ = check_interval_, checked_at_ = now;
     return true;
 }
 
-std::string moment(double t) { return fmt::format("t = {:.9g} s", t); }
+std::string format_time(double t) { return fmt::format("t = {:.9g} s", t); }
 
 std::string divergence(const Problem& problem, const Bodies& bodies, double bound) {
     const auto model = problem.model();
@@ -84,13 +84,13 @@ std::string divergence(const Problem& problem, const Bodies& bodies, double boun
     }
     const double t = bodies.front().t;
     if (finite && kinetic <= bound) return {};
-    if (!finite) return "not finite at " + moment(t);
+    if (!finite) return "not finite at " + format_time(t);
     return fmt::format("kinetic energy {:.3g} J at {}, more than 10^6 times the scene's estimated maximum", kinetic,
-                       moment(t));
+                       format_time(t));
 }
 
 std::string last_state(const Bodies& bodies) {
-    std::string text = fmt::format("; the last state, at {}: ", moment(bodies.front().t));
+    std::string text = fmt::format("; the last state, at {}: ", format_time(bodies.front().t));
     for (const Sample& sample : bodies) {
         const Vector3<double>& w = sample.angular_velocity_B;
         const Quaternion<double>& q = sample.q;
@@ -101,7 +101,7 @@ std::string last_state(const Bodies& bodies) {
     return text;
 }
 
-void explain_unsolved(Trajectory& trajectory, const Bodies& bodies) {
+void report_unsolved_step(Trajectory& trajectory, const Bodies& bodies) {
     trajectory.status = Status::failed;
     trajectory.message =
         "the implicit equations of the step were not solved: the step is too long" + last_state(bodies);

@@ -16,40 +16,40 @@ class Budget {
     /// Starts the clock.
     explicit Budget(const Settings& settings);
 
-    /// Takes one step. Returns false if the run must end; stop() then sets the reason. `evaluations` is the number of
-    /// right-hand-side evaluations in this repetition so far.
-    bool take(long evaluations = 0) {
-        if (steps_ >= max_steps_) return refuse_step();
+    /// Takes one step. Returns false if the run must end; report_limit() then sets the reason. `evaluations` is the
+    /// number of right-hand-side evaluations in this repetition so far.
+    bool count_step(long evaluations = 0) {
+        if (steps_ >= max_steps_) return report_step_limit();
         ++steps_;
-        if (goes_on(evaluations)) return true;
+        if (may_continue(evaluations)) return true;
         --steps_;
         return false;
     }
     /// Returns true if the run may continue with work that is not a step: another attempt, or a separate sample.
-    /// `evaluations` as for take().
-    bool goes_on(long evaluations = 0) {
-        if (evaluations >= max_evaluations_) return refuse_evaluation();
-        return --until_look_ > 0 || in_time();
+    /// `evaluations` as for count_step().
+    bool may_continue(long evaluations = 0) {
+        if (evaluations >= max_evaluations_) return report_evaluation_limit();
+        return --until_check_ > 0 || check_time();
     }
     /// Number of steps over all repetitions.
     long steps() const { return steps_; }
     /// Ends a run before its first step because it needs more steps than allowed: Status::failed.
-    void forbid(Trajectory& trajectory) const;
-    /// Ends the run after take() or goes_on() returned false: Status::failed, with the reason.
-    void stop(Trajectory& trajectory) const;
+    void report_excess_steps(Trajectory& trajectory) const;
+    /// Ends the run after count_step() or may_continue() returned false: Status::failed, with the reason.
+    void report_limit(Trajectory& trajectory) const;
 
   private:
-    bool refuse_step();
-    bool refuse_evaluation();
-    bool in_time();
-    double spent() const;
+    bool report_step_limit();
+    bool report_evaluation_limit();
+    bool check_time();
+    double elapsed() const;
 
     long steps_ = 0, max_steps_, max_evaluations_;
     int repetitions_;
     double seconds_limit_;
     // number of steps between two checks of the clock, about 10 ms, at most 1024
-    long until_look_ = 1, between_looks_ = 1;
-    double looked_ = 0;  // s after start_
+    long until_check_ = 1, check_interval_ = 1;
+    double checked_at_ = 0;  // s after start_
     std::chrono::steady_clock::time_point start_;
     double processor_start_;
     std::string message_;
@@ -61,7 +61,7 @@ inline SampleQueue sample_queue(const Problem& problem, const Settings& settings
 }
 
 /// Formats a time, s, for messages: "t = 0.125 s".
-std::string moment(double t);
+std::string format_time(double t);
 
 /// A clock that starts on construction.
 class Stopwatch {
@@ -80,7 +80,7 @@ std::string divergence(const Problem& problem, const Bodies& bodies, double boun
 std::string last_state(const Bodies& bodies);
 
 /// Sets status and message for a step whose implicit equations were not solved. `bodies`: the last state.
-void explain_unsolved(Trajectory& trajectory, const Bodies& bodies);
+void report_unsolved_step(Trajectory& trajectory, const Bodies& bodies);
 
 /// Appends the sample and returns true, or sets Status::diverged with the previous sample and returns false.
 bool record(const Problem& problem, const Bodies& bodies, double bound, Trajectory& trajectory);
@@ -118,34 +118,34 @@ class Watch {
 
     /// Must be called at t = 0, before each repetition.
     void restart() {
-        until_look_ = between_looks;
+        until_check_ = check_interval;
         marked_steps_ = budget_.steps(), marked_time_ = 0;
     }
     /// Number of steps over all repetitions.
     long steps() const { return budget_.steps(); }
 
     /// True if a step may be taken; `evaluations` is the number of right-hand-side evaluations in this repetition.
-    bool may_step(long evaluations) { return budget_.take(evaluations) || stop(); }
+    bool may_step(long evaluations) { return budget_.count_step(evaluations) || stop(); }
     /// True if another attempt or a separate step for a sample may be made; `evaluations` as for may_step().
-    bool may_attempt(long evaluations) { return budget_.goes_on(evaluations) || stop(); }
+    bool may_attempt(long evaluations) { return budget_.may_continue(evaluations) || stop(); }
     /// Must be called after an accepted step to t, s. Returns false if the run makes no progress: its steps are so
     /// short, accepted only through round-off, that the rest would take ten times the step limit.
-    bool gets_on(double t) {
+    bool makes_progress(double t) {
         constexpr long span = 1 << 14;
         if (budget_.steps() - marked_steps_ < span) return true;
         const double needed = static_cast<double>(span) * (problem_->scene.duration - t) / (t - marked_time_);
         marked_steps_ = budget_.steps(), marked_time_ = t;
         return needed <= 10 * static_cast<double>(settings_->max_steps) ||
                fail(Status::tolerance_not_met,
-                    "no progress at " + moment(t) + ": the tolerance is too small for binary64");
+                    "no progress at " + format_time(t) + ": the tolerance is too small for binary64");
     }
     /// Must be called after the samples of an accepted step. Returns false if the motion has diverged. sample() returns
     /// the current motion.
-    template <std::invocable Look>
-    bool stays_sane(Look&& sample) {
-        if (--until_look_ > 0) return true;
-        until_look_ = between_looks;
-        return is_sane(sample());
+    template <std::invocable Sampler>
+    bool stays_bounded(Sampler&& sample) {
+        if (--until_check_ > 0) return true;
+        until_check_ = check_interval;
+        return is_bounded(sample());
     }
     /// Records a sample; returns false if the motion has diverged.
     bool record(const Bodies& bodies) { return polhode::record(*problem_, bodies, bound_, *trajectory_); }
@@ -157,13 +157,13 @@ class Watch {
     }
 
   private:
-    static constexpr int between_looks = 16;  // accepted steps
+    static constexpr int check_interval = 16;  // accepted steps
 
     bool stop() {
-        budget_.stop(*trajectory_);
+        budget_.report_limit(*trajectory_);
         return false;
     }
-    bool is_sane(const Bodies& bodies) {
+    bool is_bounded(const Bodies& bodies) {
         std::string what = divergence(*problem_, bodies, bound_);
         return what.empty() || fail(Status::diverged, what + last_state(bodies));
     }
@@ -175,7 +175,7 @@ class Watch {
     Budget budget_;
     long marked_steps_ = 0;
     double marked_time_ = 0;  // s
-    int until_look_ = between_looks;
+    int until_check_ = check_interval;
 };
 
 }  // namespace polhode

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 #include "integrators/run/march.h"
 #include "integrators/run/refusals.h"
 #include "integrators/run/stiffness.h"
@@ -88,7 +88,7 @@ double growth(std::complex<double> z) {
             return LinearTable(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(of_order[order - 2])));
         }
     }();
-    return runge_kutta_growth(table.A, table.b, z);
+    return runge_kutta_amplification(table.A, table.b, z);
 }
 
 constexpr std::string_view arkode_source =
@@ -113,11 +113,11 @@ constexpr Method method(std::string_view name, std::string_view documentation) {
             .source = arkode_source,
             .conserves = "nothing",
             .control = Control::fixed_step_or_tolerance,
-            .own_systems = true,
+            .general_systems = true,
             .order = order,
             .solve = solve_by<implicit, order>,
-            .growth = growth<implicit, order>,
-            .refuses = implicit ? no_jacobian_of_user_torque : nullptr};
+            .amplification = growth<implicit, order>,
+            .refusal = implicit ? no_jacobian_of_user_torque : nullptr};
 }
 
 constexpr Method each[] = {
@@ -161,7 +161,7 @@ constexpr Method each[] = {
      .solve = by_stiffness},
 };
 
-constexpr auto list = sharing({.family = Family::runge_kutta, .library = sundials_library}, each);
+constexpr auto list = apply_defaults({.family = Family::runge_kutta, .library = sundials_library}, each);
 
 }  // namespace
 

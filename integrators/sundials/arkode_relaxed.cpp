@@ -182,7 +182,7 @@ std::string energy_is_not_kept(const Problem& problem) {
 
 template <ARKODE_ERKTableID id>
 Trajectory relaxed(const Problem& problem, const Settings& settings) {
-    if (settings.tolerance && !reachable(*settings.tolerance)) return out_of_reach(*settings.tolerance);
+    if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     const Tableau table(id);
     return with_one_body(problem, [&]<class SystemType>() {
         if (!settings.tolerance) return march<RelaxedStepper<SystemType>>(problem, settings, table);
@@ -214,13 +214,13 @@ constexpr Method each[] = {
      .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
 };
 
-constexpr auto list = sharing({.source = relaxation_source,
-                               .conserves = energy_kept,
-                               .control = Control::fixed_step_or_tolerance,
-                               .family = Family::runge_kutta,
-                               .library = sundials_library,
-                               .refuses = energy_is_not_kept},
-                              each);
+constexpr auto list = apply_defaults({.source = relaxation_source,
+                                      .conserves = energy_kept,
+                                      .control = Control::fixed_step_or_tolerance,
+                                      .family = Family::runge_kutta,
+                                      .library = sundials_library,
+                                      .refusal = energy_is_not_kept},
+                                     each);
 
 }  // namespace
 

@@ -50,7 +50,7 @@ constexpr Method each[] = {
          "the error test. Relative tolerance R, absolute tolerance R times the component's scale. CVODE controls the "
          "steps. They stop exactly at every event, where the history restarts. Samples inside a step use its dense "
          "output (the interpolating polynomial of the step's order), so the steps do not depend on the sampling.",
-     .own_systems = true,
+     .general_systems = true,
      .solve = adams},
     {.name = "cvode_bdf",
      .documentation =
@@ -60,16 +60,16 @@ constexpr Method each[] = {
          "formulas of orders 3 to 5 would be unstable, the order is reduced, and the reductions are counted. "
          "Tolerances, events and samples as for `cvode_adams`. User-defined torques are `unsupported`, because they "
          "have no Jacobian.",
-     .own_systems = true,
+     .general_systems = true,
      .solve = bdf,
-     .refuses = no_jacobian_of_user_torque},
+     .refusal = no_jacobian_of_user_torque},
     {.name = "cvode_bdf_projected",
      .documentation =
          "`cvode_bdf` with CVODE's projection of the end of each step onto |q| = 1 and the motion's invariants, as in "
          "`odeint_rk4_projected`. The error estimate that controls step and order is not projected.",
      .conserves = "|q| and, if the motion conserves them, E, momenta and spin, to round-off",
      .solve = projected_bdf,
-     .refuses = no_jacobian_of_user_torque},
+     .refusal = no_jacobian_of_user_torque},
     {.name = "cvode",
      .documentation =
          "`cvode_bdf` if the motion is stiff, otherwise `cvode_adams`; the message says which. Stiff means that the "
@@ -79,12 +79,12 @@ constexpr Method each[] = {
      .solve = by_stiffness},
 };
 
-constexpr auto list = sharing({.source = source,
-                               .conserves = "nothing",
-                               .control = Control::tolerance,
-                               .family = Family::multistep,
-                               .library = sundials_library},
-                              each);
+constexpr auto list = apply_defaults({.source = source,
+                                      .conserves = "nothing",
+                                      .control = Control::tolerance,
+                                      .family = Family::multistep,
+                                      .library = sundials_library},
+                                     each);
 
 }  // namespace
 

@@ -146,7 +146,7 @@ constexpr Method each[] = {{
     .solve = solve_impacts,
 }};
 
-constexpr auto list = sharing({.family = Family::multistep, .library = sundials_library}, each);
+constexpr auto list = apply_defaults({.family = Family::multistep, .library = sundials_library}, each);
 
 }  // namespace
 

@@ -44,18 +44,18 @@ constexpr Method each[] = {
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
      .conserves = "joints closed, |q| = 1, to the tolerance",
      .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::two); },
-     .refuses = no_inverse_masses},
+     .refusal = no_inverse_masses},
 };
 
-constexpr auto list =
-    sharing({.source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear "
-                       "and differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396",
-             .control = Control::tolerance,
-             .own_systems = true,
-             .family = Family::multistep,
-             .library = sundials_library,
-             .refuses = no_mechanism},
-            each);
+constexpr auto list = apply_defaults(
+    {.source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear "
+               "and differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396",
+     .control = Control::tolerance,
+     .general_systems = true,
+     .family = Family::multistep,
+     .library = sundials_library,
+     .refusal = no_mechanism},
+    each);
 
 }  // namespace
 

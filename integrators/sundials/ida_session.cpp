@@ -64,7 +64,7 @@ void IdaSession::set_tolerances() {
     for (int b = 0; b < mechanism.world(); ++b) {
         const int first = system_.place(b);
         if (first < 0) continue;
-        const maximal::HeldBody<double>& body = mechanism.bodies[b];
+        const maximal::MaximalBody<double>& body = mechanism.bodies[b];
         // centres that do not move have no scale of their own
         const double reach = body.reach(), velocity = std::max(scales.velocity, scales.angular_velocity * reach);
         mass += body.mass, speed = std::max(speed, velocity);
@@ -123,8 +123,8 @@ SolverFailure IdaSession::failure(int flag) {
     const std::unique_ptr<char, decltype(&std::free)> name(IDAGetReturnFlagName(flag), &std::free);
     const std::string said = message_.empty() ? fmt::format("IDA returned {}", name.get()) : "IDA: " + message_;
     if (not_finite_at_)
-        return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}{}", moment(*not_finite_at_),
-                                              said, last_state(sample()))};
+        return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}{}",
+                                              format_time(*not_finite_at_), said, last_state(sample()))};
     const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
     return {out_of_reach ? Status::tolerance_not_met : Status::failed, said};
 }

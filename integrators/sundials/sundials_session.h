@@ -86,7 +86,7 @@ class SundialsSession {
         const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}: {}{}",
-                                                  moment(*not_finite_at_), library, said, last_state(sample()))};
+                                                  format_time(*not_finite_at_), library, said, last_state(sample()))};
         return {status, fmt::format("{}: {}", library, said)};
     }
     void rethrow() {

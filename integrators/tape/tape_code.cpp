@@ -39,13 +39,13 @@ class TapeCompiler {
           wide_(wide),
           width_(wide ? 8 : 4),
           a_(&holder),
-          most_(layout.lanes / width_),
+          registers_per_row_(layout.lanes / width_),
           row_count_(static_cast<int>(program.rows.size())),
-          place_(static_cast<std::size_t>(program.slots + row_count_ * (1 + most_)), none),
-          touched_(static_cast<std::size_t>(row_count_), 0),
+          register_of_(static_cast<std::size_t>(program.slots + row_count_ * (1 + registers_per_row_)), none),
+          lane_is_current_(static_cast<std::size_t>(row_count_), 0),
           persistent_(static_cast<std::size_t>(program.slots), 0) {
         register_count_ = wide ? 32 : 16;
-        if (wide && !eight) find_homes();
+        if (wide && !eight) reserve_registers();
         for (const TapeProgram::Row& row : program.rows) persistent_[row.slot] = 1;
     }
 
@@ -84,22 +84,23 @@ class TapeCompiler {
 
     void write_rates() {
         // Arguments: memory, start, now, scale, change.
-        const std::array held{x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
-        const std::array given{x86::rdi, x86::rsi, x86::rdx, x86::rcx, x86::r8};
-        for (const x86::Gp& r : held) a_.push(r);
-        for (std::size_t i = 0; i < held.size(); ++i) a_.mov(held[i], given[i]);
+        const std::array argument_registers{x86::rbx, x86::r12, x86::r13, x86::r14, x86::r15};
+        const std::array incoming_registers{x86::rdi, x86::rsi, x86::rdx, x86::rcx, x86::r8};
+        for (const x86::Gp& r : argument_registers) a_.push(r);
+        for (std::size_t i = 0; i < argument_registers.size(); ++i)
+            a_.mov(argument_registers[i], incoming_registers[i]);
         const asmjit::Label part = a_.newLabel();
         if (!wide_) {
             a_.sub(x86::rsp, 8);
             a_.call(part);
-            for (const x86::Gp& r : held) a_.add(r, 32);
+            for (const x86::Gp& r : argument_registers) a_.add(r, 32);
             a_.call(part);
             a_.add(x86::rsp, 8);
         } else {
             add_eight_rates();
         }
         a_.vzeroupper();
-        for (auto r = held.rbegin(); r != held.rend(); ++r) a_.pop(*r);
+        for (auto r = argument_registers.rbegin(); r != argument_registers.rend(); ++r) a_.pop(*r);
         a_.ret();
         if (wide_) return;
         a_.bind(part);
@@ -117,20 +118,20 @@ class TapeCompiler {
     bool careful_, wide_;
     int width_;  ///< numbers per register
     x86::Assembler a_;
-    int most_;  ///< registers per row
+    int registers_per_row_;
     int row_count_;
     // Register of each value, or `none`. Ids: the slots, then each row's newest coefficient broadcast to all lanes,
     // then the registers of each row.
-    std::vector<Register> place_;
-    std::vector<char> touched_;     // by row: the newest coefficient is in its lane
-    std::vector<char> persistent_;  // by slot: store the value as soon as it is computed
+    std::vector<Register> register_of_;
+    std::vector<char> lane_is_current_;  // by row: the newest coefficient is in its lane
+    std::vector<char> persistent_;       // by slot: store the value as soon as it is computed
     // Registers kept from order to order: coefficients by row, newest coefficient by row, sums.
-    std::vector<Register> row_home_, newest_home_, sum_home_;
+    std::vector<Register> row_registers_, newest_registers_, sum_registers_;
     bool stores_all_ = false;
     int register_count_;
-    std::array<int, 32> held_{};     // by register: the id of its value
-    std::array<bool, 32> dirty_{};   // by register: the value is not in memory
-    std::array<bool, 32> in_use_{};  // by register: used by the current instruction
+    std::array<int, 32> value_in_{};  // by register: the id of its value
+    std::array<bool, 32> dirty_{};    // by register: the value is not in memory
+    std::array<bool, 32> in_use_{};   // by register: used by the current instruction
     // Instruction positions of all uses in the current part, grouped by id.
     std::vector<int> first_use_, uses_, next_;
     int quarters_ = 2;    // quarter cache lines that products fill in the current part
@@ -165,39 +166,39 @@ class TapeCompiler {
         a_.emit(instruction(x86::Inst::kIdVmovsd, x86::Inst::kIdVmovapd), to, number(r));
     }
     int newest(int row) const { return program_.slots + row; }
-    int lanes_of(int row, int vector) const { return program_.slots + row_count_ + row * most_ + vector; }
+    int lanes_of(int row, int vector) const { return program_.slots + row_count_ + row * registers_per_row_ + vector; }
 
     // --- registers
 
     /// For small tapes, reserves registers for newest state coefficients, sums and rows. They then stay out of memory
     /// between orders.
-    void find_homes() {
+    void reserve_registers() {
         constexpr int working = 9, most = 40;
         const auto is_of_state = [this](const TapeProgram::Row& row) {
             return !row.is_inner() && row.slot < program_.states;
         };
         const auto states = std::count_if(program_.rows.begin(), program_.rows.end(), is_of_state);
-        if (states + most_ * (std::ssize(program_.rows) + std::ssize(program_.sums)) > most) return;
+        if (states + registers_per_row_ * (std::ssize(program_.rows) + std::ssize(program_.sums)) > most) return;
         for (const TapeProgram::Row& row : program_.rows)
-            newest_home_.push_back(is_of_state(row) && register_count_ > working ? --register_count_ : none);
-        for (std::vector<Register>* const list : {&sum_home_, &row_home_})
-            for (std::size_t i = 0; i < (list == &sum_home_ ? program_.sums.size() : program_.rows.size()); ++i)
-                for (int v = 0; v < most_ && register_count_ - most_ + v >= working; ++v)
+            newest_registers_.push_back(is_of_state(row) && register_count_ > working ? --register_count_ : none);
+        for (std::vector<Register>* const list : {&sum_registers_, &row_registers_})
+            for (std::size_t i = 0; i < (list == &sum_registers_ ? program_.sums.size() : program_.rows.size()); ++i)
+                for (int v = 0; v < registers_per_row_ && register_count_ - registers_per_row_ + v >= working; ++v)
                     list->push_back(--register_count_);
     }
 
     static constexpr int never = std::numeric_limits<int>::max();
     int next_use(int id) const { return next_[id] < first_use_[id + 1] ? uses_[next_[id]] : never; }
     void reset(int ids) {
-        held_.fill(free_), dirty_.fill(false), in_use_.fill(false);
-        std::fill(place_.begin(), place_.end(), none);
-        std::fill(touched_.begin(), touched_.end(), 0);
+        value_in_.fill(free_), dirty_.fill(false), in_use_.fill(false);
+        std::fill(register_of_.begin(), register_of_.end(), none);
+        std::fill(lane_is_current_.begin(), lane_is_current_.end(), 0);
         first_use_.assign(static_cast<std::size_t>(ids) + 1, 0);
     }
     /// Runs the enumeration of uses twice: first to count them, then to record them.
     template <class Enumerate>
     void note_uses(Enumerate&& enumerate) {
-        const int ids = static_cast<int>(place_.size());
+        const int ids = static_cast<int>(register_of_.size());
         reset(ids);
         enumerate([&](int id, int) { ++first_use_[id + 1]; });
         for (int i = 0; i < ids; ++i) first_use_[i + 1] += first_use_[i];
@@ -206,98 +207,100 @@ class TapeCompiler {
         enumerate([&](int id, int at) { uses_[next_[id]++] = at; });
         next_.assign(first_use_.begin(), first_use_.end() - 1);
     }
-    void used(int id) { ++next_[id]; }
+    void count_use(int id) { ++next_[id]; }
 
-    Register take() {
+    Register allocate_register() {
         int best = -1, furthest = -1;
         for (int r = 0; r < register_count_; ++r) {
-            if (in_use_[r] || held_[r] == locked_) continue;
-            if (held_[r] == free_) {
+            if (in_use_[r] || value_in_[r] == locked_) continue;
+            if (value_in_[r] == free_) {
                 best = r;
                 break;
             }
-            const int use = next_use(held_[r]);
+            const int use = next_use(value_in_[r]);
             if (use > furthest) best = r, furthest = use;
         }
-        if (held_[best] >= 0) evict(best);
+        if (value_in_[best] >= 0) evict(best);
         return best;
     }
     void evict(Register r) {
-        const int id = held_[r];
+        const int id = value_in_[r];
         if (dirty_[r] && next_use(id) != never) store(slot(id), r);
-        place_[id] = none, held_[r] = free_, dirty_[r] = false;
+        register_of_[id] = none, value_in_[r] = free_, dirty_[r] = false;
     }
     Register temporary() {
-        const Register r = take();
-        held_[r] = locked_;
+        const Register r = allocate_register();
+        value_in_[r] = locked_;
         return r;
     }
-    void release(Register r) { held_[r] = free_; }
-    void hold(Register r, int id, bool dirty) {
-        if (place_[id] != none && place_[id] != r) held_[place_[id]] = free_, dirty_[place_[id]] = false;
-        held_[r] = id, place_[id] = r, dirty_[r] = dirty;
+    void release(Register r) { value_in_[r] = free_; }
+    void assign_register(Register r, int id, bool dirty) {
+        if (register_of_[id] != none && register_of_[id] != r)
+            value_in_[register_of_[id]] = free_, dirty_[register_of_[id]] = false;
+        value_in_[r] = id, register_of_[id] = r, dirty_[r] = dirty;
     }
     /// Frees the register of a value without further uses.
-    void done(int id) {
-        if (place_[id] == none || next_use(id) != never) return;
-        held_[place_[id]] = free_, dirty_[place_[id]] = false, place_[id] = none;
+    void release_if_dead(int id) {
+        if (register_of_[id] == none || next_use(id) != never) return;
+        value_in_[register_of_[id]] = free_, dirty_[register_of_[id]] = false, register_of_[id] = none;
     }
     Register fetch_scalar(int id) {
-        if (place_[id] == none) {
-            const Register r = take();
+        if (register_of_[id] == none) {
+            const Register r = allocate_register();
             load(r, slot(id));
             if (is_moving(id)) a_.vaddpd(vec(r), vec(r), x86::ptr(x86::r13, 64 * (id - program_.values[0])));
-            hold(r, id, false);
+            assign_register(r, id, false);
         }
-        in_use_[place_[id]] = true;
-        return place_[id];
+        in_use_[register_of_[id]] = true;
+        return register_of_[id];
     }
     Register fetch_newest(int row) {
-        if (!newest_home_.empty() && newest_home_[row] != none) return newest_home_[row];
+        if (!newest_registers_.empty() && newest_registers_[row] != none) return newest_registers_[row];
         const int id = newest(row);
-        if (place_[id] == none) {
-            const Register r = take();
+        if (register_of_[id] == none) {
+            const Register r = allocate_register();
             const TapeProgram::Row& of = program_.rows[row];
             if (of.is_inner() && of.slot < program_.states)
                 // From the previous order.
                 a_.vbroadcastsd(vec(r), x86::ptr(x86::r12, 8 * (of.slot - layout_.states)));
-            else if (!of.is_inner() && place_[of.slot] != none)
-                a_.vbroadcastsd(vec(r), x86::xmm(place_[of.slot]));
+            else if (!of.is_inner() && register_of_[of.slot] != none)
+                a_.vbroadcastsd(vec(r), x86::xmm(register_of_[of.slot]));
             else
                 a_.vbroadcastsd(vec(r), slot(of.slot));
-            hold(r, id, false);
+            assign_register(r, id, false);
         }
-        in_use_[place_[id]] = true;
-        return place_[id];
+        in_use_[register_of_[id]] = true;
+        return register_of_[id];
     }
-    Register home(const std::vector<Register>& list, int which, int vector) const {
-        const std::size_t i =
-            static_cast<std::size_t>(which) * static_cast<std::size_t>(most_) + static_cast<std::size_t>(vector);
+    Register reserved_register(const std::vector<Register>& list, int which, int vector) const {
+        const std::size_t i = static_cast<std::size_t>(which) * static_cast<std::size_t>(registers_per_row_) +
+                              static_cast<std::size_t>(vector);
         return i < list.size() ? list[i] : none;
     }
     Register fetch_lanes(int row, int vector) {
-        if (!touched_[row]) touch(row);
-        if (const Register r = home(row_home_, row, vector); r != none) return r;
+        if (!lane_is_current_[row]) update_lane(row);
+        if (const Register r = reserved_register(row_registers_, row, vector); r != none) return r;
         const int id = lanes_of(row, vector);
-        if (place_[id] == none) {
-            const Register r = take();
+        if (register_of_[id] == none) {
+            const Register r = allocate_register();
             a_.vmovapd(vec(r, vector), lanes_at(layout_.rows, row, vector));
-            hold(r, id, false);
+            assign_register(r, id, false);
         }
-        in_use_[place_[id]] = true;
-        return place_[id];
+        in_use_[register_of_[id]] = true;
+        return register_of_[id];
     }
     /// Puts the newest coefficient into its lane.
-    void touch(int row) {
+    void update_lane(int row) {
         const Register x = fetch_newest(row);
-        touched_[row] = 1;
-        if (!program_.rows[row].is_inner()) used(program_.rows[row].slot), done(program_.rows[row].slot);
+        lane_is_current_[row] = 1;
+        if (!program_.rows[row].is_inner())
+            count_use(program_.rows[row].slot), release_if_dead(program_.rows[row].slot);
         for (int v = 0; v < vectors(); ++v) {
-            if (const Register r = home(row_home_, row, v); r != none) {
+            if (const Register r = reserved_register(row_registers_, row, v); r != none) {
                 a_.k(mask(v, newest_lane)).vmovapd(vec(r, v), vec(x, v));
                 continue;
             }
-            const Register r = take();
+            const Register r = allocate_register();
             in_use_[r] = true;
             const x86::Mem at = lanes_at(layout_.rows, row, v);
             a_.vmovapd(vec(r, v), at);
@@ -310,7 +313,7 @@ class TapeCompiler {
                 release(m);
             }
             a_.vmovapd(at, vec(r, v));
-            hold(r, lanes_of(row, v), false);
+            assign_register(r, lanes_of(row, v), false);
             in_use_[r] = false;
         }
     }
@@ -321,9 +324,9 @@ class TapeCompiler {
     x86::KReg mask(int vector, Mask which) const { return x86::k(1 + 3 * vector + which); }
     // By order: the masks of W, then those of P. One byte each for AVX-512, 32 bytes (a vector) each for AVX2.
     int mask_size() const { return wide_ ? 1 : 32; }
-    int mask_count() const { return 2 * 3 * most_; }
+    int mask_count() const { return 2 * 3 * registers_per_row_; }
     x86::Mem mask_at(int vector, Mask which) const {
-        return x86::ptr(x86::r13, mask_size() * ((inner_ ? 3 * most_ : 0) + 3 * vector + which));
+        return x86::ptr(x86::r13, mask_size() * ((inner_ ? 3 * registers_per_row_ : 0) + 3 * vector + which));
     }
     // Bit mask of lanes, given the lane of the newest coefficient.
     static unsigned lanes(int lane, Mask which) {
@@ -347,7 +350,7 @@ class TapeCompiler {
         a_.bind(masks);
         for (int k = 0; k < layout_.order; ++k)
             for (const int lane : {k, k - 2})
-                for (int v = 0; v < most_; ++v)
+                for (int v = 0; v < registers_per_row_; ++v)
                     for (const Mask which : {begun, both, newest_lane}) {
                         const unsigned taken = lanes(lane, which) >> (v * width_);
                         if (wide_)
@@ -379,11 +382,11 @@ class TapeCompiler {
     /// Returns the operand in a register, or in memory if it is there and this is its last use.
     Operand operand(int id) {
         const bool last = next_[id] + 1 >= first_use_[id + 1];
-        if (place_[id] == none && last && !is_moving(id)) return {none, slot(id)};
+        if (register_of_[id] == none && last && !is_moving(id)) return {none, slot(id)};
         return {fetch_scalar(id), {}};
     }
     Register in_register(const Operand& operand, int id) { return operand.in != none ? operand.in : fetch_scalar(id); }
-    bool dies(int id) const { return next_use(id) == never; }
+    bool is_dead(int id) const { return next_use(id) == never; }
 
     template <class Instruction>
     void emit(Instruction id, Register to, Register a, const Operand& b) {
@@ -394,49 +397,49 @@ class TapeCompiler {
     }
     void define(int to, Register r) {
         const bool stored = stores_all_ || persistent_[to] != 0;
-        hold(r, to, !stored);
+        assign_register(r, to, !stored);
         if (stored) store(slot(to), r);
-        done(to);
+        release_if_dead(to);
     }
     void finish(const TapeProgram::Operation& op) {
         in_use_.fill(false);
         for (const int id : {op.a, op.b, op.c})
-            if (id != none) done(id);
+            if (id != none) release_if_dead(id);
     }
     /// Returns a register for the result: that of an operand without further uses, or a new one.
     Register result(std::initializer_list<std::pair<int, Register>> operands) {
         for (const auto& [id, r] : operands)
-            if (id != none && r != none && dies(id)) {
-                place_[id] = none, held_[r] = free_, dirty_[r] = false;
+            if (id != none && r != none && is_dead(id)) {
+                register_of_[id] = none, value_in_[r] = free_, dirty_[r] = false;
                 return r;
             }
-        return take();
+        return allocate_register();
     }
     void operate(const TapeProgram::Operation& op) {
         switch (op.kind) {
             case Kind::add:
-                return two(op, instruction(x86::Inst::kIdVaddsd, x86::Inst::kIdVaddpd), true);
+                return emit_binary(op, instruction(x86::Inst::kIdVaddsd, x86::Inst::kIdVaddpd), true);
             case Kind::subtract:
-                return two(op, instruction(x86::Inst::kIdVsubsd, x86::Inst::kIdVsubpd), false);
+                return emit_binary(op, instruction(x86::Inst::kIdVsubsd, x86::Inst::kIdVsubpd), false);
             case Kind::multiply:
-                return two(op, instruction(x86::Inst::kIdVmulsd, x86::Inst::kIdVmulpd), true);
+                return emit_binary(op, instruction(x86::Inst::kIdVmulsd, x86::Inst::kIdVmulpd), true);
             case Kind::divide:
-                return two(op, instruction(x86::Inst::kIdVdivsd, x86::Inst::kIdVdivpd), false);
+                return emit_binary(op, instruction(x86::Inst::kIdVdivsd, x86::Inst::kIdVdivpd), false);
             case Kind::product_plus:
-                return three(op, instruction(x86::Inst::kIdVfmadd231sd, x86::Inst::kIdVfmadd231pd),
-                             instruction(x86::Inst::kIdVfmadd213sd, x86::Inst::kIdVfmadd213pd));
+                return emit_fused(op, instruction(x86::Inst::kIdVfmadd231sd, x86::Inst::kIdVfmadd231pd),
+                                  instruction(x86::Inst::kIdVfmadd213sd, x86::Inst::kIdVfmadd213pd));
             case Kind::product_minus:
-                return three(op, instruction(x86::Inst::kIdVfmsub231sd, x86::Inst::kIdVfmsub231pd),
-                             instruction(x86::Inst::kIdVfmsub213sd, x86::Inst::kIdVfmsub213pd));
+                return emit_fused(op, instruction(x86::Inst::kIdVfmsub231sd, x86::Inst::kIdVfmsub231pd),
+                                  instruction(x86::Inst::kIdVfmsub213sd, x86::Inst::kIdVfmsub213pd));
             case Kind::minus_product:
-                return three(op, instruction(x86::Inst::kIdVfnmadd231sd, x86::Inst::kIdVfnmadd231pd),
-                             instruction(x86::Inst::kIdVfnmadd213sd, x86::Inst::kIdVfnmadd213pd));
+                return emit_fused(op, instruction(x86::Inst::kIdVfnmadd231sd, x86::Inst::kIdVfnmadd231pd),
+                                  instruction(x86::Inst::kIdVfnmadd213sd, x86::Inst::kIdVfnmadd213pd));
             case Kind::minus_product_minus:
-                return three(op, instruction(x86::Inst::kIdVfnmsub231sd, x86::Inst::kIdVfnmsub231pd),
-                             instruction(x86::Inst::kIdVfnmsub213sd, x86::Inst::kIdVfnmsub213pd));
+                return emit_fused(op, instruction(x86::Inst::kIdVfnmsub231sd, x86::Inst::kIdVfnmsub231pd),
+                                  instruction(x86::Inst::kIdVfnmsub213sd, x86::Inst::kIdVfnmsub213pd));
             case Kind::root: {
                 const Register a = fetch_scalar(op.a);
-                used(op.a);
+                count_use(op.a);
                 const Register to = result({{op.a, a}});
                 if (eight_)
                     a_.vsqrtpd(vec(to), vec(a));
@@ -449,18 +452,18 @@ class TapeCompiler {
                 return add_products(program_.sums[op.a]);
             case Kind::sine_cosine:
                 if (is_moving(op.a)) store(x86::ptr(x86::rbx, 64 * op.a), fetch_scalar(op.a));
-                used(op.a);
+                count_use(op.a);
                 // All vector registers are caller-saved: store live values before the call.
                 for (Register r = 0; r < register_count_; ++r)
-                    if (held_[r] >= 0 && dirty_[r] && (held_[r] == op.a || next_use(held_[r]) != never))
-                        store(slot(held_[r]), r);
-                held_.fill(free_), dirty_.fill(false), in_use_.fill(false);
-                std::fill(place_.begin(), place_.end(), none);
+                    if (value_in_[r] >= 0 && dirty_[r] && (value_in_[r] == op.a || next_use(value_in_[r]) != never))
+                        store(slot(value_in_[r]), r);
+                value_in_.fill(free_), dirty_.fill(false), in_use_.fill(false);
+                std::fill(register_of_.begin(), register_of_.end(), none);
                 call_sine(op);
         }
     }
     void call_sine(const TapeProgram::Operation& op) {
-        std::uint64_t function = reinterpret_cast<std::uint64_t>(&sine_cosine_of);
+        std::uint64_t function = reinterpret_cast<std::uint64_t>(&scalar_sine_cosine);
         if (eight_) {
             a_.lea(x86::rdi, is_moving(op.a) ? x86::ptr(x86::rbx, 64 * op.a) : slot(op.a));
             a_.lea(x86::rsi, slot(op.to)), a_.lea(x86::rdx, slot(op.b));
@@ -474,19 +477,19 @@ class TapeCompiler {
         a_.mov(x86::rax, function);
         a_.call(x86::rax);
     }
-    void two(const TapeProgram::Operation& op, std::uint32_t instruction, bool commutes) {
+    void emit_binary(const TapeProgram::Operation& op, std::uint32_t instruction, bool commutes) {
         int first = op.a, second = op.b;
         Operand a = operand(first), b = first == second ? a : operand(second);
         if (commutes && a.in == none && b.in != none) std::swap(a, b), std::swap(first, second);
         const Register left = in_register(a, first);
         if (first == second) b.in = left;
-        used(op.a), used(op.b);
+        count_use(op.a), count_use(op.b);
         const Register to = result({{first, left}, {second, b.in}});
         emit(instruction, to, left, b);
         define(op.to, to);
         finish(op);
     }
-    void three(const TapeProgram::Operation& op, std::uint32_t onto_sum, std::uint32_t onto_factor) {
+    void emit_fused(const TapeProgram::Operation& op, std::uint32_t onto_sum, std::uint32_t onto_factor) {
         int first = op.a, second = op.b;
         Operand a = operand(first), b = first == second ? a : operand(second);
         if (b.in == none && a.in != none) std::swap(a, b), std::swap(first, second);
@@ -494,19 +497,19 @@ class TapeCompiler {
         const Register right = in_register(b, second);
         if (first == second) a.in = right;
         const bool is_factor = op.c == op.a || op.c == op.b;
-        const Register sum = is_factor || is_moving(op.c) ? fetch_scalar(op.c) : place_[op.c];
+        const Register sum = is_factor || is_moving(op.c) ? fetch_scalar(op.c) : register_of_[op.c];
         if (sum != none) in_use_[sum] = true;
-        used(op.a), used(op.b), used(op.c);
-        if (sum != none && dies(op.c) && !is_factor) {
-            place_[op.c] = none, held_[sum] = free_, dirty_[sum] = false;
+        count_use(op.a), count_use(op.b), count_use(op.c);
+        if (sum != none && is_dead(op.c) && !is_factor) {
+            register_of_[op.c] = none, value_in_[sum] = free_, dirty_[sum] = false;
             emit(onto_sum, sum, right, a);
             define(op.to, sum);
-        } else if (sum != none && dies(second) && !is_factor && first != second && a.in != none) {
-            place_[second] = none, held_[right] = free_, dirty_[right] = false;
+        } else if (sum != none && is_dead(second) && !is_factor && first != second && a.in != none) {
+            register_of_[second] = none, value_in_[right] = free_, dirty_[right] = false;
             a_.emit(onto_factor, number(right), number(a.in), number(sum));
             define(op.to, right);
         } else {
-            const Register to = take();
+            const Register to = allocate_register();
             if (sum != none)
                 a_.emit(x86::Inst::kIdVmovapd, number(to), number(sum));
             else
@@ -521,26 +524,26 @@ class TapeCompiler {
         const Register share = fetch_scalar(count);
         Operand from = operand(rate.from);
         const Register r = in_register(from, rate.from);
-        used(rate.from), used(count);
-        const Register to = take();
+        count_use(rate.from), count_use(count);
+        const Register to = allocate_register();
         in_use_[to] = true;
         Register now = r;
         if (rate.factor != none) {
             const Operand factor = operand(rate.factor);
             emit(x86::Inst::kIdVmulsd, to, r, factor);
-            used(rate.factor), now = to;
+            count_use(rate.factor), now = to;
         }
         if (careful_)
             a_.vdivsd(x86::xmm(to), x86::xmm(now), x86::xmm(share));
         else
             a_.vmulsd(x86::xmm(to), x86::xmm(now), x86::xmm(share));
         a_.vmovsd(slot(i), x86::xmm(to));
-        for (int row = 0; row < static_cast<int>(newest_home_.size()); ++row)
-            if (newest_home_[row] != none && program_.rows[row].slot == i)
-                a_.vbroadcastsd(x86::zmm(newest_home_[row]), x86::xmm(to));
+        for (int row = 0; row < static_cast<int>(newest_registers_.size()); ++row)
+            if (newest_registers_[row] != none && program_.rows[row].slot == i)
+                a_.vbroadcastsd(x86::zmm(newest_registers_[row]), x86::xmm(to));
         in_use_.fill(false);
         for (const int id : {rate.from, rate.factor, count})
-            if (id != none) done(id);
+            if (id != none) release_if_dead(id);
     }
     void integrate(const std::vector<TapeProgram::Rate>& rates) {
         a_.add(x86::r12, 8 * layout_.states);
@@ -555,8 +558,8 @@ class TapeCompiler {
             for (const int row : {pair.x, pair.y}) {
                 for (int v = 0; v < vectors(); ++v) visit(lanes_of(row, v), at);
                 // The newest coefficient is read from its slot.
-                if (!touched_[row] && !program_.rows[row].is_inner()) visit(program_.rows[row].slot, at);
-                touched_[row] = 1;
+                if (!lane_is_current_[row] && !program_.rows[row].is_inner()) visit(program_.rows[row].slot, at);
+                lane_is_current_[row] = 1;
             }
         }
     }
@@ -579,7 +582,7 @@ class TapeCompiler {
             for (const int id : {rate.from, careful_ ? program_.next : program_.inverse_next, rate.factor})
                 if (id != none) visit(id, at);
         }
-        std::fill(touched_.begin(), touched_.end(), 0);
+        std::fill(lane_is_current_.begin(), lane_is_current_.end(), 0);
     }
 
     void begin() {
@@ -592,7 +595,7 @@ class TapeCompiler {
         // vector loads are forwarded from whole stores.
         for (int row = 0; row < row_count_; ++row) {
             if (program_.rows[row].is_inner()) continue;
-            const Register kept = home(row_home_, row, 0), r = kept == none ? 0 : kept;
+            const Register kept = reserved_register(row_registers_, row, 0), r = kept == none ? 0 : kept;
             a_.vbroadcastsd(vec(r), slot(program_.rows[row].value));
             if (kept == none) a_.vmovapd(lanes_at(layout_.rows, row, 0), vec(r));
         }
@@ -614,13 +617,13 @@ class TapeCompiler {
             if (rate.from == none) continue;
             if (rate.factor != none && rate.factor != factor)
                 a_.vmulpd(vec(scaled), vec(scale), slot(factor = rate.factor));
-            const Register r = fetch_scalar(rate.from), sum = take();
+            const Register r = fetch_scalar(rate.from), sum = allocate_register();
             const x86::Mem change = x86::ptr(x86::r15, 64 * i);
             load(sum, change);
             a_.vfmadd231pd(vec(sum), vec(r), vec(rate.factor == none ? scale : scaled));
             store(change, sum);
             in_use_.fill(false);
-            used(rate.from), done(rate.from);
+            count_use(rate.from), release_if_dead(rate.from);
         }
     }
     // In the subroutine of the first order, all P are still zero.
@@ -643,7 +646,7 @@ class TapeCompiler {
         integrate(program_.rates);
     }
     void define_zero(int to) {
-        const Register r = take();
+        const Register r = allocate_register();
         a_.vxorpd(x86::xmm(r), x86::xmm(r), x86::xmm(r));
         define(to, r);
     }
@@ -655,7 +658,7 @@ class TapeCompiler {
         for (int v = 0; v < vectors; ++v) {
             p[v] = temporary(), u[v] = temporary();
             const x86::Mem at = lanes_at(layout_.sums, which, v);
-            if (const Register r = home(sum_home_, which, v); r != none) {
+            if (const Register r = reserved_register(sum_registers_, which, v); r != none) {
                 a_.k(mask(v, begun)).z().vmovapd(vec(p[v], v), vec(r, v));
             } else if (wide_) {
                 a_.k(mask(v, begun)).z().vmovapd(vec(p[v], v), at);
@@ -667,14 +670,14 @@ class TapeCompiler {
         for (int i = sum.first; i < sum.end; ++i) {
             const TapeProgram::Pair& pair = program_.pairs[i];
             Register x = fetch_newest(pair.x), y = fetch_newest(pair.y);
-            Register own_x = none, own_y = none;
+            Register scaled_x = none, scaled_y = none;
             if (pair.weight != none) {
-                own_x = temporary();
-                a_.vbroadcastsd(vec(own_x), slot(pair.weight));
-                own_y = pair.x == pair.y ? own_x : temporary();
-                if (own_y != own_x) a_.vmulpd(vec(own_y), vec(own_x), vec(y));
-                a_.vmulpd(vec(own_x), vec(own_x), vec(x));
-                x = own_x, y = own_y;
+                scaled_x = temporary();
+                a_.vbroadcastsd(vec(scaled_x), slot(pair.weight));
+                scaled_y = pair.x == pair.y ? scaled_x : temporary();
+                if (scaled_y != scaled_x) a_.vmulpd(vec(scaled_y), vec(scaled_x), vec(y));
+                a_.vmulpd(vec(scaled_x), vec(scaled_x), vec(x));
+                x = scaled_x, y = scaled_y;
             }
             for (int v = 0; v < vectors; ++v) {
                 const Register y_j = fetch_lanes(pair.y, v), x_j = fetch_lanes(pair.x, v);
@@ -689,14 +692,14 @@ class TapeCompiler {
                 else
                     a_.vfmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
                 in_use_[y_j] = in_use_[x_j] = false;
-                for (const int row : {pair.x, pair.y}) used(lanes_of(row, v));
-                for (const int row : {pair.x, pair.y}) done(lanes_of(row, v));
+                for (const int row : {pair.x, pair.y}) count_use(lanes_of(row, v));
+                for (const int row : {pair.x, pair.y}) release_if_dead(lanes_of(row, v));
             }
-            if (own_x != none) release(own_x);
-            if (own_y != none && own_y != own_x) release(own_y);
+            if (scaled_x != none) release(scaled_x);
+            if (scaled_y != none && scaled_y != scaled_x) release(scaled_y);
             in_use_.fill(false);
-            for (const int row : {pair.x, pair.y}) used(newest(row));
-            for (const int row : {pair.x, pair.y}) done(newest(row));
+            for (const int row : {pair.x, pair.y}) count_use(newest(row));
+            for (const int row : {pair.x, pair.y}) release_if_dead(newest(row));
         }
         for (int v = 0; v < vectors; ++v) {
             if (wide_) {
@@ -711,7 +714,7 @@ class TapeCompiler {
         }
         // Shift by one lane: every partial sum is now one order closer to its own.
         for (int v = 0; v < vectors; ++v) {
-            const Register above = v + 1 < vectors ? p[v + 1] : none, r = home(sum_home_, which, v);
+            const Register above = v + 1 < vectors ? p[v + 1] : none, r = reserved_register(sum_registers_, which, v);
             if (wide_) {
                 a_.valignq(vec(r != none ? r : u[v], v), vec(above != none ? above : p[v], v), vec(p[v], v), 1);
             } else {
@@ -736,15 +739,15 @@ class TapeCompiler {
 
 bool may_compile() {
     static const bool may = [] {
-        const char* const asked = std::getenv("POLHODE_CODE");
-        return !(asked && std::string_view(asked) == "interpreted");
+        const char* const setting = std::getenv("POLHODE_CODE");
+        return !(setting && std::string_view(setting) == "interpreted");
     }();
     return may;
 }
 
 namespace {
 
-std::shared_ptr<const TapeCode> placed(asmjit::CodeHolder& holder) {
+std::shared_ptr<const TapeCode> load_code(asmjit::CodeHolder& holder) {
     using asmjit::VirtMem::MemoryFlags;
     if (holder.flatten() != asmjit::kErrorOk || holder.resolveUnresolvedLinks() != asmjit::kErrorOk ||
         holder.hasUnresolvedLinks())
@@ -753,32 +756,32 @@ std::shared_ptr<const TapeCode> placed(asmjit::CodeHolder& holder) {
     const std::size_t size = (holder.codeSize() + page - 1) / page * page;
     void* memory = nullptr;
     if (asmjit::VirtMem::alloc(&memory, size, MemoryFlags::kAccessRW) != asmjit::kErrorOk) return nullptr;
-    const std::shared_ptr<void> held(memory, [size](void* m) { asmjit::VirtMem::release(m, size); });
+    const std::shared_ptr<void> owner(memory, [size](void* m) { asmjit::VirtMem::release(m, size); });
     if (holder.relocateToBase(reinterpret_cast<std::uint64_t>(memory)) != asmjit::kErrorOk ||
         holder.copyFlattenedData(memory, size) != asmjit::kErrorOk ||
         asmjit::VirtMem::protect(memory, size, MemoryFlags::kAccessRX) != asmjit::kErrorOk)
         return nullptr;
-    return std::make_shared<const TapeCode>(held, size);
+    return std::make_shared<const TapeCode>(owner, size);
 }
 
 }  // namespace
 
-std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
-                                         InstructionSet instructions) {
+std::shared_ptr<const TapeCode> compile_series(const TapeProgram& program, const TapeLayout& layout, bool careful,
+                                               InstructionSet instructions) {
     if (instructions == InstructionSet::plain) return nullptr;
     asmjit::CodeHolder holder;
     holder.init(asmjit::Environment::host());
     TapeCompiler(program, layout, careful, instructions == InstructionSet::avx512, false, holder).write();
-    return placed(holder);
+    return load_code(holder);
 }
 
-std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram& program, InstructionSet instructions) {
+std::shared_ptr<const TapeCode> compile_rates(const TapeProgram& program, InstructionSet instructions) {
     if (instructions == InstructionSet::plain) return nullptr;
     asmjit::CodeHolder holder;
     holder.init(asmjit::Environment::host());
     const TapeLayout layout(program, 2);
     TapeCompiler(program, layout, false, instructions == InstructionSet::avx512, true, holder).write_rates();
-    return placed(holder);
+    return load_code(holder);
 }
 
 }  // namespace polhode

@@ -35,9 +35,9 @@ bool may_compile();
 
 /// Compiles the series expansion. Returns nullptr if that is not possible: another architecture, an instruction set
 /// without vector registers, or no executable memory.
-std::shared_ptr<const TapeCode> compiled(const TapeProgram& program, const TapeLayout& layout, bool careful,
-                                         InstructionSet instructions);
-/// Compiles the evaluation of rates. Returns nullptr in the same cases as compiled().
-std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram& program, InstructionSet instructions);
+std::shared_ptr<const TapeCode> compile_series(const TapeProgram& program, const TapeLayout& layout, bool careful,
+                                               InstructionSet instructions);
+/// Compiles the evaluation of rates. Returns nullptr in the same cases as compile_series().
+std::shared_ptr<const TapeCode> compile_rates(const TapeProgram& program, InstructionSet instructions);
 
 }  // namespace polhode

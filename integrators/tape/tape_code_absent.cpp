@@ -4,9 +4,9 @@
 namespace polhode {
 
 bool may_compile() { return false; }
-std::shared_ptr<const TapeCode> compiled(const TapeProgram&, const TapeLayout&, bool, InstructionSet) {
+std::shared_ptr<const TapeCode> compile_series(const TapeProgram&, const TapeLayout&, bool, InstructionSet) {
     return nullptr;
 }
-std::shared_ptr<const TapeCode> compiled_rates(const TapeProgram&, InstructionSet) { return nullptr; }
+std::shared_ptr<const TapeCode> compile_rates(const TapeProgram&, InstructionSet) { return nullptr; }
 
 }  // namespace polhode

@@ -35,6 +35,6 @@ extern const TapeInterpreter tape_interpreter_plain, tape_interpreter_avx2, tape
 const TapeInterpreter& tape_interpreter(InstructionSet set);
 
 /// The scalar sine and cosine used by the interpreter and by compiled code.
-void sine_cosine_of(double x, double& sine, double& cosine);
+void scalar_sine_cosine(double x, double& sine, double& cosine);
 
 }  // namespace polhode

@@ -113,7 +113,7 @@ Line operator-(const Line& a) { return eight(-0.0) - a; }
 /// |r| <= pi/4, with pi/2 in two parts, of which the first gives an exact difference (Cody & Waite 1980). The
 /// polynomials are those of fdlibm (Sun Microsystems 1993, k_sin.c and k_cos.c), evaluated in pairs of terms (Estrin
 /// 1960). Beyond |x| = 10^5 the C library's functions are called.
-void find_sines_cosines(const double* x, double* sines, double* cosines) {
+void compute_sines_cosines(const double* x, double* sines, double* cosines) {
     constexpr double largest = 1e5, whole = 0x1.8p52;
     const Line angle = loaded(x), one = eight(1);
     const auto rounded = [&](const Line& y) { return (y + eight(whole)) - eight(whole); };
@@ -138,16 +138,16 @@ void find_sines_cosines(const double* x, double* sines, double* cosines) {
     for (int i = 0; i < 8; ++i)
         if (!(__builtin_fabs(x[i]) <= largest)) sines[i] = __builtin_sin(x[i]), cosines[i] = __builtin_cos(x[i]);
 }
-void find_four_sines_cosines(const double* x, double* sines, double* cosines) {
+void compute_four_sines_cosines(const double* x, double* sines, double* cosines) {
     double angle[8]{}, sine[8], cosine[8];
     __builtin_memcpy(angle, x, 4 * sizeof *x);
-    find_sines_cosines(angle, sine, cosine);
+    compute_sines_cosines(angle, sine, cosine);
     __builtin_memcpy(sines, sine, 4 * sizeof *x), __builtin_memcpy(cosines, cosine, 4 * sizeof *x);
 }
 
 /// Result of any operation except sine_cosine and sum, for one number or eight.
 template <class Number>
-Number found(TapeProgram::Kind kind, const Number& a, const Number& b, const Number& c) {
+Number apply_operation(TapeProgram::Kind kind, const Number& a, const Number& b, const Number& c) {
     using Kind = TapeProgram::Kind;
     switch (kind) {
         case Kind::add:
@@ -180,7 +180,7 @@ class Order {
     Order(const TapeProgram& program, const TapeLayout& layout, int k, const double* states, double* memory)
         : program_(program), layout_(layout), k_(k), states_(states), memory_(memory) {}
 
-    void find_inner_sums() {
+    void compute_inner_sums() {
         for (int i = 0; i < program_.inner; ++i)
             if (k_ > 1)
                 add_products(i, k_ - 2);
@@ -195,9 +195,9 @@ class Order {
             if (at->kind == Kind::sum)
                 add_products(at->a, k_);
             else if (at->kind == Kind::sine_cosine)
-                sine_cosine_of(x[at->a], x[at->to], x[at->b]);
+                scalar_sine_cosine(x[at->a], x[at->to], x[at->b]);
             else
-                x[at->to] = found(at->kind, x[at->a], number(at->b), number(at->c));
+                x[at->to] = apply_operation(at->kind, x[at->a], number(at->b), number(at->c));
         }
     }
 
@@ -277,7 +277,7 @@ void integrate(const TapeProgram& program, const TapeProgram::Rate* rates, bool 
 template <int lanes>
 void expand_order(const TapeProgram& program, const TapeLayout& layout, int k, const double* states, double* memory) {
     Order<lanes> order(program, layout, k, states, memory);
-    order.find_inner_sums();
+    order.compute_inner_sums();
     order.operate(program.step.data(), program.step.data() + program.step.size());
 }
 
@@ -314,9 +314,9 @@ void add_rates_of(const TapeProgram& program, double* memory, const TapeSubstep&
     for (std::size_t n = 0; n < program.begin.size(); ++n) {
         const TapeProgram::Operation& op = program.begin.data()[n];
         if (op.kind == Kind::sine_cosine)
-            find_sines_cosines(at(op.a), at(op.to), at(op.b));
+            compute_sines_cosines(at(op.a), at(op.to), at(op.b));
         else
-            store(found(op.kind, number(op.a), number(op.b), number(op.c)), at(op.to));
+            store(apply_operation(op.kind, number(op.a), number(op.b), number(op.c)), at(op.to));
     }
     const Line scale = loaded(substep.scale);
     for (int i = 0; i < program.states; ++i) {

@@ -1,8 +1,9 @@
 // Compiles a recording to a TapeProgram by the recurrences in tape_program.h.
 //
-// TapeProgrammer first merges sums and products that only one sum uses (dissolve), then emits the operations of order
-// 0 (begin, begin_sum) and those of each later order (decode, decode_sum, fold). The terms of a sum are ordered by an
-// estimate of when they become available, in cycles, so that the longest dependency is added last.
+// TapeProgrammer first merges sums and products that only one sum uses (merge_single_uses), then emits the operations
+// of order 0 (begin, emit_initial_sum) and those of each later order (emit_coefficient, emit_sum, emit_total). The
+// terms of a sum are ordered by an estimate of when they become available, in cycles, so that the longest dependency is
+// added last.
 #include "integrators/tape/tape_program.h"
 
 #include <algorithm>
@@ -34,15 +35,15 @@ class TapeProgrammer {
     void write() {
         const int n = program_.states = static_cast<int>(rates_.size());
         program_.slots = n;
-        arrival_.assign(n, 0);
-        dissolve();
+        ready_cycle_.assign(n, 0);
+        merge_single_uses();
         for (int i = 0; i < count(); ++i) value_of_.push_back(slot());
         program_.values.assign(value_of_.begin(), value_of_.begin() + n);
         program_.next = slot(), program_.inverse_next = slot();
         scale_of_.assign(nodes_.size(), 1);
         for (int i = n; i < count(); ++i)
             if (!is_series_ && is_sum(i))
-                begin_sum(i);
+                emit_initial_sum(i);
             else
                 begin(i);
         for (const Traced<double>& rate : rates_) {
@@ -55,9 +56,9 @@ class TapeProgrammer {
         }
         if (!is_series_) return;
         for (int i = n; i < count(); ++i)
-            if (now_of_[i] == 0) now_of_[i] = slot();
+            if (coefficient_slot_[i] == 0) coefficient_slot_[i] = slot();
         for (int i = n; i < count(); ++i)
-            if (now_of_[i] != none) decode(i);
+            if (coefficient_slot_[i] != none) emit_coefficient(i);
         for (int i = 0; i < n; ++i) {
             const bool changes = rates_[i].node >= 0;
             program_.rates.push_back(
@@ -78,7 +79,7 @@ class TapeProgrammer {
         bool negative;
         int x;
     };
-    struct Signed {
+    struct SignedSlot {
         int slot = none;
         bool negative = false;
     };
@@ -89,17 +90,18 @@ class TapeProgrammer {
     const std::vector<Traced<double>>& rates_;
     std::vector<int> row_of_, inner_row_of_;  // by node
     std::vector<int> value_of_;               // by node: the slot of coefficient 0
-    std::vector<int> now_of_;  // by node: the slot of the coefficient of the current order; none: merged into a sum
+    std::vector<int>
+        coefficient_slot_;  // by node: the slot of the coefficient of the current order; none: merged into a sum
     std::vector<int> inverse_of_;
     std::vector<int> uses_;         // by node: 1 for each use by a sum, 2 for each other use
     std::vector<double> scale_of_;  // by node: pending factor of the value, for rates only
     std::vector<TapeProgram::Sum> inner_, whole_;
-    std::vector<double> arrival_;               // by slot: estimated cycles from the start of the order
+    std::vector<double> ready_cycle_;           // by slot: estimated cycles from the start of the order
     std::map<std::uint64_t, int> constant_of_;  // by bits of the value
 
     int count() const { return static_cast<int>(nodes_.size()); }
     int slot() {
-        arrival_.resize(program_.slots + 1, 0);
+        ready_cycle_.resize(program_.slots + 1, 0);
         return program_.slots++;
     }
     int constant(double value) {
@@ -110,7 +112,7 @@ class TapeProgrammer {
         }
         return found->second;
     }
-    int begin_with(Kind kind, int a, int b) {
+    int emit_initial(Kind kind, int a, int b) {
         program_.begin.push_back({kind, slot(), a, b});
         return program_.begin.back().to;
     }
@@ -118,7 +120,7 @@ class TapeProgrammer {
         return nodes_[i].kind == Node::Kind::combination || nodes_[i].kind == Node::Kind::product;
     }
     // Assigns slots to all nodes except sums and products that only one sum uses.
-    void dissolve() {
+    void merge_single_uses() {
         uses_.assign(nodes_.size(), 0);
         for (const Node& node : nodes_) {
             if (node.kind == Node::Kind::state) continue;
@@ -128,7 +130,7 @@ class TapeProgrammer {
         for (const Traced<double>& rate : rates_)
             if (rate.node >= 0) uses_[rate.node] += 2;
         for (int i = 0; i < count(); ++i) {
-            now_of_.push_back(i < program_.states ? i : is_sum(i) && uses_[i] <= 1 ? none : 0);
+            coefficient_slot_.push_back(i < program_.states ? i : is_sum(i) && uses_[i] <= 1 ? none : 0);
         }
         inverse_of_.assign(nodes_.size(), none);
     }
@@ -149,7 +151,7 @@ class TapeProgrammer {
                 if (is_scaled)
                     list.push_back({Kind::multiply, to, constant(node.factor_a), a});
                 else if (node.factor_a != 1)
-                    first = begin_with(Kind::multiply, constant(node.factor_a), a);
+                    first = emit_initial(Kind::multiply, constant(node.factor_a), a);
                 if (is_scaled) break;
                 if (b == none)
                     list.push_back({Kind::add, to, first, constant(node.factor_b)});
@@ -164,20 +166,20 @@ class TapeProgrammer {
                 break;
             case Node::Kind::quotient:
                 list.push_back({Kind::divide, to, a == none ? constant(1) : a, b});
-                if (is_series_) inverse_of_[i] = a == none ? to : begin_with(Kind::divide, constant(1), b);
+                if (is_series_) inverse_of_[i] = a == none ? to : emit_initial(Kind::divide, constant(1), b);
                 break;
             case Node::Kind::sine:
                 list.push_back({Kind::sine_cosine, to, a, b});
                 break;
             case Node::Kind::root:
                 list.push_back({Kind::root, to, a});
-                if (is_series_) inverse_of_[i] = begin_with(Kind::divide, constant(0.5), to);
+                if (is_series_) inverse_of_[i] = emit_initial(Kind::divide, constant(0.5), to);
         }
     }
 
     int row(int node, bool is_inner) {
         int& row = (is_inner ? inner_row_of_ : row_of_)[node];
-        if (row == none) row = new_row(now_of_[node], is_inner ? none : value_of_[node]);
+        if (row == none) row = new_row(coefficient_slot_[node], is_inner ? none : value_of_[node]);
         return row;
     }
     int new_row(int slot, int value) {
@@ -195,56 +197,58 @@ class TapeProgrammer {
         program_.step.push_back({kind, to, a, b, c});
         double last = 0;
         for (const int operand : {a, b, c})
-            if (operand != none) last = std::max(last, arrival_[operand]);
-        arrival_[to] = last + 4;
+            if (operand != none) last = std::max(last, ready_cycle_[operand]);
+        ready_cycle_[to] = last + 4;
     }
-    int step_with(Kind kind, int a, int b) {
+    int emit_step(Kind kind, int a, int b) {
         const int to = slot();
         step(kind, to, a, b);
         return to;
     }
 
     // Emits the node's coefficient of the current order.
-    void decode(int i) {
+    void emit_coefficient(int i) {
         const Node& node = nodes_[i];
         std::vector<Term> terms;
-        Signed sum;
+        SignedSlot sum;
         switch (node.kind) {
             case Node::Kind::state:
                 return;
             case Node::Kind::combination:
             case Node::Kind::product:
-                sum = decode_sum(i, terms);
+                sum = emit_sum(i, terms);
                 break;
             case Node::Kind::quotient: {
                 const int inverse = inverse_of_[i];
-                sum = {step_with(Kind::multiply, inner_sum(row(node.b, true), row(i, true)), inverse), true};
-                terms.push_back({begin_with(Kind::multiply, value_of_[i], inverse), true, now_of_[node.b]});
-                if (node.a >= 0) terms.push_back({inverse, false, now_of_[node.a]});
+                sum = {emit_step(Kind::multiply, inner_sum(row(node.b, true), row(i, true)), inverse), true};
+                terms.push_back({emit_initial(Kind::multiply, value_of_[i], inverse), true, coefficient_slot_[node.b]});
+                if (node.a >= 0) terms.push_back({inverse, false, coefficient_slot_[node.a]});
                 break;
             }
             case Node::Kind::root:
-                sum = {step_with(Kind::multiply, inner_sum(row(i, true), row(i, true)), inverse_of_[i]), true};
-                terms.push_back({inverse_of_[i], false, now_of_[node.a]});
+                sum = {emit_step(Kind::multiply, inner_sum(row(i, true), row(i, true)), inverse_of_[i]), true};
+                terms.push_back({inverse_of_[i], false, coefficient_slot_[node.a]});
                 break;
             case Node::Kind::sine:
             case Node::Kind::cosine: {
                 const bool is_sine = node.kind == Node::Kind::sine;
                 if (program_.order == none) program_.order = slot(), program_.inverse_order = slot();
                 // Row of k times the coefficients of the argument.
-                if (is_sine) slope_ = new_row(step_with(Kind::multiply, program_.order, now_of_[node.a]), none);
-                sum = {step_with(Kind::multiply, inner_sum(slope_, row(node.b, true)), program_.inverse_order),
+                if (is_sine)
+                    slope_ = new_row(emit_step(Kind::multiply, program_.order, coefficient_slot_[node.a]), none);
+                sum = {emit_step(Kind::multiply, inner_sum(slope_, row(node.b, true)), program_.inverse_order),
                        !is_sine};
-                terms.push_back({value_of_[node.b], !is_sine, now_of_[node.a]});
+                terms.push_back({value_of_[node.b], !is_sine, coefficient_slot_[node.a]});
             }
         }
-        fold(sum, terms, now_of_[i]);
+        emit_total(sum, terms, coefficient_slot_[i]);
     }
     /// Slot of a rate. A rate that is a state itself is copied first, because integration overwrites states.
     int later_rate(int node) {
-        return node < program_.states ? step_with(Kind::add, constant(0), now_of_[node]) : now_of_[node];
+        return node < program_.states ? emit_step(Kind::add, constant(0), coefficient_slot_[node])
+                                      : coefficient_slot_[node];
     }
-    int slope_ = none;  // row of the last sine's argument, see decode()
+    int slope_ = none;  // row of the last sine's argument, see emit_coefficient()
 
     /// weight * x * y for nodes x and y; without y, weight * x; without both, the weight itself.
     struct Part {
@@ -259,7 +263,7 @@ class TapeProgrammer {
             const auto [at, factor] = open.back();
             open.pop_back();
             const Node& node = nodes_[at];
-            if (at != i && now_of_[at] != none) {
+            if (at != i && coefficient_slot_[at] != none) {
                 parts.push_back({at, none, factor});
             } else if (node.kind == Node::Kind::combination) {
                 if (node.b >= 0) open.emplace_back(node.b, factor * node.factor_b);
@@ -272,56 +276,57 @@ class TapeProgrammer {
         return parts;
     }
     // Emits the value of a sum or product; products are added with fused multiply-adds.
-    void begin_sum(int i) {
-        if (now_of_[i] == none) return;
+    void emit_initial_sum(int i) {
+        if (coefficient_slot_[i] == none) return;
         std::vector<Part> parts = parts_of(i);
-        const auto known = [&](const Part& part) {
+        const auto ready_cycle = [&](const Part& part) {
             double last = 0;
             for (const int node : {part.x, part.y})
-                if (node != none) last = std::max(last, arrival_[value_of_[node]]);
+                if (node != none) last = std::max(last, ready_cycle_[value_of_[node]]);
             return last;
         };
-        std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) { return known(a) < known(b); });
+        std::stable_sort(parts.begin(), parts.end(),
+                         [&](const Part& a, const Part& b) { return ready_cycle(a) < ready_cycle(b); });
         // A common factor of all parts is multiplied in at the end.
         const double common = std::abs(parts.front().weight);
         const bool is_common =
             std::all_of(parts.begin(), parts.end(), [&](const Part& part) { return std::abs(part.weight) == common; });
-        Signed sum;
+        SignedSlot sum;
         for (const Part& part : parts) sum = with(sum, part, is_common ? 1 : std::abs(part.weight));
-        const double last = known(parts.back()) + 4 * static_cast<double>(parts.size());
+        const double last = ready_cycle(parts.back()) + 4 * static_cast<double>(parts.size());
         const double scale = (sum.negative ? -1 : 1) * (is_common ? common : 1);
         const bool is_rate_alone = uses_[i] == 2 && is_rate(i);
         if (is_rate_alone)
             scale_of_[i] = scale;
         else if (scale != 1)
-            sum.slot = begin_with(Kind::multiply, constant(scale), sum.slot);
+            sum.slot = emit_initial(Kind::multiply, constant(scale), sum.slot);
         value_of_[i] = sum.slot;
-        arrival_[sum.slot] = last;
+        ready_cycle_[sum.slot] = last;
     }
     bool is_rate(int i) const {
         return std::any_of(rates_.begin(), rates_.end(), [i](const auto& rate) { return rate.node == i; });
     }
     // sum +- weight x y, weight > 0.
-    Signed with(Signed sum, const Part& part, double weight) {
+    SignedSlot with(SignedSlot sum, const Part& part, double weight) {
         const bool negative = part.weight < 0;
-        if (part.x == none) return with_begun(sum, constant(weight), none, negative);
+        if (part.x == none) return add_product(sum, constant(weight), none, negative);
         const int x = value_of_[part.x];
-        if (part.y == none && weight == 1) return with_begun(sum, x, none, negative);
-        if (part.y == none) return with_begun(sum, constant(weight), x, negative);
-        return with_begun(sum, weight == 1 ? x : begin_with(Kind::multiply, constant(weight), x), value_of_[part.y],
-                          negative);
+        if (part.y == none && weight == 1) return add_product(sum, x, none, negative);
+        if (part.y == none) return add_product(sum, constant(weight), x, negative);
+        return add_product(sum, weight == 1 ? x : emit_initial(Kind::multiply, constant(weight), x), value_of_[part.y],
+                           negative);
     }
     // sum +- x y, or sum +- x without y.
-    Signed with_begun(Signed sum, int x, int y, bool negative) {
+    SignedSlot add_product(SignedSlot sum, int x, int y, bool negative) {
         const bool alike = sum.negative == negative;
-        if (sum.slot == none) return {y == none ? x : begin_with(Kind::multiply, x, y), negative};
-        if (y == none) return {begin_with(alike ? Kind::add : Kind::subtract, sum.slot, x), sum.negative};
+        if (sum.slot == none) return {y == none ? x : emit_initial(Kind::multiply, x, y), negative};
+        if (y == none) return {emit_initial(alike ? Kind::add : Kind::subtract, sum.slot, x), sum.negative};
         program_.begin.push_back({alike ? Kind::product_plus : Kind::minus_product, slot(), x, y, sum.slot});
         return {program_.begin.back().to, sum.negative};
     }
 
     // Emits the W of a sum or product in the current order; appends its other parts to `terms`.
-    Signed decode_sum(int i, std::vector<Term>& terms) {
+    SignedSlot emit_sum(int i, std::vector<Term>& terms) {
         struct Product {
             int x, y;
             double weight;
@@ -332,14 +337,14 @@ class TapeProgrammer {
             if (part.y != none)
                 products.push_back({row(part.x, false), row(part.y, false), part.weight});
             else if (part.x != none)
-                terms.push_back({share == 1 ? none : constant(share), part.weight < 0, now_of_[part.x]});
+                terms.push_back({share == 1 ? none : constant(share), part.weight < 0, coefficient_slot_[part.x]});
         }
         if (products.empty()) return {};
-        const auto known = [&](const Product& p) {
-            return std::max(arrival_[program_.rows[p.x].slot], arrival_[program_.rows[p.y].slot]);
+        const auto ready_cycle = [&](const Product& p) {
+            return std::max(ready_cycle_[program_.rows[p.x].slot], ready_cycle_[program_.rows[p.y].slot]);
         };
         std::stable_sort(products.begin(), products.end(),
-                         [&](const Product& a, const Product& b) { return known(a) < known(b); });
+                         [&](const Product& a, const Product& b) { return ready_cycle(a) < ready_cycle(b); });
         const int first = static_cast<int>(program_.pairs.size()), to = slot();
         const double weight = products.front().weight;
         for (const Product& p : products) {
@@ -348,15 +353,15 @@ class TapeProgrammer {
         }
         program_.step.push_back({Kind::sum, to, static_cast<int>(whole_.size())});
         whole_.push_back({to, first, static_cast<int>(program_.pairs.size())});
-        arrival_[to] = known(products.back()) + 10 + 4 * static_cast<double>(products.size());
+        ready_cycle_[to] = ready_cycle(products.back()) + 10 + 4 * static_cast<double>(products.size());
         if (std::abs(weight) == 1) return {to, weight < 0};
-        return {step_with(Kind::multiply, constant(std::abs(weight)), to), weight < 0};
+        return {emit_step(Kind::multiply, constant(std::abs(weight)), to), weight < 0};
     }
 
     // to = sum + all terms, the last available term last.
-    void fold(Signed sum, std::vector<Term>& terms, int to) {
+    void emit_total(SignedSlot sum, std::vector<Term>& terms, int to) {
         std::stable_sort(terms.begin(), terms.end(),
-                         [&](const Term& a, const Term& b) { return arrival_[a.x] < arrival_[b.x]; });
+                         [&](const Term& a, const Term& b) { return ready_cycle_[a.x] < ready_cycle_[b.x]; });
         // Start with a term that is not negative, if there is one.
         if (sum.slot == none) {
             const auto positive = std::find_if(terms.begin(), terms.end(), [](const Term& t) { return !t.negative; });
@@ -370,7 +375,7 @@ class TapeProgrammer {
         if (!sum.negative && terms.empty() && program_.step.back().to == sum.slot) {
             if (program_.step.back().kind == Kind::sum) whole_.back().to = to;
             program_.step.back().to = to;
-            arrival_[to] = arrival_[sum.slot];
+            ready_cycle_[to] = ready_cycle_[sum.slot];
             return;
         }
         // A single term of factor 1 needs a copy; a negative result changes sign.
@@ -379,7 +384,7 @@ class TapeProgrammer {
         else
             step(Kind::add, to, constant(0), sum.slot);
     }
-    Signed with(Signed sum, const Term& term, int to) {
+    SignedSlot with(SignedSlot sum, const Term& term, int to) {
         if (sum.slot == none && term.share == none) return {term.x, term.negative};
         const bool alike = sum.negative == term.negative;
         if (to == none) to = slot();

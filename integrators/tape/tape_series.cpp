@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-std::uint64_t mixed(std::uint64_t hash, std::uint64_t word) {
+std::uint64_t mix_hash(std::uint64_t hash, std::uint64_t word) {
     hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
     return hash ^ (hash >> 29U);
 }
@@ -21,7 +21,7 @@ struct Key {
     Recording<double> recording;
     TapeOptions options;
 
-    bool is(const Recording<double>& r, const TapeOptions& options_) const {
+    bool matches(const Recording<double>& r, const TapeOptions& options_) const {
         const auto equal = [](const Traced<double>& a, const Traced<double>& b) {
             return a.node == b.node && a.factor == b.factor;
         };
@@ -29,32 +29,32 @@ struct Key {
                std::equal(recording.rates.begin(), recording.rates.end(), r.rates.begin(), r.rates.end(), equal);
     }
 };
-std::uint64_t hash_of(const Recording<double>& recording) {
+std::uint64_t hash_recording(const Recording<double>& recording) {
     std::uint64_t hash = 0;
     for (const TapeNode<double>& node : recording.tape.nodes) {
-        hash = mixed(hash, (static_cast<std::uint64_t>(node.kind) << 60U) ^
-                               (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a)) << 28U) ^
-                               static_cast<std::uint32_t>(node.b));
-        hash =
-            mixed(hash, std::bit_cast<std::uint64_t>(node.factor_a) + 3 * std::bit_cast<std::uint64_t>(node.factor_b));
+        hash = mix_hash(hash, (static_cast<std::uint64_t>(node.kind) << 60U) ^
+                                  (static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.a)) << 28U) ^
+                                  static_cast<std::uint32_t>(node.b));
+        hash = mix_hash(hash,
+                        std::bit_cast<std::uint64_t>(node.factor_a) + 3 * std::bit_cast<std::uint64_t>(node.factor_b));
     }
     for (const Traced<double>& rate : recording.rates)
-        hash = mixed(hash, std::bit_cast<std::uint64_t>(rate.factor) + static_cast<std::uint64_t>(rate.node));
+        hash = mix_hash(hash, std::bit_cast<std::uint64_t>(rate.factor) + static_cast<std::uint64_t>(rate.node));
     return hash;
 }
 
 /// Process-wide cache of tapes. Cleared completely when it would exceed `most` bytes.
-class Shelf {
+class TapeCache {
   public:
     std::shared_ptr<const PreparedTape> find(std::uint64_t hash, const Recording<double>& recording,
                                              const TapeOptions& options) {
         const std::lock_guard lock(mutex_);
         const auto [first, last] = tapes_.equal_range(hash);
         for (auto at = first; at != last; ++at)
-            if (at->second.first.is(recording, options)) return at->second.second;
+            if (at->second.first.matches(recording, options)) return at->second.second;
         return nullptr;
     }
-    void keep(std::uint64_t hash, Key key, std::shared_ptr<const PreparedTape> tape) {
+    void insert(std::uint64_t hash, Key key, std::shared_ptr<const PreparedTape> tape) {
         const std::size_t size = (tape->code ? tape->code->size() : 0) + 16 * tape->layout.end;
         const std::lock_guard lock(mutex_);
         if (size_ + size > most) tapes_.clear(), size_ = 0;
@@ -72,7 +72,7 @@ class Shelf {
 
 }  // namespace
 
-void sine_cosine_of(double x, double& sine, double& cosine) { sine_cosine(x, sine, cosine); }
+void scalar_sine_cosine(double x, double& sine, double& cosine) { sine_cosine(x, sine, cosine); }
 
 const TapeInterpreter& tape_interpreter(InstructionSet set) {
     constexpr const TapeInterpreter* all[] = {&tape_interpreter_plain, &tape_interpreter_avx2,
@@ -88,16 +88,16 @@ PreparedTape::PreparedTape(const Recording<double>& recording, const TapeOptions
       options(options_) {
     if (!options.compiled) return;
     code = options.purpose == TapeProgram::Purpose::rates
-               ? compiled_rates(program, options.instructions)
-               : compiled(program, layout, options.careful, options.instructions);
+               ? compile_rates(program, options.instructions)
+               : compile_series(program, layout, options.careful, options.instructions);
 }
 
-std::shared_ptr<const PreparedTape> prepared(const Recording<double>& recording, const TapeOptions& options) {
-    static Shelf shelf;
-    const std::uint64_t hash = hash_of(recording);
-    if (std::shared_ptr<const PreparedTape> kept = shelf.find(hash, recording, options)) return kept;
+std::shared_ptr<const PreparedTape> prepare_tape(const Recording<double>& recording, const TapeOptions& options) {
+    static TapeCache cache;
+    const std::uint64_t hash = hash_recording(recording);
+    if (std::shared_ptr<const PreparedTape> kept = cache.find(hash, recording, options)) return kept;
     auto tape = std::make_shared<const PreparedTape>(recording, options);
-    shelf.keep(hash, {recording, options}, tape);
+    cache.insert(hash, {recording, options}, tape);
     return tape;
 }
 
@@ -123,7 +123,7 @@ int best_order(const TapeProgram& program, double tolerance) {
 }
 
 TapeSeries::TapeSeries(const Recording<double>& recording, const TapeOptions& options)
-    : tape_(prepared(recording, options)),
+    : tape_(prepare_tape(recording, options)),
       interpreter_(&tape_interpreter(options.instructions)),
       memory_(tape_->layout.end, 0.0) {
     for (const TapeProgram::Constant& constant : tape_->program.constants) memory_[constant.slot] = constant.value;
@@ -132,17 +132,17 @@ TapeSeries::TapeSeries(const Recording<double>& recording, const TapeOptions& op
 TapeRates::TapeRates(const Recording<double>& recording, TapeOptions options)
     : interpreter_(&tape_interpreter(options.instructions)) {
     options.purpose = TapeProgram::Purpose::rates;
-    tape_ = prepared(recording, options);
+    tape_ = prepare_tape(recording, options);
     memory_.resize(static_cast<std::size_t>(tape_->program.slots) * lanes);
-    nothing_.resize(static_cast<std::size_t>(tape_->program.states) * lanes);
+    zeros_.resize(static_cast<std::size_t>(tape_->program.states) * lanes);
     for (const TapeProgram::Constant& constant : tape_->program.constants)
         std::fill_n(&memory_[static_cast<std::size_t>(constant.slot) * lanes], lanes, constant.value);
 }
 
 void TapeRates::find(const double* y, double* rates) {
     alignas(64) static constexpr double one[lanes] = {1, 1, 1, 1, 1, 1, 1, 1};
-    std::fill_n(rates, nothing_.size(), 0);
-    (*this)({y, nothing_.data(), one, rates});
+    std::fill_n(rates, zeros_.size(), 0);
+    (*this)({y, zeros_.data(), one, rates});
 }
 
 }  // namespace polhode

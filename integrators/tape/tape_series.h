@@ -35,7 +35,7 @@ struct PreparedTape {
 };
 
 /// Returns the process-wide tape for an equal recording and equal options, built on the first call. Thread-safe.
-std::shared_ptr<const PreparedTape> prepared(const Recording<double>& recording, const TapeOptions& options);
+std::shared_ptr<const PreparedTape> prepare_tape(const Recording<double>& recording, const TapeOptions& options);
 
 /// Returns the order of least work per unit of time, with steps as long as the tolerance allows. If the work per step
 /// grew as the square of the order, this would be 1 - log(tolerance) / 2 (Jorba & Zou 2005, 3.1).
@@ -99,7 +99,7 @@ class TapeRates {
   private:
     std::shared_ptr<const PreparedTape> tape_;
     const TapeInterpreter* interpreter_;
-    std::vector<double, LineAllocator<double>> memory_, nothing_;
+    std::vector<double, LineAllocator<double>> memory_, zeros_;
 };
 
 }  // namespace polhode

@@ -29,12 +29,12 @@ Truth find_truth(const Scene& scene, const std::vector<double>& times, int digit
                  double seconds_limit = truth_seconds);
 
 /// Frees the constants (such as pi) that MPFR caches for this thread, at the end of its lifetime.
-class KeptConstants {
+class MpfrConstants {
   public:
-    KeptConstants() = default;
-    KeptConstants(const KeptConstants&) = delete;
-    KeptConstants& operator=(const KeptConstants&) = delete;
-    ~KeptConstants();
+    MpfrConstants() = default;
+    MpfrConstants(const MpfrConstants&) = delete;
+    MpfrConstants& operator=(const MpfrConstants&) = delete;
+    ~MpfrConstants();
 };
 
 /// Comparison of two runs of the reference.
@@ -55,10 +55,11 @@ Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>
 
 /// Several bodies by Taylor series, in joint coordinates and in maximal coordinates. Digits: see attempt_by_taylor().
 template <unsigned working>
-Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+Attempt attempt_by_mechanism_series(const Problem& problem, const std::vector<double>& sample_times,
+                                    double local_digits);
 
 /// True if the whole motion has a closed form: no events, and the given axes are principal.
-bool closed_form_serves(const Problem& problem);
+bool has_single_closed_form(const Problem& problem);
 
 /// Evaluates the closed form at all times. Compares the start of the motion with a Taylor series as well.
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
@@ -70,8 +71,8 @@ Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vec
 
 extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
-extern template Attempt attempt_at_mechanism<50>(const Problem&, const std::vector<double>&, double);
-extern template Attempt attempt_at_mechanism<100>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_mechanism_series<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_mechanism_series<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<100>(const Problem&, const std::vector<double>&, double);
 

@@ -17,20 +17,21 @@ bool is_diagonal(const Matrix3<P>& m) {
 }
 
 // the closed form of a scene with one segment, principal body axes, and a centre of mass at a pivot or in free fall
-struct Piece {
+struct SinglePiece {
     ExactBody<P> body;
     Vector3<P> acceleration_W;
     std::optional<ClosedForm<P>> form;
 
-    explicit Piece(const Scene& scene) : body(exact_body<P>(scene)) {
+    explicit SinglePiece(const Scene& scene) : body(exact_body<P>(scene)) {
         if (itinerary(scene).size() != 1 || !impulses_at<P>(scene, body, 0, Quaternion<P>{}).empty()) return;
         if (!is_diagonal(body.inertia_B)) return;
         const Forcing<P> forcing = forcing_at<P>(scene, body, 0, Quaternion<P>{});
         if (!body.pivoted && (forcing.has_body_force || forcing.has_translational_drag)) return;
         acceleration_W = forcing.acceleration_W;
-        form = begun(forcing, body.angular_velocity_B, body.q);
+        form = find_form(forcing, body.angular_velocity_B, body.q);
     }
-    std::optional<ClosedForm<P>> begun(const Forcing<P>& forcing, const Vector3<P>& w, const Quaternion<P>& q) const {
+    std::optional<ClosedForm<P>> find_form(const Forcing<P>& forcing, const Vector3<P>& w,
+                                           const Quaternion<P>& q) const {
         const Vector3<P> moments(body.inertia_B[0][0], body.inertia_B[1][1], body.inertia_B[2][2]);
         return ClosedForm<P>::find(moments, forcing, w, q, P(0));
     }
@@ -49,48 +50,48 @@ struct Piece {
 
 }  // namespace
 
-KeptConstants::~KeptConstants() { mpfr_free_cache(); }
+MpfrConstants::~MpfrConstants() { mpfr_free_cache(); }
 
-bool closed_form_serves(const Problem& problem) {
+bool has_single_closed_form(const Problem& problem) {
     return std::holds_alternative<OneBody>(problem.system) && problem.segments.size() == 1 &&
            problem.needs.translation != Translation::integrated && !problem.needs.user_torque &&
-           Piece(problem.scene).form.has_value();
+           SinglePiece(problem.scene).form.has_value();
 }
 
 Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {
-    const Piece piece(problem.scene);
+    const SinglePiece piece(problem.scene);
     const Forcing<P> forcing = forcing_at<P>(problem.scene, piece.body, 0, Quaternion<P>{});
     // the second run starts from the end of the first one and goes back: different phases, different rounding errors
     const P end(sample_times.back());
     const Rotation<P> last = piece.form->at(end);
-    const std::optional<ClosedForm<P>> back = piece.begun(forcing, last.w, last.q);
+    const std::optional<ClosedForm<P>> reverse = piece.find_form(forcing, last.w, last.q);
     Run<P> first, second;
     for (const double t : sample_times) {
         if (Allowance::is_spent()) {
-            Attempt none;
-            none.fault = Allowance::fault;
-            return none;
+            Attempt interrupted;
+            interrupted.fault = Allowance::fault;
+            return interrupted;
         }
         first.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
-        second.motions.push_back(piece.motion(back->at(P(P(t) - end)), P(t)));
+        second.motions.push_back(piece.motion(reverse->at(P(P(t) - end)), P(t)));
     }
-    Attempt attempt = compared(problem, sample_times, first, second,
-                               "closed form in 100 digits, forward from the start and backward from the end", 100);
+    Attempt attempt = compare_runs(problem, sample_times, first, second,
+                                   "closed form in 100 digits, forward from the start and backward from the end", 100);
     // compare the start with a series
-    Scene beginning = problem.scene;
+    Scene start_scene = problem.scene;
     const double rate = std::max(problem.scales.angular_velocity, 1e-300);
-    beginning.duration = std::min(problem.scene.duration, 100 / rate);
-    const std::vector<double> early = polhode::sample_times(beginning.duration, 4);
+    start_scene.duration = std::min(problem.scene.duration, 100 / rate);
+    const std::vector<double> start_times = polhode::sample_times(start_scene.duration, 4);
     const Run<P> series =
-        taylor<P, EulerForm<P>>(beginning, early, problem.scales, problem.body.principal.moments,
+        taylor<P, EulerForm<P>>(start_scene, start_times, problem.scales, problem.body.principal.moments,
                                 {static_cast<int>(std::ceil(1.15 * local_digits)) + 2, local_digits, 1, 400'000});
     if (!series.fault.empty()) {
         attempt.fault = series.fault;
         return attempt;
     }
-    Run<P> formed;
-    for (const double t : early) formed.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
-    const double difference = disagreement(formed, series);
+    Run<P> closed_form_run;
+    for (const double t : start_times) closed_form_run.motions.push_back(piece.motion(piece.form->at(P(t)), P(t)));
+    const double difference = disagreement(closed_form_run, series);
     if (difference > 0) attempt.agreed_digits = std::min(attempt.agreed_digits, -std::log10(difference));
     attempt.truth.reference.bound = std::max(attempt.truth.reference.bound, difference);
     attempt.truth.reference.message += ", its start checked by Taylor series";
@@ -100,9 +101,9 @@ Attempt attempt_by_closed_form(const Problem& problem, const std::vector<double>
 
 Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vector<double>& sample_times,
                                           double local_digits) {
-    const Piece piece(problem.scene);
+    const SinglePiece piece(problem.scene);
     const TaylorSettings settings{static_cast<int>(std::ceil(1.3 * local_digits)) + 5, local_digits, 1, 400'000};
-    auto formed = in_thread([&] {
+    auto closed_form_run = in_thread([&] {
         Run<P> run;
         for (const double t : sample_times) {
             if (Allowance::is_spent()) {
@@ -115,8 +116,8 @@ Attempt attempt_by_series_and_closed_form(const Problem& problem, const std::vec
     });
     const Run<P> series =
         taylor<P, EulerForm<P>>(problem.scene, sample_times, problem.scales, problem.body.principal.moments, settings);
-    return compared(
-        problem, sample_times, series, formed.get(),
+    return compare_runs(
+        problem, sample_times, series, closed_form_run.get(),
         fmt::format("Taylor series in 100 digits: {} at order {} in {} steps, and closed form in 100 digits",
                     EulerForm<P>::name, settings.order, series.steps),
         100);

@@ -22,12 +22,13 @@ Attempt attempt_by_collocation(const Problem& problem, const std::vector<double>
         in_thread([&] { return collocation<P, MomentumForm>(scene, sample_times, problem.scales, moments, coarse); });
     const Run<P> first = collocation<P, EulerForm>(scene, sample_times, problem.scales, moments, fine);
     const Run<P> other = second.get();
-    return compared(problem, sample_times, first, other,
-                    fmt::format("Radau IIA collocation in {} digits: {} by {} stages in {} steps, {} by {} stages in "
-                                "{} steps",
-                                working, EulerForm<P>::name, fine.stages, first.steps, MomentumForm<P>::name,
-                                coarse.stages, other.steps),
-                    static_cast<int>(working));
+    return compare_runs(
+        problem, sample_times, first, other,
+        fmt::format("Radau IIA collocation in {} digits: {} by {} stages in {} steps, {} by {} stages in "
+                    "{} steps",
+                    working, EulerForm<P>::name, fine.stages, first.steps, MomentumForm<P>::name, coarse.stages,
+                    other.steps),
+        static_cast<int>(working));
 }
 
 }  // namespace polhode::truth

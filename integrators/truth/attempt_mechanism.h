@@ -22,7 +22,7 @@ struct MechanismMoment {
 
 /// A formulation whose motion() returns all of these.
 template <class P, class Form>
-class Telling : public Form {
+class WithReactions : public Form {
   public:
     using Form::Form;
 
@@ -37,8 +37,8 @@ class Telling : public Form {
 
 /// Separates a run into its motions and the other quantities.
 template <class P>
-std::pair<Run<P, Motions<P>>, Beside<P>> taken_apart(Run<P, MechanismMoment<P>> run) {
-    std::pair<Run<P, Motions<P>>, Beside<P>> parts;
+std::pair<Run<P, Motions<P>>, MechanismOutputs<P>> split_run(Run<P, MechanismMoment<P>> run) {
+    std::pair<Run<P, Motions<P>>, MechanismOutputs<P>> parts;
     parts.first.fault = std::move(run.fault), parts.first.steps = run.steps;
     for (MechanismMoment<P>& moment : run.motions) {
         parts.first.motions.push_back(std::move(moment.motions));
@@ -49,31 +49,33 @@ std::pair<Run<P, Motions<P>>, Beside<P>> taken_apart(Run<P, MechanismMoment<P>> 
 }
 
 template <unsigned working>
-Attempt attempt_at_mechanism(const Problem& problem, const std::vector<double>& sample_times, double local_digits) {
+Attempt attempt_by_mechanism_series(const Problem& problem, const std::vector<double>& sample_times,
+                                    double local_digits) {
     using P = Real<working>;
     const TaylorRuns runs(local_digits, most_taylor_steps);
     const Scene& scene = problem.scene;
     const std::vector<Leg> legs = itinerary(scene);
-    Telling<P, TreeForm<P>> tree(scene);
+    WithReactions<P, TreeForm<P>> tree(scene);
     std::vector<P> start(static_cast<std::size_t>(tree.dimension()));
     tree.initial(start.data());
     const Motions<P> motions = tree.TreeForm<P>::motion(start.data());
     const std::vector<std::array<P, 2>> coordinates = tree.joint_coordinates(start.data());
     auto second = in_thread([&] {
-        Telling<P, MaximalForm<P>> bodies(scene, motions, std::span<const std::array<P, 2>>(coordinates));
+        WithReactions<P, MaximalForm<P>> bodies(scene, motions, std::span<const std::array<P, 2>>(coordinates));
         std::vector<Block> blocks = bodies.blocks(problem.scales);
-        return taken_apart(
+        return split_run(
             taylor<P>(std::move(bodies), legs, sample_times, std::move(blocks), problem.scales, runs.coarse));
     });
     std::vector<Block> blocks = tree.blocks(mechanism_of(problem).scales());
     const auto first =
-        taken_apart(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), problem.scales, runs.fine));
+        split_run(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), problem.scales, runs.fine));
     const auto other = second.get();
-    return compared(problem, sample_times, first.first, other.first,
-                    fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps",
-                                working, TreeForm<P>::name, runs.fine.order, first.first.steps, MaximalForm<P>::name,
-                                runs.coarse.order, other.first.steps),
-                    static_cast<int>(working), first.second, other.second);
+    return compare_runs(
+        problem, sample_times, first.first, other.first,
+        fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps", working,
+                    TreeForm<P>::name, runs.fine.order, first.first.steps, MaximalForm<P>::name, runs.coarse.order,
+                    other.first.steps),
+        static_cast<int>(working), first.second, other.second);
 }
 
 }  // namespace polhode::truth

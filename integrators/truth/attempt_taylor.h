@@ -44,11 +44,12 @@ Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sam
     });
     const Run<P> first = taylor<P, EulerFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, runs.fine);
     const Run<P> other = second.get();
-    return compared(problem, sample_times, first, other,
-                    fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps",
-                                working, EulerForm<P>::name, runs.fine.order, first.steps, MomentumForm<P>::name,
-                                runs.coarse.order, other.steps),
-                    static_cast<int>(working));
+    return compare_runs(
+        problem, sample_times, first, other,
+        fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps", working,
+                    EulerForm<P>::name, runs.fine.order, first.steps, MomentumForm<P>::name, runs.coarse.order,
+                    other.steps),
+        static_cast<int>(working));
 }
 
 }  // namespace polhode::truth

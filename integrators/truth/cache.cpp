@@ -1,9 +1,10 @@
 // Cache files of reference solutions: one text file per key, written atomically and checked by a checksum.
 //
 // encode() writes the mark, the key, the message, the samples (doubles in hexadecimal, then decimals), the impacts and,
-// for several bodies, the system's invariants and the reactions. decode() reads them through Words, which throws on any
-// malformed word; decode() then returns nothing, and the reference is computed again. cache_key() hashes the scene, the
-// sample times, the digits and the identity of the program. CacheClaim prevents two processes from computing one key.
+// for several bodies, the system's invariants and the reactions. decode() reads them through WordReader, which throws
+// on any malformed word; decode() then returns nothing, and the reference is computed again. cache_key() hashes the
+// scene, the sample times, the digits and the identity of the program. CacheClaim prevents two processes from computing
+// one key.
 #include "integrators/truth/cache.h"
 
 #include <fmt/format.h>
@@ -33,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // first line of every cache file
-constexpr std::string_view mark = "polhode truth";
+constexpr std::string_view file_mark = "polhode truth";
 constexpr std::string_view checksum_word = "checksum ";
 // precedes the data that only references of several bodies have
 constexpr std::string_view bodies_word = "bodies";
@@ -51,7 +52,7 @@ fs::path cache_directory() {
 
 // visits every Pair of a sample, in the same order for writing and reading
 template <class SampleType, class Visit>
-void each_pair(SampleType& sample, Visit&& visit) {
+void visit_pairs(SampleType& sample, Visit&& visit) {
     visit(sample.q.w), visit(sample.q.x), visit(sample.q.y), visit(sample.q.z);
     for (auto* block : {&sample.angular_velocity_B, &sample.angular_momentum_W, &sample.position_W, &sample.velocity_W})
         for (int i = 0; i < 3; ++i) visit((*block)[i]);
@@ -60,13 +61,13 @@ void each_pair(SampleType& sample, Visit&& visit) {
 
 // visits every Pair of a system's invariants, and of a reaction
 template <class SystemType, class Visit>
-void each_pair_of_system(SystemType& system, Visit&& visit) {
+void visit_system_pairs(SystemType& system, Visit&& visit) {
     visit(system.kinetic), visit(system.energy);
     for (auto* block : {&system.angular_momentum_W, &system.linear_momentum_W})
         for (int i = 0; i < 3; ++i) visit((*block)[i]);
 }
 template <class ReactionType, class Visit>
-void each_pair_of_reaction(ReactionType& reaction, Visit&& visit) {
+void visit_reaction_pairs(ReactionType& reaction, Visit&& visit) {
     for (auto* block : {&reaction.force_W, &reaction.torque_W})
         for (int i = 0; i < 3; ++i) visit((*block)[i]);
 }
@@ -78,9 +79,9 @@ void put(std::string& text, double value) {
 }
 
 // Reads words separated by blanks. Throws std::runtime_error if a word does not have the requested type.
-class Words {
+class WordReader {
   public:
-    explicit Words(std::string_view text) : rest_(text) {}
+    explicit WordReader(std::string_view text) : rest_(text) {}
 
     std::string_view line() {
         const std::size_t end = rest_.find('\n');
@@ -113,7 +114,7 @@ class Words {
         return value;
     }
     bool next_is(std::string_view word) const {
-        Words ahead = *this;
+        WordReader ahead = *this;
         return ahead.more() && ahead.word() == word;
     }
     bool more() const { return rest_.find_first_not_of(" \n") != rest_.npos; }
@@ -127,14 +128,14 @@ class Words {
 
 std::string encode(const std::string& key, const Truth& truth) {
     const Reference& reference = truth.reference;
-    std::string text = fmt::format("{}\n{}\n{}\n{} {} {} ", mark, key, reference.message, reference.samples.size(),
+    std::string text = fmt::format("{}\n{}\n{}\n{} {} {} ", file_mark, key, reference.message, reference.samples.size(),
                                    reference.available ? 1 : 0, truth.steps);
     put(text, reference.bound);
     put(text, truth.seconds);
     text += '\n';
     for (std::size_t i = 0; i < reference.samples.size(); ++i) {
         put(text, reference.samples[i].t);
-        each_pair(reference.samples[i], [&](const Pair& pair) { put(text, pair.high), put(text, pair.low); });
+        visit_pairs(reference.samples[i], [&](const Pair& pair) { put(text, pair.high), put(text, pair.low); });
         for (const std::string& decimal : truth.decimals[i]) text.append(decimal).append(" ");
         text += '\n';
     }
@@ -153,11 +154,11 @@ std::string encode(const std::string& key, const Truth& truth) {
         const auto pair = [&](const Pair& p) { put(text, p.high), put(text, p.low); };
         text += fmt::format("{} {} {}\n", bodies_word, reference.bodies, reference.reactions.size());
         for (const ReferenceSystem& system : reference.system) {
-            put(text, system.t), each_pair_of_system(system, pair);
+            put(text, system.t), visit_system_pairs(system, pair);
             text += '\n';
         }
         for (std::size_t i = 0; i < reference.reactions.size(); ++i) {
-            each_pair_of_reaction(reference.reactions[i], pair);
+            visit_reaction_pairs(reference.reactions[i], pair);
             for (const std::string& decimal : truth.reaction_decimals[i]) text.append(decimal).append(" ");
             text += '\n';
         }
@@ -169,7 +170,7 @@ std::string encode(const std::string& key, const Truth& truth) {
 namespace {
 
 // Reads the data of several bodies that encode() writes.
-void read_system(Words& in, Truth& truth) {
+void read_system(WordReader& in, Truth& truth) {
     Reference& reference = truth.reference;
     const auto pair = [&](Pair& p) { p.high = in.real(), p.low = in.real(); };
     if (in.word() != bodies_word) throw std::runtime_error("foreign");
@@ -178,10 +179,10 @@ void read_system(Words& in, Truth& truth) {
     if (bodies < 1 || reference.samples.size() % bodies != 0) throw std::runtime_error("inconsistent");
     reference.bodies = static_cast<int>(bodies);
     reference.system.resize(reference.samples.size() / bodies);
-    for (ReferenceSystem& system : reference.system) system.t = in.real(), each_pair_of_system(system, pair);
+    for (ReferenceSystem& system : reference.system) system.t = in.real(), visit_system_pairs(system, pair);
     reference.reactions.resize(reactions), truth.reaction_decimals.resize(reactions);
     for (std::size_t i = 0; i < reactions; ++i) {
-        each_pair_of_reaction(reference.reactions[i], pair);
+        visit_reaction_pairs(reference.reactions[i], pair);
         for (std::string& decimal : truth.reaction_decimals[i]) decimal = in.word();
     }
 }
@@ -189,14 +190,14 @@ void read_system(Words& in, Truth& truth) {
 }  // namespace
 
 std::optional<Truth> decode(const std::string& key, std::string_view text) {
-    const std::size_t sealed = text.rfind(checksum_word);
-    if (sealed == text.npos) return {};
-    const std::string_view body = text.substr(0, sealed);
-    if (text.substr(sealed) != std::string(checksum_word) + content_hash(body) + "\n") return {};
+    const std::size_t checksum_start = text.rfind(checksum_word);
+    if (checksum_start == text.npos) return {};
+    const std::string_view body = text.substr(0, checksum_start);
+    if (text.substr(checksum_start) != std::string(checksum_word) + content_hash(body) + "\n") return {};
     try {
-        Words in(body);
+        WordReader in(body);
         Truth truth;
-        if (in.line() != mark || in.line() != key) return {};
+        if (in.line() != file_mark || in.line() != key) return {};
         truth.reference.message = in.line();
         // a sample has 48 words, each with a blank: allocates no more than the text can contain
         const std::size_t samples = in.count(in.left() / 96);
@@ -208,7 +209,7 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
         truth.decimals.resize(samples);
         for (std::size_t i = 0; i < samples; ++i) {
             truth.reference.samples[i].t = in.real();
-            each_pair(truth.reference.samples[i], [&](Pair& pair) { pair.high = in.real(), pair.low = in.real(); });
+            visit_pairs(truth.reference.samples[i], [&](Pair& pair) { pair.high = in.real(), pair.low = in.real(); });
             for (std::string& decimal : truth.decimals[i]) decimal = in.word();
         }
         if (in.more() && !in.next_is(bodies_word)) {
@@ -229,7 +230,7 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
 
 namespace {
 
-std::string key_of(const Scene& scene, const std::string& samples, int digits, const std::string& by) {
+std::string make_key(const Scene& scene, const std::string& samples, int digits, const std::string& by) {
     Scene bare = scene;
     bare.name = "truth";
     bare.about.clear(), bare.source.clear();
@@ -242,13 +243,13 @@ std::string key_of(const Scene& scene, const std::string& samples, int digits, c
 std::string program() { return fmt::format("{}, MPFR {}, GMP {}", program_sources(), mpfr_get_version(), gmp_version); }
 
 std::string cache_key(const Scene& scene, long samples, int digits, const std::string& by) {
-    return key_of(scene, std::to_string(samples), digits, by);
+    return make_key(scene, std::to_string(samples), digits, by);
 }
 
 std::string cache_key(const Scene& scene, const std::vector<double>& times, int digits, const std::string& by) {
     std::string text = "at ";
     for (const double t : times) put(text, t);
-    return key_of(scene, text, digits, by);
+    return make_key(scene, text, digits, by);
 }
 
 std::string cache_path(const std::string& key) {
@@ -256,7 +257,7 @@ std::string cache_path(const std::string& key) {
     return directory.empty() ? "" : (directory / ("truth-" + key + ".txt")).string();
 }
 
-std::optional<Truth> cached(const std::string& key) {
+std::optional<Truth> read_cached(const std::string& key) {
     const std::string path = cache_path(key);
     std::ifstream file(path, std::ios::binary);
     if (path.empty() || !file) return {};
@@ -274,7 +275,7 @@ CacheClaim::CacheClaim(const std::string& key, const std::function<bool()>& is_o
     while (!(claim_ = claims_->take(key)) && !is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
-void keep(const std::string& key, const Truth& truth) {
+void store(const std::string& key, const Truth& truth) {
     const std::string path = cache_path(key);
     if (path.empty()) return;
     try {

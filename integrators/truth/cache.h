@@ -30,7 +30,7 @@ std::string cache_key(const Scene& scene, const std::vector<double>& times, int 
 
 /// Returns the reference cached under `key`. Returns nothing if there is none or if the file is damaged or foreign; in
 /// the latter case, reports it in one line on standard error.
-std::optional<Truth> cached(const std::string& key);
+std::optional<Truth> read_cached(const std::string& key);
 
 /// The text of a cache file: lines with the mark, the key and the message, then numbers, then a checksum of all of it.
 std::string encode(const std::string& key, const Truth& truth);
@@ -39,7 +39,7 @@ std::string encode(const std::string& key, const Truth& truth);
 std::optional<Truth> decode(const std::string& key, std::string_view text);
 
 /// Writes the reference to the cache atomically. Write errors are ignored: the reference is then computed again.
-void keep(const std::string& key, const Truth& truth);
+void store(const std::string& key, const Truth& truth);
 
 /// During its lifetime, no other process with the same cache computes the reference of this key.
 class CacheClaim {

@@ -210,7 +210,7 @@ std::string collocate(CollocationStep<P, FormOf>& step, double begin, double end
 }
 
 /// Follows a scene. on_step(t, h, step) receives the polynomial of the step from t to t + h.
-template <class P, template <class> class FormOf, class OnStep = ForgetStep>
+template <class P, template <class> class FormOf, class OnStep = IgnoreStep>
 Run<P> collocation(const Scene& scene, const std::vector<double>& sample_times, const Scales& given,
                    const Vector3<double>& moments, const CollocationSettings& settings, const OnStep& on_step = {}) {
     Run<P> run;

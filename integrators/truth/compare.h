@@ -1,8 +1,8 @@
 // Comparison of two runs, and the reference made from the first one.
 //
-// Difference accumulates the largest difference between motions; disagreement() applies it to two runs. written()
-// converts a run to samples and decimals. compared() combines both into an Attempt. For several bodies, reactions are
-// compared as well: components that redundant constraints leave undetermined become NaN.
+// Difference accumulates the largest difference between motions; disagreement() applies it to two runs. make_truth()
+// converts a run to samples and decimals. compare_runs() combines both into an Attempt. For several bodies, reactions
+// are compared as well: components that redundant constraints leave undetermined become NaN.
 #pragma once
 
 #include <fmt/format.h>
@@ -57,13 +57,13 @@ class Difference {
         w_.natural = natural.angular_velocity, p_.natural = natural.position, v_.natural = natural.velocity;
     }
 
-    void note(const Motion<P>& x, const Motion<P>& y) {
+    void add(const Motion<P>& x, const Motion<P>& y) {
         const Quaternion<P> between = conjugate(x.q) * y.q;
         angle_ = larger(angle_, P(2 * length(vector_part(between))));
         if (between.w <= 0) angle_ = std::max(angle_, P(3));  // opposite sign: a sign flip counts as a disagreement
-        w_.note(x.angular_velocity_B, y.angular_velocity_B);
-        p_.note(x.position_W, y.position_W);
-        v_.note(x.velocity_W, y.velocity_W);
+        w_.add(x.angular_velocity_B, y.angular_velocity_B);
+        p_.add(x.position_W, y.position_W);
+        v_.add(x.velocity_W, y.velocity_W);
     }
     double worst() const {
         const P worst = larger(larger(angle_, w_.relative()), larger(p_.relative(), v_.relative()));
@@ -71,9 +71,9 @@ class Difference {
     }
 
   private:
-    struct Tally {
+    struct BlockDifference {
         P largest{0}, difference{0}, natural{0};
-        void note(const Vector3<P>& x, const Vector3<P>& y) {
+        void add(const Vector3<P>& x, const Vector3<P>& y) {
             largest = larger(largest, length(x));
             difference = larger(difference, length(x - y));
         }
@@ -83,14 +83,14 @@ class Difference {
         }
     };
     P angle_{0};
-    Tally w_, p_, v_;
+    BlockDifference w_, p_, v_;
 };
 
 /// The largest difference between two runs.
 template <class P>
 double disagreement(const Run<P>& a, const Run<P>& b) {
     Difference<P> difference;
-    for (std::size_t i = 0; i < a.motions.size(); ++i) difference.note(a.motions[i], b.motions[i]);
+    for (std::size_t i = 0; i < a.motions.size(); ++i) difference.add(a.motions[i], b.motions[i]);
     return difference.worst();
 }
 /// For several bodies: differences are relative to the largest length over all bodies.
@@ -99,7 +99,7 @@ double disagreement(const Run<P, Motions<P>>& a, const Run<P, Motions<P>>& b, co
     Difference<P> difference(natural);
     for (std::size_t i = 0; i < a.motions.size(); ++i)
         for (std::size_t body = 0; body < a.motions[i].size(); ++body)
-            difference.note(a.motions[i][body], b.motions[i][body]);
+            difference.add(a.motions[i][body], b.motions[i][body]);
     return difference.worst();
 }
 
@@ -133,23 +133,23 @@ ReferenceSample& write_motion(Truth& truth, double t, const Motion<P>& m, int di
 
 /// Converts `run` to the samples of a reference.
 template <class P>
-Truth written(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& run, int digits) {
+Truth make_truth(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& run, int digits) {
     const ExactBody<P> body = exact_body<P>(problem.scene);
     Truth truth;
     for (std::size_t i = 0; i < sample_times.size(); ++i) {
         const Motion<P>& m = run.motions[i];
-        const Invariants<P> kept =
+        const Invariants<P> conserved =
             invariants<P>(problem.scene, body, sample_times[i], m.q, m.angular_velocity_B, m.position_W, m.velocity_W);
         ReferenceSample& sample = write_motion(truth, sample_times[i], m, digits);
-        sample.angular_momentum_W = pairs(kept.angular_momentum_W);
-        sample.energy = pair_of(kept.energy);
+        sample.angular_momentum_W = pairs(conserved.angular_momentum_W);
+        sample.energy = pair_of(conserved.energy);
     }
     return truth;
 }
 
 /// Further quantities that a formulation of several bodies provides, at every sample time or not at all.
 template <class P>
-struct Beside {
+struct MechanismOutputs {
     std::vector<std::vector<Reaction<P>>> reactions;  ///< all joints, then all loops
     /// Of each joint, as in JointCoordinates. If empty, the angles are tracked from sample to sample.
     std::vector<std::vector<std::array<double, 2>>> coordinates;
@@ -157,8 +157,8 @@ struct Beside {
 
 /// Converts `run` to the samples of several bodies and of the whole system.
 template <class P>
-Truth written(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& run,
-              int digits, const Beside<P>& beside = {}) {
+Truth make_truth(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& run,
+                 int digits, const MechanismOutputs<P>& outputs = {}) {
     const MechanismMeasure<P> measure(problem.scene);
     JointCoordinates coordinates(problem.scene);
     Truth truth;
@@ -166,12 +166,12 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
     for (std::size_t i = 0; i < sample_times.size(); ++i) {
         const double t = sample_times[i];
         for (const Motion<P>& m : run.motions[i]) write_motion(truth, t, m, digits);
-        if (!beside.coordinates.empty()) coordinates.set(t, beside.coordinates[i]);
+        if (!outputs.coordinates.empty()) coordinates.set(t, outputs.coordinates[i]);
         const SystemInvariants<P> all = measure.invariants(t, run.motions[i], coordinates);
         truth.reference.system.push_back({t, pair_of(all.kinetic), pair_of(all.energy), pairs(all.angular_momentum_W),
                                           pairs(all.linear_momentum_W)});
-        if (beside.reactions.empty()) continue;
-        for (const Reaction<P>& r : beside.reactions[i]) {
+        if (outputs.reactions.empty()) continue;
+        for (const Reaction<P>& r : outputs.reactions[i]) {
             truth.reference.reactions.push_back({pairs(r.force_W), pairs(r.torque_W)});
             ReactionDecimals decimals;
             for (std::size_t c = 0; c < 3; ++c) {
@@ -189,7 +189,7 @@ Truth written(const Problem& problem, const std::vector<double>& sample_times, c
 /// reactions undetermined, and the two formulations choose that part differently. Components that differ by more than
 /// `undetermined` are set to NaN in the first run and do not count.
 template <class P>
-double disagreement(const Scene& scene, Beside<P>& a, const Beside<P>& b, double undetermined) {
+double disagreement(const Scene& scene, MechanismOutputs<P>& a, const MechanismOutputs<P>& b, double undetermined) {
     const std::vector<P> arms = MechanismMeasure<P>(scene).arms();
     P force(0), torque(0);
     for (std::vector<Reaction<P>>& moment : a.reactions)
@@ -218,12 +218,12 @@ double disagreement(const Scene& scene, Beside<P>& a, const Beside<P>& b, double
 
 /// Makes an attempt from two runs with a known largest difference; `truth` comes from the first run.
 template <class P, class Sample>
-Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample>& second, double difference,
-                   const std::string& how, int digits) {
+Attempt make_attempt(Truth truth, const Run<P, Sample>& first, const Run<P, Sample>& second, double difference,
+                     const std::string& how, int digits) {
     Attempt attempt;
-    P late(0);
+    P time_difference(0);
     for (std::size_t i = 0; i < std::min(first.impacts.size(), second.impacts.size()); ++i)
-        late = std::max(late, P(abs(first.impacts[i] - second.impacts[i])));
+        time_difference = std::max(time_difference, P(abs(first.impacts[i] - second.impacts[i])));
     // a different number of impacts means a different motion
     if (first.impacts.size() != second.impacts.size()) difference = std::numeric_limits<double>::infinity();
     attempt.agreed_digits = difference > 0 ? -std::log10(difference) : digits;
@@ -236,7 +236,7 @@ Attempt attempt_of(Truth truth, const Run<P, Sample>& first, const Run<P, Sample
         attempt.truth.reference.impact_times.push_back(pair_of(t));
         attempt.truth.impact_decimals.push_back(decimal_of(t, digits));
     }
-    attempt.truth.reference.impact_time_error = late.template convert_to<double>();
+    attempt.truth.reference.impact_time_error = time_difference.template convert_to<double>();
     attempt.truth.reference.message +=
         fmt::format("; {} impact{}, times differ by at most {:.1e} s", first.impacts.size(),
                     first.impacts.size() == 1 ? "" : "s", attempt.truth.reference.impact_time_error);
@@ -252,31 +252,32 @@ inline Attempt failed_attempt(const std::string& fault) {
 
 /// Compares both runs and returns the attempt; `how` describes the method in its message.
 template <class P>
-Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& first,
-                 const Run<P>& second, const std::string& how, int digits) {
+Attempt compare_runs(const Problem& problem, const std::vector<double>& sample_times, const Run<P>& first,
+                     const Run<P>& second, const std::string& how, int digits) {
     const std::string& fault = first.fault.empty() ? second.fault : first.fault;
     if (!fault.empty()) return failed_attempt(fault);
-    return attempt_of(written(problem, sample_times, first, digits), first, second, disagreement(first, second), how,
-                      digits);
+    return make_attempt(make_truth(problem, sample_times, first, digits), first, second, disagreement(first, second),
+                        how, digits);
 }
 
 /// Compares both runs of several bodies. If both provide reactions, these are compared and written too. Reactions that
 /// the motion does not determine are NaN.
 template <class P>
-Attempt compared(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& first,
-                 const Run<P, Motions<P>>& second, const std::string& how, int digits,
-                 const Beside<P>& beside_first = {}, const Beside<P>& beside_second = {}) {
+Attempt compare_runs(const Problem& problem, const std::vector<double>& sample_times, const Run<P, Motions<P>>& first,
+                     const Run<P, Motions<P>>& second, const std::string& how, int digits,
+                     const MechanismOutputs<P>& first_outputs = {}, const MechanismOutputs<P>& second_outputs = {}) {
     const std::string& fault = first.fault.empty() ? second.fault : first.fault;
     if (!fault.empty()) return failed_attempt(fault);
     double difference = disagreement(first, second, natural_sizes<P>(problem.scene));
-    Beside<P> beside = beside_first;
-    if (beside_second.reactions.empty()) beside.reactions.clear();
-    if (!beside.reactions.empty()) {
+    MechanismOutputs<P> outputs = first_outputs;
+    if (second_outputs.reactions.empty()) outputs.reactions.clear();
+    if (!outputs.reactions.empty()) {
         // the reactions agree to a few digits less than the motions; larger differences mean undetermined components
         const double undetermined = std::max(1e-12, 1e4 * difference);
-        difference = std::max(difference, disagreement(problem.scene, beside, beside_second, undetermined));
+        difference = std::max(difference, disagreement(problem.scene, outputs, second_outputs, undetermined));
     }
-    return attempt_of(written(problem, sample_times, first, digits, beside), first, second, difference, how, digits);
+    return make_attempt(make_truth(problem, sample_times, first, digits, outputs), first, second, difference, how,
+                        digits);
 }
 
 }  // namespace polhode::truth

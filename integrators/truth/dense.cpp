@@ -48,11 +48,11 @@ ReferenceSample DenseTruth::at(double t) const {
         pivoted_center(q, w, body_.arm, p, v);
     else
         p = BodyState::position(y), v = BodyState::velocity(y);
-    const Invariants<double> kept = invariants(scene_, body_, t, q, w, p, v);
+    const Invariants<double> conserved = invariants(scene_, body_, t, q, w, p, v);
     const auto pairs = [](const Vector3<double>& a) { return Vector3<Pair>{a[0], a[1], a[2]}; };
     ReferenceSample sample;
     sample.t = t, sample.q = {q.w, q.x, q.y, q.z}, sample.angular_velocity_B = pairs(w);
-    sample.angular_momentum_W = pairs(kept.angular_momentum_W), sample.energy = kept.energy;
+    sample.angular_momentum_W = pairs(conserved.angular_momentum_W), sample.energy = conserved.energy;
     sample.position_W = pairs(p), sample.velocity_W = pairs(v);
     return sample;
 }
@@ -143,7 +143,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     };
 
     const truth::Allowance allowance(truth_seconds);
-    const truth::KeptConstants constants;
+    const truth::MpfrConstants constants;
     double local = 26, agreed = 0;
     std::string fault;
     for (int attempts = 0; attempts < 2 && local <= 44; ++attempts) {

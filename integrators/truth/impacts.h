@@ -24,8 +24,8 @@ class EulerFormWithPlanes : public EulerForm<P> {
         const Quaternion<P> q = normalized(this->attitude(y));
         return {q, this->position(y), this->velocity(y), rotate(q, this->angular_velocity(y))};
     }
-    P fastest(const P& w, const P& v) const { return v + geometry_.reach * w; }
-    ImpactOutcome meet(const P& tolerance, P* y) const {
+    P max_speed(const P& w, const P& v) const { return v + geometry_.reach * w; }
+    ImpactOutcome apply_impact(const P& tolerance, P* y) const {
         const Placement<P> at = placement(y);
         StruckBody<P> body{P(1) / this->body().mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
                            at.angular_velocity_W};
@@ -60,10 +60,10 @@ class MomentumFormWithPlanes : public MomentumForm<P> {
         const Motion<P> m = this->motion(y);
         return {m.q, m.position_W, m.velocity_W, rotate(m.q, m.angular_velocity_B)};
     }
-    P fastest(const P& L, const P& momentum) const {
+    P max_speed(const P& L, const P& momentum) const {
         return momentum / body_.mass + geometry_.reach * (inverse_size_ * L);
     }
-    ImpactOutcome meet(const P& tolerance, P* y) const {
+    ImpactOutcome apply_impact(const P& tolerance, P* y) const {
         const Placement<P> at = placement(y);
         const std::vector<Contact<P>> touching = geometry_.contacts(at, tolerance);
         if (touching.size() == 1) {

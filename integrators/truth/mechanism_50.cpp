@@ -2,6 +2,6 @@
 
 namespace polhode::truth {
 
-template Attempt attempt_at_mechanism<50>(const Problem&, const std::vector<double>&, double);
+template Attempt attempt_by_mechanism_series<50>(const Problem&, const std::vector<double>&, double);
 
 }  // namespace polhode::truth

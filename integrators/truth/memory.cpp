@@ -12,28 +12,30 @@ extern "C" [[gnu::weak]] void __flint_set_memory_functions(  // NOLINT(bugprone-
 namespace polhode::truth {
 namespace {
 
-void (*end_of_process)() = nullptr;
+void (*memory_handler)() = nullptr;
 
 // GMP never requests a block of size 0; FLINT does, and accepts any pointer for it
-void* checked(void* block, std::size_t size) {
+void* check_block(void* block, std::size_t size) {
     if (!block && size > 0) {
-        end_of_process();
+        memory_handler();
         std::abort();
     }
     return block;
 }
 
-void* allocate(std::size_t size) { return checked(std::malloc(size), size); }
-void* allocate_zeros(std::size_t count, std::size_t size) { return checked(std::calloc(count, size), count * size); }
-void* reallocate(void* block, std::size_t size) { return checked(std::realloc(block, size), size); }
+void* allocate(std::size_t size) { return check_block(std::malloc(size), size); }
+void* allocate_zeros(std::size_t count, std::size_t size) {
+    return check_block(std::calloc(count, size), count * size);
+}
+void* reallocate(void* block, std::size_t size) { return check_block(std::realloc(block, size), size); }
 void* reallocate_sized(void* block, std::size_t, std::size_t size) { return reallocate(block, size); }
 void release(void* block) { std::free(block); }
 void release_sized(void* block, std::size_t) { std::free(block); }
 
 }  // namespace
 
-void when_out_of_memory(void (*ends)()) {
-    end_of_process = ends;
+void set_out_of_memory_handler(void (*handler)()) {
+    memory_handler = handler;
     mp_set_memory_functions(allocate, reallocate_sized, release_sized);
     if (__flint_set_memory_functions) __flint_set_memory_functions(allocate, allocate_zeros, reallocate, release);
 }

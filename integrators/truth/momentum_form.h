@@ -37,7 +37,7 @@ class MomentumForm {
                 inertia_[i][j] = body_.inertia[i][j] - mass_ * to_center_[i] * to_center_[j];
                 if (i == j) inertia_[i][j] += mass_ * dot(to_center_, to_center_);
             }
-        inverse_inertia_ = eliminated(inertia_);
+        inverse_inertia_ = invert(inertia_);
     }
 
     int dimension() const { return scene_->pivot ? 7 : 13; }
@@ -71,7 +71,7 @@ class MomentumForm {
         acting_.clear();
         for (const Load& load : scene_->loads) {
             if (const auto* impulse = std::get_if<Impulse>(&load)) {
-                if (impulse->at == begin) strike(*impulse, y);
+                if (impulse->at == begin) apply_impulse(*impulse, y);
                 continue;
             }
             const Window window = window_of(load);
@@ -174,7 +174,7 @@ class MomentumForm {
         return cast<P>(point) - position;  // position is zero at a pivot: the pivot is at the world's origin
     }
 
-    void strike(const Impulse& impulse, P* y) const {
+    void apply_impulse(const Impulse& impulse, P* y) const {
         const Matrix3<P> axes = rotation_matrix(normalized(quaternion_at(y, 3)));
         const Vector3<P> position = scene_->pivot ? Vector3<P>() : vector_at(y, 7);
         const Vector3<P> J = in_world<P>(impulse.frame, impulse.vector, axes);
@@ -184,7 +184,7 @@ class MomentumForm {
     }
 
     // the inverse of a positive definite matrix, by Gauss-Jordan elimination
-    static Matrix3<P> eliminated(Matrix3<P> m) {
+    static Matrix3<P> invert(Matrix3<P> m) {
         Matrix3<P> result = diagonal(Vector3<P>(P(1), P(1), P(1)));
         for (int k = 0; k < 3; ++k) {
             const P scale = P(1) / m[k][k];

@@ -1,11 +1,11 @@
 // Computes reference solutions (ground truth), each with an error bound from the difference of two runs.
 //
 // find_truth() validates the scene, searches the cache and otherwise calls compute(). compute() repeats attempts with
-// more local digits until both runs agree to the requested digits. way_of() selects the pair of runs:
-//   Way::series                       Taylor series, Euler's equations and world momenta (attempt_taylor.h)
-//   Way::collocation                  Radau IIA, the same formulations, for stiff motion (attempt_collocation.h)
-//   Way::closed_form                  from both ends, start checked by a series (attempt_closed_form.cpp)
-//   Way::series_in_joint_coordinates  Taylor series, joint and maximal coordinates (attempt_mechanism.h)
+// more local digits until both runs agree to the requested digits. select_formulas() selects the pair of runs:
+//   Formulas::series                      Taylor series, Euler's equations and world momenta (attempt_taylor.h)
+//   Formulas::collocation                 Radau IIA, the same formulations, for stiff motion (attempt_collocation.h)
+//   Formulas::closed_form                 from both ends, start checked by a series (attempt_closed_form.cpp)
+//   Formulas::series_in_joint_coordinates Taylor series, joint and maximal coordinates (attempt_mechanism.h)
 // Both runs share rounding errors of the mass properties and the initial state, which their difference does not show.
 // SharedData adds these errors to the bound (shared.h).
 #include "integrators/truth/reference.h"
@@ -36,52 +36,54 @@ using truth::Attempt;
 using truth::is_strongly_damped;
 using truth::Truth;
 
-Truth none(std::string message) {
+Truth make_unavailable(std::string message) {
     Truth truth;
     truth.reference.message = std::move(message);
     return truth;
 }
 
-constexpr int usual_digits = 25;
+constexpr int default_digits = 25;
 // digits written beyond the requested ones, so that rounding keeps the requested ones correct
 constexpr int guard_digits = 2;
 
 // Beyond this rotation, rad, a series takes hours; a closed form, if there is one, costs the same at any time. Below it
 // the series is the reference, so that a closed form is not compared with the same closed form.
-constexpr double most_radians_by_series = 2e5;
-bool is_long(const Problem& problem) {
-    return problem.scales.angular_velocity * problem.scene.duration > most_radians_by_series &&
-           truth::closed_form_serves(problem);
+constexpr double max_series_rotation = 2e5;
+bool prefers_closed_form(const Problem& problem) {
+    return problem.scales.angular_velocity * problem.scene.duration > max_series_rotation &&
+           truth::has_single_closed_form(problem);
 }
 
 // the arithmetic carries at least six digits more than the local error of a step
-bool is_narrow(double local_digits) { return local_digits <= 44; }
-constexpr double least_broad_digits = 45;
+bool fits_50_digits(double local_digits) { return local_digits <= 44; }
+constexpr double min_100_digits = 45;
 
 /// Method that computes the motion.
-enum class Way { closed_form, series_in_joint_coordinates, collocation, series };
+enum class Formulas { closed_form, series_in_joint_coordinates, collocation, series };
 
-Way way_of(const Problem& problem) {
-    if (std::holds_alternative<MechanismSystem>(problem.system)) return Way::series_in_joint_coordinates;
-    return is_long(problem) ? Way::closed_form : is_strongly_damped(problem) ? Way::collocation : Way::series;
+Formulas select_formulas(const Problem& problem) {
+    if (std::holds_alternative<MechanismSystem>(problem.system)) return Formulas::series_in_joint_coordinates;
+    return prefers_closed_form(problem)  ? Formulas::closed_form
+           : is_strongly_damped(problem) ? Formulas::collocation
+                                         : Formulas::series;
 }
 
 Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
-    const bool narrow = is_narrow(local_digits);
-    switch (way_of(problem)) {
-        case Way::closed_form:
+    const bool use_50_digits = fits_50_digits(local_digits);
+    switch (select_formulas(problem)) {
+        case Formulas::closed_form:
             return truth::attempt_by_closed_form(problem, times, local_digits);
-        case Way::series_in_joint_coordinates:
-            return narrow ? truth::attempt_at_mechanism<50>(problem, times, local_digits)
-                          : truth::attempt_at_mechanism<100>(problem, times, local_digits);
-        case Way::collocation:
-            return narrow ? truth::attempt_by_collocation<50>(problem, times, local_digits)
-                          : truth::attempt_by_collocation<100>(problem, times, local_digits);
-        case Way::series:
+        case Formulas::series_in_joint_coordinates:
+            return use_50_digits ? truth::attempt_by_mechanism_series<50>(problem, times, local_digits)
+                                 : truth::attempt_by_mechanism_series<100>(problem, times, local_digits);
+        case Formulas::collocation:
+            return use_50_digits ? truth::attempt_by_collocation<50>(problem, times, local_digits)
+                                 : truth::attempt_by_collocation<100>(problem, times, local_digits);
+        case Formulas::series:
             break;
     }
-    return narrow ? truth::attempt_by_taylor<50>(problem, times, local_digits)
-                  : truth::attempt_by_taylor<100>(problem, times, local_digits);
+    return use_50_digits ? truth::attempt_by_taylor<50>(problem, times, local_digits)
+                         : truth::attempt_by_taylor<100>(problem, times, local_digits);
 }
 
 // Effect of rounding errors in the data that both runs share (mass properties, initial state).
@@ -92,15 +94,15 @@ class SharedData {
 
     /// Smallest error of a reference whose steps have `local_digits` digits.
     double error(double local_digits, double difference = 0) {
-        const bool narrow = !is_long(problem_) && is_narrow(local_digits);
-        std::optional<double>& rounding = narrow ? narrow_ : broad_;
+        const bool use_50_digits = !prefers_closed_form(problem_) && fits_50_digits(local_digits);
+        std::optional<double>& rounding = use_50_digits ? rounding_50_ : rounding_100_;
         if (!rounding)
-            rounding =
-                narrow ? truth::shared_rounding<50>(problem_.scene) : truth::shared_rounding<100>(problem_.scene);
-        return truth::shared_error(*rounding, radians_, difference, narrow ? 50 : 100, local_digits);
+            rounding = use_50_digits ? truth::shared_rounding<50>(problem_.scene)
+                                     : truth::shared_rounding<100>(problem_.scene);
+        return truth::shared_error(*rounding, radians_, difference, use_50_digits ? 50 : 100, local_digits);
     }
     /// Adds this error to the bound of an attempt.
-    void count(Attempt& attempt, double local_digits) {
+    void add_to_bound(Attempt& attempt, double local_digits) {
         double& bound = attempt.truth.reference.bound;
         const double least = error(local_digits, bound);
         if (least <= bound) return;
@@ -111,11 +113,11 @@ class SharedData {
   private:
     const Problem& problem_;
     double radians_;
-    std::optional<double> narrow_, broad_;
+    std::optional<double> rounding_50_, rounding_100_;
 };
 
 // Digits that the rotation rate about the axis of the smallest moment loses if it is computed from momenta.
-double digits_of_momenta(const Problem& problem) {
+double digits_lost_by_momenta(const Problem& problem) {
     if (!std::holds_alternative<OneBody>(problem.system)) return 0;
     const Vector3<double>& I = problem.body.principal.moments;
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
@@ -125,71 +127,73 @@ double digits_of_momenta(const Problem& problem) {
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
     if (!scene.planes.empty() && is_strongly_damped(problem))
-        return none("no truth: stiff motions require collocation, which does not support planes");
-    double local = digits + 8, most_agreed = 0;
+        return make_unavailable("no truth: stiff motions require collocation, which does not support planes");
+    double local = digits + 8, max_agreed = 0;
     std::string fault;
     SharedData shared(problem, times.back());
-    const double wanted = std::pow(10.0, -digits);
-    if (shared.error(local) > wanted) local = std::max(local, least_broad_digits);
-    if (!(shared.error(local) <= wanted))
-        return none(
+    const double required = std::pow(10.0, -digits);
+    if (shared.error(local) > required) local = std::max(local, min_100_digits);
+    if (!(shared.error(local) <= required))
+        return make_unavailable(
             fmt::format("no truth to {} digits: computing the body's mass, moments, axes and initial state loses them "
                         "to cancellation in 100 digits; fewer are lost with a larger inertia about the centre of mass "
                         "relative to the mass times the pivot's distance squared",
                         digits));
     // Momenta that do not represent a rate let it grow without bound. A closed form, if there is one, is used instead.
-    const double beside = digits_of_momenta(problem);
-    if (beside + digits > 50) local = std::max(local, least_broad_digits);
-    const bool without_momenta = beside + digits > 100 && !is_long(problem) && truth::closed_form_serves(problem);
+    const double lost_digits = digits_lost_by_momenta(problem);
+    if (lost_digits + digits > 50) local = std::max(local, min_100_digits);
+    const bool without_momenta =
+        lost_digits + digits > 100 && !prefers_closed_form(problem) && truth::has_single_closed_form(problem);
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
-        Attempt made = without_momenta ? truth::attempt_by_series_and_closed_form(problem, times, local)
-                                       : attempt(problem, times, local);
-        fault = made.fault;
+        Attempt result = without_momenta ? truth::attempt_by_series_and_closed_form(problem, times, local)
+                                         : attempt(problem, times, local);
+        fault = result.fault;
         if (!fault.empty()) break;
-        shared.count(made, local);
+        shared.add_to_bound(result, local);
         // no digit agrees: one of the formulations may have lost the component that determines the motion
-        if (made.agreed_digits < 1 && attempts == 0 && truth::closed_form_serves(problem)) {
+        if (result.agreed_digits < 1 && attempts == 0 && truth::has_single_closed_form(problem)) {
             Attempt other = truth::attempt_by_series_and_closed_form(problem, times, digits + 12);
-            if (other.fault.empty()) shared.count(other, std::max(local, least_broad_digits));
-            if (other.fault.empty() && other.agreed_digits > made.agreed_digits) made = std::move(other);
+            if (other.fault.empty()) shared.add_to_bound(other, std::max(local, min_100_digits));
+            if (other.fault.empty() && other.agreed_digits > result.agreed_digits) result = std::move(other);
         }
-        most_agreed = std::max(most_agreed, made.agreed_digits);
-        if (made.agreed_digits >= digits) {
-            made.truth.reference.available = true;
-            return made.truth;
+        max_agreed = std::max(max_agreed, result.agreed_digits);
+        if (result.agreed_digits >= digits) {
+            result.truth.reference.available = true;
+            return result.truth;
         }
-        local = digits + (local - made.agreed_digits) + 6;
+        local = digits + (local - result.agreed_digits) + 6;
     }
     if (!fault.empty()) {
-        Truth failed = none("no truth: " + fault);
+        Truth failed = make_unavailable("no truth: " + fault);
         failed.limit_reached = fault == truth::Allowance::fault;
         return failed;
     }
-    return none(fmt::format("no truth to {} digits: the motion is so sensitive that at most {} digits agree", digits,
-                            static_cast<int>(std::max(0.0, std::floor(most_agreed)))));
+    return make_unavailable(
+        fmt::format("no truth to {} digits: the motion is so sensitive that at most {} digits agree", digits,
+                    static_cast<int>(std::max(0.0, std::floor(max_agreed)))));
 }
 
 // Returns the reference cached under `key`, or computes it at the given times and caches it.
 Truth find_or_compute(const Scene& scene, const std::string& key, const std::vector<double>& times, int digits,
                       double seconds_limit) {
-    if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
+    if (std::optional<Truth> known = truth::read_cached(key)) return *std::move(known);
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     const truth::CacheClaim claim(key, [&] { return seconds() > seconds_limit || Interruption::is_wanted(); });
-    if (std::optional<Truth> known = truth::cached(key)) return *std::move(known);
+    if (std::optional<Truth> known = truth::read_cached(key)) return *std::move(known);
     const truth::Allowance allowance(seconds_limit);
-    const truth::KeptConstants constants;
-    Truth made = compute(scene, times, digits);
-    made.seconds = seconds();
+    const truth::MpfrConstants constants;
+    Truth result = compute(scene, times, digits);
+    result.seconds = seconds();
     // the other thread may have used up its time even if this one has not
-    made.limit_reached = !made.reference.available && (truth::Allowance::is_spent() || made.limit_reached);
-    if (made.limit_reached)
-        made.reference.message = fmt::format("no truth within the limit of {} s", seconds_limit);
+    result.limit_reached = !result.reference.available && (truth::Allowance::is_spent() || result.limit_reached);
+    if (result.limit_reached)
+        result.reference.message = fmt::format("no truth within the limit of {} s", seconds_limit);
     else
-        truth::keep(key, made);
-    return made;
+        truth::store(key, result);
+    return result;
 }
 
 // Why no reference can be computed; empty if it can.
@@ -206,7 +210,7 @@ std::string refusal(const Scene& scene, int digits) {
     return "";
 }
 
-DecimalReference in_decimals(const Truth& truth, const Scene& scene, int digits) {
+DecimalReference convert_to_decimals(const Truth& truth, const Scene& scene, int digits) {
     DecimalReference result;
     result.available = truth.reference.available;
     result.message = truth.reference.message;
@@ -236,7 +240,7 @@ DecimalReference in_decimals(const Truth& truth, const Scene& scene, int digits)
 
 Truth truth::find_truth(const Scene& scene, long samples, int digits, double seconds_limit) {
     if (samples < 1) throw std::invalid_argument("the number of samples must be at least 1");
-    if (std::string why = refusal(scene, digits); !why.empty()) return none(std::move(why));
+    if (std::string why = refusal(scene, digits); !why.empty()) return make_unavailable(std::move(why));
     return find_or_compute(scene, truth::cache_key(scene, samples, digits), sample_times(scene.duration, samples),
                            digits, seconds_limit);
 }
@@ -252,14 +256,16 @@ Truth truth::find_truth(const Scene& scene, const std::vector<double>& times, in
     // equally spaced times: their reference may be cached already
     if (samples > 0 && times == sample_times(timed.duration, samples))
         return find_truth(timed, samples, digits, seconds_limit);
-    if (std::string why = refusal(timed, digits); !why.empty()) return none(std::move(why));
+    if (std::string why = refusal(timed, digits); !why.empty()) return make_unavailable(std::move(why));
     return find_or_compute(timed, truth::cache_key(timed, times, digits), times, digits, seconds_limit);
 }
 
 std::string_view truth_method(const Problem& problem) {
     if (problem.needs.user_torque) return "none";
-    const Way way = way_of(problem);
-    return way == Way::closed_form ? "closed form" : way == Way::collocation ? "collocation" : "Taylor series";
+    const Formulas formulas = select_formulas(problem);
+    return formulas == Formulas::closed_form   ? "closed form"
+           : formulas == Formulas::collocation ? "collocation"
+                                               : "Taylor series";
 }
 
 Reference reference(const Scene& scene, long samples, int digits, double seconds_limit) {
@@ -271,12 +277,14 @@ Reference reference(const Scene& scene, const std::vector<double>& times, int di
 }
 
 DecimalReference decimal_reference(const Scene& scene, long samples, int digits, double seconds_limit) {
-    return in_decimals(truth::find_truth(scene, samples, std::max(digits, usual_digits), seconds_limit), scene, digits);
+    return convert_to_decimals(truth::find_truth(scene, samples, std::max(digits, default_digits), seconds_limit),
+                               scene, digits);
 }
 
 DecimalReference decimal_reference(const Scene& scene, const std::vector<double>& times, int digits,
                                    double seconds_limit) {
-    return in_decimals(truth::find_truth(scene, times, std::max(digits, usual_digits), seconds_limit), scene, digits);
+    return convert_to_decimals(truth::find_truth(scene, times, std::max(digits, default_digits), seconds_limit), scene,
+                               digits);
 }
 
 }  // namespace polhode

@@ -14,36 +14,36 @@ namespace polhode::truth {
 namespace {
 
 // scenes that pass validation lose at most about 60 digits
-using Many = Real<200>;
+using Exact = Real<200>;
 
 // Largest error noted; infinite if a value is NaN or infinite.
-class Worst {
+class LargestError {
   public:
-    void note(const Many& off) {
+    void add(const Exact& off) {
         double size = std::numeric_limits<double>::infinity();
         if (is_finite(off)) size = std::abs(off.convert_to<double>());
         worst_ = std::max(worst_, size);
     }
     template <class P>
-    void note(const P& found, const Many& right) {
-        const Many off = Many(found) - right;
-        if (off != 0) note(right == 0 ? off : Many(off / right));
+    void add(const P& found, const Exact& exact) {
+        const Exact off = Exact(found) - exact;
+        if (off != 0) add(exact == 0 ? off : Exact(off / exact));
     }
     template <class P>
-    void note(const Vector3<P>& found, const Vector3<Many>& right) {
-        const Many off = length(cast<Many>(found) - right), size = length(right);
-        if (off != 0) note(size == 0 ? off : Many(off / size));
+    void add(const Vector3<P>& found, const Vector3<Exact>& exact) {
+        const Exact off = length(cast<Exact>(found) - exact), size = length(exact);
+        if (off != 0) add(size == 0 ? off : Exact(off / size));
     }
     template <class P>
-    void note(const Quaternion<P>& found, const Quaternion<Many>& right) {
-        note(Many(2 * length(vector_part(conjugate(right) * cast<Many>(found)))));
+    void add(const Quaternion<P>& found, const Quaternion<Exact>& exact) {
+        add(Exact(2 * length(vector_part(conjugate(exact) * cast<Exact>(found)))));
     }
     template <class P>
-    void note(const Matrix3<P>& found, const Matrix3<Many>& right) {
-        Many off(0), size(0);
+    void add(const Matrix3<P>& found, const Matrix3<Exact>& exact) {
+        Exact off(0), size(0);
         for (int i = 0; i < 3; ++i)
-            off = larger(off, length(cast<Many>(found[i]) - right[i])), size = larger(size, length(right[i]));
-        if (off != 0) note(size == 0 ? off : Many(off / size));
+            off = larger(off, length(cast<Exact>(found[i]) - exact[i])), size = larger(size, length(exact[i]));
+        if (off != 0) add(size == 0 ? off : Exact(off / size));
     }
     double worst() const { return worst_; }
 
@@ -66,26 +66,26 @@ std::vector<Vector3<P>> gyroscopic_accelerations(const Matrix3<P>& inertia) {
 }
 
 template <class P>
-void note_tensor(const Matrix3<P>& found, const Matrix3<Many>& right, Worst& worst) {
-    worst.note(found, right);
-    worst.note(inverse(found), inverse(right));
-    const std::vector<Vector3<P>> turned = gyroscopic_accelerations(found);
-    const std::vector<Vector3<Many>> rightly = gyroscopic_accelerations(right);
-    for (std::size_t i = 0; i < turned.size(); ++i) worst.note(Many(length(cast<Many>(turned[i]) - rightly[i])));
+void add_tensor(const Matrix3<P>& found, const Matrix3<Exact>& exact, LargestError& worst) {
+    worst.add(found, exact);
+    worst.add(inverse(found), inverse(exact));
+    const std::vector<Vector3<P>> computed = gyroscopic_accelerations(found);
+    const std::vector<Vector3<Exact>> expected = gyroscopic_accelerations(exact);
+    for (std::size_t i = 0; i < computed.size(); ++i) worst.add(Exact(length(cast<Exact>(computed[i]) - expected[i])));
 }
 
 template <class P>
-void note_body(const Scene& scene, Worst& worst) {
+void add_body(const Scene& scene, LargestError& worst) {
     const ExactBody<P> found = exact_body<P>(scene);
-    const ExactBody<Many> right = exact_body<Many>(scene);
-    worst.note(found.mass, right.mass);
-    worst.note(found.center, right.center);
-    worst.note(found.arm, right.arm);
-    note_tensor(found.inertia_B, right.inertia_B, worst);
-    worst.note(found.q, right.q);
-    worst.note(found.angular_velocity_B, right.angular_velocity_B);
-    worst.note(found.position_W, right.position_W);
-    worst.note(found.velocity_W, right.velocity_W);
+    const ExactBody<Exact> exact = exact_body<Exact>(scene);
+    worst.add(found.mass, exact.mass);
+    worst.add(found.center, exact.center);
+    worst.add(found.arm, exact.arm);
+    add_tensor(found.inertia_B, exact.inertia_B, worst);
+    worst.add(found.q, exact.q);
+    worst.add(found.angular_velocity_B, exact.angular_velocity_B);
+    worst.add(found.position_W, exact.position_W);
+    worst.add(found.velocity_W, exact.velocity_W);
 }
 
 template <class P>
@@ -96,24 +96,24 @@ Motions<P> start(const TreeForm<P>& form) {
 }
 
 template <class P>
-void note_bodies(const Scene& scene, Worst& worst) {
+void add_bodies(const Scene& scene, LargestError& worst) {
     const std::vector<MassProperties<P>> found = bodies_mass_properties<P>(scene);
-    const std::vector<MassProperties<Many>> right = bodies_mass_properties<Many>(scene);
+    const std::vector<MassProperties<Exact>> exact = bodies_mass_properties<Exact>(scene);
     for (std::size_t i = 0; i < found.size(); ++i) {
-        worst.note(found[i].mass, right[i].mass);
-        worst.note(found[i].center, right[i].center);
+        worst.add(found[i].mass, exact[i].mass);
+        worst.add(found[i].center, exact[i].center);
         // the inverse of the tensor of a rod or a point mass is not used
-        if (has_three_moments(right[i].inertia))
-            note_tensor(found[i].inertia, right[i].inertia, worst);
+        if (has_three_moments(exact[i].inertia))
+            add_tensor(found[i].inertia, exact[i].inertia, worst);
         else
-            worst.note(found[i].inertia, right[i].inertia);
+            worst.add(found[i].inertia, exact[i].inertia);
     }
-    const Motions<P> begun = start(TreeForm<P>(scene));
-    const Motions<Many> rightly = start(TreeForm<Many>(scene));
+    const Motions<P> computed = start(TreeForm<P>(scene));
+    const Motions<Exact> expected = start(TreeForm<Exact>(scene));
     // compared like motions: lengths relative to the largest of all bodies
-    Difference<Many> difference(natural_sizes<Many>(scene));
-    for (std::size_t i = 0; i < begun.size(); ++i) difference.note(cast<Many>(begun[i]), rightly[i]);
-    worst.note(Many(difference.worst()));
+    Difference<Exact> difference(natural_sizes<Exact>(scene));
+    for (std::size_t i = 0; i < computed.size(); ++i) difference.add(cast<Exact>(computed[i]), expected[i]);
+    worst.add(Exact(difference.worst()));
 }
 
 }  // namespace
@@ -122,11 +122,11 @@ template <unsigned working>
 double shared_rounding(const Scene& scene) {
     // rounding error of each step, with a margin for sums of many terms
     const double usual = std::pow(10.0, 4 - static_cast<double>(working));
-    Worst worst;
+    LargestError worst;
     if (is_mechanism(scene))
-        note_bodies<Real<working>>(scene, worst);
+        add_bodies<Real<working>>(scene, worst);
     else
-        note_body<Real<working>>(scene, worst);
+        add_body<Real<working>>(scene, worst);
     return worst.worst() > usual ? worst.worst() : 0;
 }
 
@@ -136,10 +136,10 @@ template double shared_rounding<100>(const Scene&);
 double shared_error(double rounding, double radians, double difference, unsigned working, double local_digits) {
     if (rounding == 0) return 0;
     const double path = 1 + radians;
-    // error of the steps without growth; difference / of_steps is the growth factor of the motion
-    const double of_steps =
+    // error of the steps without growth; difference / step_error is the growth factor of the motion
+    const double step_error =
         std::max(std::pow(10.0, -local_digits), path * std::pow(10.0, -static_cast<double>(working)));
-    return rounding * path * std::max(path, difference / of_steps);
+    return rounding * path * std::max(path, difference / step_error);
 }
 
 }  // namespace polhode::truth

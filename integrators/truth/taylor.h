@@ -2,7 +2,7 @@
 // the step (A. Jorba and M. Zou 2005, Exp. Math. 14, 99); samples come from the polynomial; steps end at events.
 //
 // taylor() records a formulation's right-hand side (Series), expands it at each step and returns a Run. A formulation
-// that satisfies MeetsPlanes also stops at the first contact in a step and applies the impact (meet()).
+// that satisfies SupportsPlanes also stops at the first contact in a step and applies the impact (apply_impact()).
 #pragma once
 
 #include <fmt/format.h>
@@ -61,14 +61,14 @@ double log2_size(const Block& block, Component&& component) {
 }
 
 /// A formulation with planes. `geometry()` is in its body axes; `placement(y)` returns the body's placement.
-/// `fastest(a, b)` bounds the speed of the body's points if the first block of y is at most a long and the translation
-/// block at most b. `meet(tolerance, y)` applies the impact of all contacts within the tolerance.
+/// `max_speed(a, b)` bounds the speed of the body's points if the first block of y is at most a long and the
+/// translation block at most b. `apply_impact(tolerance, y)` applies the impact of all contacts within the tolerance.
 template <class Form, class P>
-concept MeetsPlanes = requires(Form form, const P& x, P* y) {
+concept SupportsPlanes = requires(Form form, const P& x, P* y) {
     form.geometry();
     form.placement(y);
-    form.fastest(x, x);
-    form.meet(x, y);
+    form.max_speed(x, x);
+    form.apply_impact(x, y);
 };
 
 /// Upper bound of the length of the three variables from `first` on, over y(t + s), 0 <= s <= h.
@@ -85,31 +85,31 @@ P block_bound(const Series<T>& series, int first, const P& h) {
 
 /// Time from the start of the step until the first gap closes within the step of length h; nothing if none closes.
 template <class P, class T, class Form>
-std::optional<P> impact_within(const Form& form, const Series<T>& series, const P& h) {
+std::optional<P> find_impact(const Form& form, const Series<T>& series, const P& h) {
     std::vector<P> y(form.dimension());
     const auto at = [&](const P& s) {
         series.evaluate(s, y.data());
         return form.placement(y.data());
     };
     return first_contact(form.geometry(), at, P(0), h,
-                         form.fastest(block_bound(series, 0, h), block_bound(series, 10, h)));
+                         form.max_speed(block_bound(series, 0, h), block_bound(series, 10, h)));
 }
 
 /// Default handler of each step's polynomial: does nothing.
-struct ForgetStep {
+struct IgnoreStep {
     template <class P, class Step>
     void operator()(const P&, const P&, const Step&) const {}
 };
 
 /// Applies the impact at t to y. Returns false and sets a fault if the motion cannot be followed further.
 template <class P, class Form, class Sample>
-bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Scales& scales, P* y,
-          Run<P, Sample>& run) {
+bool apply_impact(const Form& form, const TaylorSettings& settings, const P& t, const Scales& scales, P* y,
+                  Run<P, Sample>& run) {
     constexpr std::size_t most_impacts = 100'000;
     run.impacts.push_back(t);
     const double reach = form.geometry().reach.template convert_to<double>();
     // gaps that differ by no more than the error of the steps close together
-    const ImpactOutcome outcome = form.meet(P(reach * std::pow(10.0, 6 - settings.digits)), y);
+    const ImpactOutcome outcome = form.apply_impact(P(reach * std::pow(10.0, 6 - settings.digits)), y);
     // below this speed the height of the flight parabola is within the error of the steps
     const double resting = std::pow(10.0, -settings.digits / 2) * (scales.velocity + reach * scales.angular_velocity);
     const char* why = nullptr;
@@ -128,7 +128,7 @@ bool meet(const Form& form, const TaylorSettings& settings, const P& t, const Sc
 /// Follows the legs with a formulation of one or several bodies. `blocks` initially hold estimates of the largest
 /// lengths. `scales` are used only by formulations with planes. on_step(t, h, series) receives the polynomial of the
 /// step from t to t + h.
-template <class P, class Form, class OnStep = ForgetStep>
+template <class P, class Form, class OnStep = IgnoreStep>
 auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& sample_times, std::vector<Block> blocks,
             [[maybe_unused]] const Scales& scales, const TaylorSettings& settings, const OnStep& on_step = {}) {
     using T = typename SeriesScalar<P>::Type;
@@ -181,9 +181,9 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
             P h = to_end ? remaining : P(step);
             P reached = to_end ? P(leg.end) : t + h;
             bool impact = false;
-            if constexpr (MeetsPlanes<Form, P>)
+            if constexpr (SupportsPlanes<Form, P>)
                 if (form.geometry().any())
-                    if (const std::optional<P> after = impact_within(form, series, h)) {
+                    if (const std::optional<P> after = find_impact(form, series, h)) {
                         h = *after, reached = t + h;
                         impact = true;
                     }
@@ -198,8 +198,8 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
             on_step(t, h, series);
             series.evaluate(h, y.data());
             t = reached;
-            if constexpr (MeetsPlanes<Form, P>)
-                if (impact && !meet(form, settings, t, scales, y.data(), run)) return false;
+            if constexpr (SupportsPlanes<Form, P>)
+                if (impact && !apply_impact(form, settings, t, scales, y.data(), run)) return false;
         }
         return true;
     });
@@ -207,7 +207,7 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
 }
 
 /// Follows a scene with a formulation constructed from it. `moments`: any estimate of the principal moments.
-template <class P, class Form, class OnStep = ForgetStep>
+template <class P, class Form, class OnStep = IgnoreStep>
 auto taylor(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
             const Vector3<double>& moments, const TaylorSettings& settings, const OnStep& on_step = {}) {
     Form form(scene);

@@ -49,7 +49,8 @@ constexpr Method each[] = {{
     .solve = solve_truth,
 }};
 
-constexpr auto truth_methods = sharing({.family = Family::reference, .precision = Precision::multiprecision}, each);
+constexpr auto truth_methods =
+    apply_defaults({.family = Family::reference, .precision = Precision::multiprecision}, each);
 
 }  // namespace
 

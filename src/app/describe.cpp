@@ -102,7 +102,7 @@ std::string describe(const std::string& name, description::ConditioningBudget bu
         return "auto\n\n  Selects a method for the scene; polhode describe SCENE prints which and why.\n";
     if (const Method* method = find_method(name)) return describe_method(*method);
     if (const EngineMethod* engine = find_engine(name)) return describe_engine(*engine);
-    for (const MethodLeftOut& method : methods_left_out())
+    for (const OmittedMethod& method : omitted_methods())
         if (method.name == name) return fmt::format("{}\n\n  Not included. {}\n", method.name, method.reason);
     if (is_experiment(name)) return describe_experiment(name);
     try {
@@ -140,7 +140,7 @@ int draw(const std::string& name, const std::string& path) {
 
 // Returns the longest stable steps by linear theory, or why linear theory does not apply.
 std::string linear_stability(const Method& method) {
-    if (!method.growth && !method.pendulum_growth)
+    if (!method.amplification && !method.pendulum_amplification)
         return takes_step(method) ? "linear theory does not apply: a step is not a linear map of the state"
                                   : "linear theory does not apply: the method adapts its steps, and often its order";
     const auto words = [](std::optional<double> length) {
@@ -159,7 +159,7 @@ std::string describe_method(const Method& method) {
     };
     line("control", control_text(method.control));
     line("order", method.order > 0 ? std::to_string(method.order) : "variable, or not defined");
-    if (!method.described_as.empty()) line("described as", method.described_as);
+    if (!method.origin.empty()) line("described as", method.origin);
     line("conserves", method.conserves);
     line("stable", linear_stability(method));
     line("source", method.source);

@@ -73,10 +73,10 @@ void description::choice(Report& report, const Problem& problem) {
     const Choice taken = choose_method(problem);
     report.line(std::string(taken.method->name), std::string(taken.why));
     const Stiffness found = stiffness(problem);
-    if (found.decays > 0)
+    if (found.decay_times > 0)
         report.line(found.stiff() ? "stiff" : "not stiff",
-                    fmt::format("{:.3g} time constants of the fastest decay, {:.3g} rad of rotation", found.decays,
-                                found.turning));
+                    fmt::format("{:.3g} time constants of the fastest decay, {:.3g} rad of rotation", found.decay_times,
+                                found.rotation));
 }
 
 void description::invariants(Report& report, const Problem& problem) {

@@ -13,8 +13,8 @@
 
 #include "app/commands.h"
 #include "integrators/engines/engine_methods.h"
-#include "integrators/own_methods.h"
 #include "integrators/truth/memory.h"
+#include "integrators/user_methods.h"
 
 namespace polhode {
 namespace {
@@ -62,7 +62,7 @@ int run_laboratory(int argc, const char* const* argv, std::span<const Method> ow
     hold_standard_streams();
     // exceeding the file size limit fails the write instead of ending the process
     std::signal(SIGXFSZ, SIG_IGN);
-    truth::when_out_of_memory(end_without_memory);
+    truth::set_out_of_memory_handler(end_without_memory);
     std::set_new_handler(throw_out_of_memory);
     usual_end = std::set_terminate(end_by_terminate);
     try {

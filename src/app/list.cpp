@@ -187,7 +187,7 @@ std::string as_markdown(const std::string& what, const std::vector<Entry>& entri
     std::string text = markdown(table);
     if (what == "methods") {
         text += "\nConsidered and omitted:\n\n";
-        for (const MethodLeftOut& method : methods_left_out())
+        for (const OmittedMethod& method : omitted_methods())
             text += fmt::format("- `{}`: {}\n", method.name, method.reason);
     }
     return text;

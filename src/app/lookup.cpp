@@ -79,7 +79,7 @@ std::vector<std::string> method_names() {
 const Method& method_named(const std::string& name) {
     if (const Method* method = find_method(name)) return *method;
     if (const EngineMethod* engine = find_engine(name)) return *engine->method;
-    for (const MethodLeftOut& method : methods_left_out())
+    for (const OmittedMethod& method : omitted_methods())
         if (method.name == name)
             throw UsageError(fmt::format("there is no method {0}; polhode describe {0} prints why", name));
     std::string meant = did_you_mean(name, method_names());

@@ -67,7 +67,7 @@ std::vector<double> SystemEngine::vector_of(const SystemState& state) const {
         const int place = system_->place(static_cast<int>(b));
         if (place < 0) continue;
         const BodyMotion<double>& body = state.bodies[b];
-        const maximal::HeldBody<double>& held = mechanism.bodies[b];
+        const maximal::MaximalBody<double>& held = mechanism.bodies[b];
         put(y.data(), place, body.q);
         put(y.data(), place + 4, body.position_W);
         put(y.data(), place + 7, rotate(body.q, held.inertia * body.angular_velocity_B));
@@ -109,7 +109,7 @@ std::vector<maximal::Wrench<double>> SystemEngine::forces(const maximal::Loads<d
     std::vector<maximal::Wrench<double>> on(at.size());
     add_forces(mechanism, loads, at, angles, on);
     for (std::size_t b = 0; b + 1 < at.size(); ++b) {
-        const maximal::HeldBody<double>& body = mechanism.bodies[b];
+        const maximal::MaximalBody<double>& body = mechanism.bodies[b];
         const Vector &w = at[b].angular_velocity_B, L = body.inertia * w;
         // I dw/dt = tau - g w x I w, where the equations below have g = 1
         on[b].torque_B = on[b].torque_B + (1 - engine_.gyroscopic) * cross(w, L) - engine_.angular_damping * L;
@@ -133,7 +133,7 @@ std::vector<double> SystemEngine::rate(const maximal::Loads<double>& loads, cons
     const Placements at = system_->placements(y.data());
     std::vector<maximal::Wrench<double>> on = forces(loads, at, y.data() + system_->angles());
     const maximal::Rows<double> rows = system_->dynamics().constraints(at);
-    system_->dynamics().add_held(rows, system_->dynamics().multipliers(at, rows, on), on);
+    system_->dynamics().add_constraint_forces(rows, system_->dynamics().multipliers(at, rows, on), on);
     std::vector<double> dy(y.size(), 0.0);
     system_->put_rates(at, on, dy.data());
     return dy;
@@ -145,7 +145,7 @@ void SystemEngine::accelerate(Placements& at, const std::vector<maximal::Wrench<
     const maximal::Mechanism<double>& mechanism = system_->mechanism();
     for (std::size_t b = 0; b + 1 < at.size(); ++b) {
         if (!mechanism.movable(static_cast<int>(b))) continue;
-        const maximal::HeldBody<double>& body = mechanism.bodies[b];
+        const maximal::MaximalBody<double>& body = mechanism.bodies[b];
         const Vector w = at[b].angular_velocity_B;
         const Vector gyroscopic = cross(w, body.inertia * w);
         Vector torque_B = on[b].torque_B + at[b].body(on[b].torque_W) - gyroscopic;
@@ -168,10 +168,10 @@ void SystemEngine::project(Placements& at) const {
     const maximal::Dynamics<double>& dynamics = system_->dynamics();
     const maximal::Rows<double> rows = dynamics.constraints(at);
     std::vector<maximal::Wrench<double>> given(at.size());
-    dynamics.add_held(rows, dynamics.impulses(at, rows, given), given);
+    dynamics.add_constraint_forces(rows, dynamics.impulses(at, rows, given), given);
     for (std::size_t b = 0; b + 1 < at.size(); ++b) {
         if (!mechanism.movable(static_cast<int>(b))) continue;
-        const maximal::HeldBody<double>& body = mechanism.bodies[b];
+        const maximal::MaximalBody<double>& body = mechanism.bodies[b];
         at[b].angular_velocity_B =
             at[b].angular_velocity_B + body.inverse_inertia * (given[b].torque_B + at[b].body(given[b].torque_W));
         at[b].velocity_W = at[b].velocity_W + (1 / body.mass) * given[b].force_W;

@@ -158,7 +158,7 @@ class Erased : public ErasedModel {
 /// The problem of a user-defined system over `duration` (s). Called by pose().
 Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration);
 
-/// Poses a user-defined system for a run from t = 0 to `duration` (s). Every method with `own_systems` in its
+/// Poses a user-defined system for a run from t = 0 to `duration` (s). Every method with `general_systems` in its
 /// descriptor can solve it; the others return `unsupported`. The trajectory has one sample per body at each time.
 /// Throws InputError if the duration or the model's own data are invalid.
 template <OwnModel M>

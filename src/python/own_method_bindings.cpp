@@ -8,8 +8,8 @@
 
 #include "experiment/plan/method_style.h"
 #include "figure/curve_style.h"
-#include "integrators/own_methods.h"
 #include "integrators/run/march.h"
+#include "integrators/user_methods.h"
 #include "motion/numbers.h"
 #include "python/bindings.h"
 #include "scene/scene_file.h"
@@ -165,7 +165,7 @@ void add_own_method(const std::string& name, const std::string& documentation, c
     Method description;
     description.name = name, description.documentation = documentation, description.source = source;
     description.order = order, description.conserves = conserves, description.identity = identity;
-    description.own_systems = true;
+    description.general_systems = true;
     description.control = control == "step"        ? Control::fixed_step
                           : control == "tolerance" ? Control::tolerance
                           : control == "none"      ? Control::none

@@ -348,8 +348,8 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
 
 TEST_F(Program, TellsWhyAMethodWasLeftOut) {
     const std::string list = run({"list", "methods", "--format", "markdown"}).out;
-    ASSERT_FALSE(methods_left_out().empty());
-    for (const MethodLeftOut& method : methods_left_out()) {
+    ASSERT_FALSE(omitted_methods().empty());
+    for (const OmittedMethod& method : omitted_methods()) {
         EXPECT_EQ(find_method(method.name), nullptr);
         const Outcome outcome = run({"describe", std::string(method.name)});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "integrators/own/recorded.h"
+#include "integrators/own/record_system.h"
 #include "integrators/tape/tape_series.h"
 #include "motion/systems.h"
 #include "scene/scene_file.h"
@@ -29,12 +29,12 @@ void with_start(const std::string& scene, Body&& body) {
 
 void record(benchmark::State& state, const std::string& scene) {
     with_start(scene, [&](const auto& system, const auto&) {
-        for (auto _ : state) benchmark::DoNotOptimize(recorded<double>(system).rates.data());
+        for (auto _ : state) benchmark::DoNotOptimize(record_system<double>(system).rates.data());
     });
 }
 void compile(benchmark::State& state, const std::string& scene) {
     with_start(scene, [&](const auto& system, const auto&) {
-        const auto recording = recorded<double>(system);
+        const auto recording = record_system<double>(system);
         const TapeOptions options{.order = 16};
         for (auto _ : state) benchmark::DoNotOptimize(PreparedTape(recording, options).code.get());
         const PreparedTape tape(recording, options);
@@ -44,7 +44,7 @@ void compile(benchmark::State& state, const std::string& scene) {
 }
 void expand(benchmark::State& state, const std::string& scene, bool compiled) {
     with_start(scene, [&](const auto& system, const auto& y) {
-        TapeSeries series(recorded<double>(system), {.compiled = compiled, .order = 16});
+        TapeSeries series(record_system<double>(system), {.compiled = compiled, .order = 16});
         for (auto _ : state) {
             series.expand(y.data());
             benchmark::ClobberMemory();
@@ -53,7 +53,7 @@ void expand(benchmark::State& state, const std::string& scene, bool compiled) {
 }
 void eight_rates(benchmark::State& state, const std::string& scene) {
     with_start(scene, [&](const auto& system, const auto& y) {
-        TapeRates rates(recorded<double>(system));
+        TapeRates rates(record_system<double>(system));
         std::vector<double, LineAllocator<double>> lanes(TapeRates::lanes * y.size()), now(lanes.size()), f = now;
         for (std::size_t i = 0; i < lanes.size(); ++i) lanes[i] = y[i / TapeRates::lanes];
         for (auto _ : state) {

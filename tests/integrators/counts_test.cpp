@@ -133,7 +133,7 @@ struct CountedPendulum {
 
 TEST_P(Counts, AreTheCallsOfAUserDefinedSystem) {
     const Method& method = *GetParam();
-    if (!method.own_systems) return;
+    if (!method.general_systems) return;
     const auto calls = std::make_shared<long>(0);
     const Problem problem = pose(CountedPendulum{calls}, 1.0);
     if (!refusal(method, problem).empty()) return;

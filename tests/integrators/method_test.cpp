@@ -18,9 +18,9 @@ Scene with_user_torque(const char* name) {
 TEST(Descriptors, SayWhatTheMethodsAre) {
     for (const Method* method : methods()) {
         EXPECT_NE(method->family, Family::unnamed) << method->name;
-        EXPECT_EQ(method->precision == Precision::binary32, !method->in_binary64.empty()) << method->name;
-        if (method->in_binary64.empty()) continue;
-        const Method* same = find_method(method->in_binary64);
+        EXPECT_EQ(method->precision == Precision::binary32, !method->binary64_name.empty()) << method->name;
+        if (method->binary64_name.empty()) continue;
+        const Method* same = find_method(method->binary64_name);
         ASSERT_NE(same, nullptr) << method->name;
         EXPECT_EQ(same->precision, Precision::binary64) << method->name;
         EXPECT_EQ(same->family, method->family) << method->name;

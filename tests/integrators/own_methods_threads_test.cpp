@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "integrators/own_methods.h"
 #include "integrators/run/watch.h"
+#include "integrators/user_methods.h"
 
 namespace polhode {
 namespace {
@@ -34,7 +34,7 @@ TEST(AddMethod, StandsLastAndIsReplacedByItsName) {
     // the list returned earlier is unchanged and still valid
     EXPECT_TRUE(std::ranges::equal(before, copy));
     EXPECT_EQ(first->identity, "first");
-    EXPECT_FALSE(has_own_methods());
+    EXPECT_FALSE(has_user_methods());
 }
 
 TEST(AddMethod, RefusesNamesOfTheProgramsOwn) {

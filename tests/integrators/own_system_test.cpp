@@ -76,7 +76,7 @@ TEST(OwnSystem, BodiesSideBySideMoveAsEachDoesAlone) {
     constexpr double R = 1e-9;
     int methods_run = 0;
     for (const Method* method : methods()) {
-        if (!method->own_systems || !refusal(*method, together).empty()) continue;
+        if (!method->general_systems || !refusal(*method, together).empty()) continue;
         Settings settings;
         settings.samples = 3;
         if (takes_tolerance(*method))

@@ -60,7 +60,7 @@ double known_bits(const Matrix3<Ball>& inertia) {
     return size - radius;
 }
 
-constexpr int block_begin[] = {0, 4, 7, 10, 13};
+constexpr int block_start[] = {0, 4, 7, 10, 13};
 
 // Encloses the motion of one body, at increasing precision.
 class Certifier {
@@ -87,17 +87,17 @@ class Certifier {
             return true;
         };
         const auto show = [&](double) {
-            result.columns.push_back(truth::columns_of(form.motion(y.data())));
+            result.columns.push_back(truth::make_columns(form.motion(y.data())));
             return true;
         };
         follow(legs_, samples, enter, show, [&](const Leg& leg) {
             Piece piece(form, leg.begin, leg.end, {});
             for (; samples.in(leg); samples.pop()) piece.sample_times.push_back(samples.front());
-            Enclosure enclosure = enclosed(piece, leg.index, y, result);
+            Enclosure enclosure = enclose_piece(piece, leg.index, y, result);
             if (!result.fault.empty()) return false;
             result.steps += enclosure.steps;
             for (const std::vector<Ball>& state : enclosure.samples)
-                result.columns.push_back(truth::columns_of(form.motion(state.data())));
+                result.columns.push_back(truth::make_columns(form.motion(state.data())));
             y = std::move(enclosure.end);
             return true;
         });
@@ -123,7 +123,7 @@ class Certifier {
     // accumulated over the pieces that were reached so far and have no usable closed form
     double growth_ = 0, spread_ = 0;
     bool sheared_ = false;
-    std::size_t met_ = 0;
+    std::size_t reached_count_ = 0;
 
     // Selects how each piece carries its errors. Parallelepipeds make a step about twice as expensive (measured). They
     // pay off where the logarithmic norm would require 1.4 times the bits.
@@ -140,17 +140,18 @@ class Certifier {
             if (!closed) growth += plan.growth_bits, spread = std::max(spread, plan.spread_bits);
             routes_.push_back({std::move(plan), closed, Carry::norm});
         }
-        const auto is_dear = [&](double growth_bits, double spread_bits) {
+        const auto is_expensive = [&](double growth_bits, double spread_bits) {
             return least_bits_ + growth_bits + spread_bits > 1.4 * (least_bits_ + sensitivity_bits_ + spread_bits);
         };
         const auto choose = [&] {
-            const bool all_dear = is_dear(growth, spread);
+            const bool all_expensive = is_expensive(growth, spread);
             bool any = false;
             for (Route& route : routes_) {
                 const double own = route.plan.growth_bits;
-                const bool dear = route.closed ? is_dear(own, route.plan.spread_bits) : all_dear && own > least_growth;
-                route.carry = dear ? Carry::parallelepiped : Carry::norm;
-                any = any || dear;
+                const bool expensive =
+                    route.closed ? is_expensive(own, route.plan.spread_bits) : all_expensive && own > least_growth;
+                route.carry = expensive ? Carry::parallelepiped : Carry::norm;
+                any = any || expensive;
             }
             return any;
         };
@@ -161,7 +162,8 @@ class Certifier {
         choose();
     }
 
-    Enclosure enclosed(const Piece& piece, std::size_t index, const std::vector<Ball>& y, CertifiedAttempt& result) {
+    Enclosure enclose_piece(const Piece& piece, std::size_t index, const std::vector<Ball>& y,
+                            CertifiedAttempt& result) {
         const auto bits = static_cast<double>(Ball::precision());
         const bool closed = truth::has_closed_form(piece.body->forcing());
         if (closed) {
@@ -174,8 +176,8 @@ class Certifier {
         if (routes_.empty()) find_routes();
         const Route& route = routes_[index];
         const bool damped = route.strongly_damped(), sheared = !damped && route.carry == Carry::parallelepiped;
-        if (index >= met_) {
-            met_ = index + 1;
+        if (index >= reached_count_) {
+            reached_count_ = index + 1;
             if (sheared)
                 sheared_ = true;
             else
@@ -207,7 +209,7 @@ std::array<Ball, 4> block_sizes(const std::vector<CertifiedColumns>& all) {
     for (int b = 0; b < 4; ++b) {
         for (const CertifiedColumns& columns : all) {
             Ball sum;
-            for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) sum += columns[c] * columns[c];
+            for (int c = block_start[b]; c < block_start[b + 1]; ++c) sum += columns[c] * columns[c];
             if (arb_gt(sum.raw(), sizes[b].raw())) sizes[b] = std::move(sum);
         }
         sizes[b] = sizes[b].is_positive() ? sqrt(sizes[b]) : Ball(1);
@@ -233,7 +235,7 @@ int proven_digits(const Bound& error, const Ball& size) {
 // log2 of the allowed radius for `digits` proven digits in a block of this size: min(1, size) 10^-digits.
 double allowed_log2(const Ball& size, int digits) { return -digits * bits_per_digit + std::min(size.log2_near(), 0.0); }
 
-void write(const std::vector<CertifiedColumns>& all, int digits, CertifiedReference& result) {
+void write_columns(const std::vector<CertifiedColumns>& all, int digits, CertifiedReference& result) {
     const std::array<Ball, 4> sizes = block_sizes(all);
     Bound largest;
     result.digits = digits;
@@ -242,7 +244,7 @@ void write(const std::vector<CertifiedColumns>& all, int digits, CertifiedRefere
         result.columns.emplace_back();
         Bound widest;
         for (int b = 0; b < 4; ++b)
-            for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) {
+            for (int c = block_start[b]; c < block_start[b + 1]; ++c) {
                 const double allowed = allowed_log2(sizes[b], digits) / bits_per_digit;
                 const double radius = Bound::radius_of(columns[c]).log2_near() / bits_per_digit;
                 // rounded at the leading digit of the radius, or three digits below the allowed radius
@@ -270,16 +272,103 @@ double excess_bits(const std::vector<CertifiedColumns>& all, int digits) {
     double worst = -std::numeric_limits<double>::infinity();
     for (const CertifiedColumns& columns : all)
         for (int b = 0; b < 4; ++b)
-            for (int c = block_begin[b]; c < block_begin[b + 1]; ++c) {
+            for (int c = block_start[b]; c < block_start[b + 1]; ++c) {
                 if (!columns[c].is_finite()) return std::numeric_limits<double>::infinity();
                 worst = std::max(worst, Bound::radius_of(columns[c]).log2_near() - allowed_log2(sizes[b], digits));
             }
     return worst;
 }
 
+// Throws std::invalid_argument for arguments out of range.
+void require_valid(const Scene& scene, const std::vector<double>& times, int digits) {
+    if (times.empty()) throw std::invalid_argument("no times given");
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (!(times[i] >= 0 && times[i] <= scene.duration && (i == 0 || times[i] > times[i - 1])))
+            throw std::invalid_argument("times must increase and lie between 0 and the scene's duration");
+    if (digits < 1) throw std::invalid_argument("the number of digits must be at least 1");
+}
+
+// Why the scene has no certified reference; empty if it may have one.
+std::string certification_refusal(const Scene& scene) {
+    for (const Load& load : scene.loads)
+        if (std::holds_alternative<UserTorque>(load))
+            return "no certified truth: user-defined torques are not supported";
+    if (!scene.loops.empty()) return "no certified truth: loops are not supported; remove --certified";
+    if (!scene.planes.empty()) return "no certified truth: impacts on planes are not supported; remove --certified";
+    return "";
+}
+
+// Names the methods that enclosed the motion, separated by semicolons.
+std::string name_methods(const CertifiedAttempt& attempt) {
+    std::string names;
+    const auto add = [&](bool used, const char* method) {
+        if (used) names += (names.empty() ? "" : "; ") + std::string(method);
+    };
+    add(attempt.by_closed_form, "closed form");
+    add(attempt.by_series, "Taylor series with a proven defect, errors propagated by the logarithmic norm");
+    add(attempt.by_parallelepiped, "Taylor series with a proven defect, errors propagated by parallelepipeds");
+    add(attempt.by_collocation, "collocation with a proven defect, errors propagated by the logarithmic norm");
+    return names;
+}
+
+// End of a search over working precisions.
+struct PrecisionSearch {
+    double bits;                    ///< precision that the next attempt would need
+    double limit = most_bits;       ///< highest precision that all methods used support
+    std::string permanent_failure;  ///< a failure that no precision fixes; empty if there was none
+};
+
+// Repeats attempts at increasing precision until all radii are as small as requested, and sets the result.
+template <class AttemptFunction>
+PrecisionSearch search_precision(const AttemptFunction& make_attempt, double least_bits, int digits,
+                                 CertifiedReference& result) {
+    PrecisionSearch search{least_bits, most_bits, {}};
+    while (search.bits <= search.limit) {
+        result.working_bits = (static_cast<long>(std::ceil(search.bits)) + 31) / 32 * 32;
+        const truth::WorkingPrecision precision(result.working_bits);
+        const CertifiedAttempt attempt = make_attempt();
+        if (truth::Allowance::is_spent()) break;
+        search.limit = std::min(search.limit, attempt.most_bits);
+        if (attempt.hopeless) {
+            search.permanent_failure = attempt.fault;
+            break;
+        }
+        if (!attempt.fault.empty()) {
+            search.bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
+            continue;
+        }
+        // rounding to decimals may increase the radius by half; one more bit covers it
+        const double excess = excess_bits(attempt.columns, digits) + 1;
+        if (excess > 0) {
+            search.bits = static_cast<double>(result.working_bits) +
+                          std::min(excess, static_cast<double>(result.working_bits)) + 16;
+            continue;
+        }
+        result.available = true;
+        result.steps = attempt.steps;
+        write_columns(attempt.columns, digits, result);
+        result.method = name_methods(attempt);
+        break;
+    }
+    return search;
+}
+
+// The message of a result after the search.
+std::string describe_result(const CertifiedReference& result, const PrecisionSearch& search, int digits,
+                            double seconds_limit) {
+    if (result.available) return fmt::format("{}, {} bits", result.method, result.working_bits);
+    if (truth::Allowance::is_spent()) return fmt::format("no certified truth within the limit of {} s", seconds_limit);
+    if (!search.permanent_failure.empty()) return "no certified truth: " + search.permanent_failure;
+    // 64 bits of margin for what a further attempt may find missing
+    const double available_digits = std::floor(digits - (search.bits - search.limit + 64) / bits_per_digit);
+    return available_digits < 1
+               ? fmt::format("no certified truth: this motion loses all digits at {} bits", search.limit)
+               : fmt::format("no certified truth to {} digits: {} digits are available", digits, available_digits);
+}
+
 }  // namespace
 
-CertifiedColumns truth::columns_of(const Motion<Ball>& m) {
+CertifiedColumns truth::make_columns(const Motion<Ball>& m) {
     const Vector3<Ball> w = rotate(m.q, m.angular_velocity_B);
     return {
         m.q.w,           m.q.x,           m.q.y,           m.q.z,           w[0],           w[1], w[2], m.position_W[0],
@@ -303,27 +392,12 @@ CertifiedReference certified_reference(const Scene& scene, long samples, int dig
 
 CertifiedReference certified_reference(const Scene& scene, const std::vector<double>& times, int digits,
                                        double seconds_limit) {
-    if (times.empty()) throw std::invalid_argument("no times given");
-    for (std::size_t i = 0; i < times.size(); ++i)
-        if (!(times[i] >= 0 && times[i] <= scene.duration && (i == 0 || times[i] > times[i - 1])))
-            throw std::invalid_argument("times must increase and lie between 0 and the scene's duration");
-    if (digits < 1) throw std::invalid_argument("the number of digits must be at least 1");
+    require_valid(scene, times, digits);
     validate(scene, scene.name);
     CertifiedReference result;
     result.requested_digits = digits;
-    for (const Load& load : scene.loads)
-        if (std::holds_alternative<UserTorque>(load)) {
-            result.message = "no certified truth: user-defined torques are not supported";
-            return result;
-        }
-    if (!scene.loops.empty()) {
-        result.message = "no certified truth: loops are not supported; remove --certified";
-        return result;
-    }
-    if (!scene.planes.empty()) {
-        result.message = "no certified truth: impacts on planes are not supported; remove --certified";
-        return result;
-    }
+    result.message = certification_refusal(scene);
+    if (!result.message.empty()) return result;
     result.scene_hash = content_hash(write_scene(scene));
     const auto start = std::chrono::steady_clock::now();
     result.times = times;
@@ -331,63 +405,15 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     const truth::Allowance allowance(seconds_limit);
     const double least_bits = digits * bits_per_digit + spare_bits;
     Certifier certifier(scene, result.times, least_bits);
-    truth::TreeCertifier tree(scene, result.times, least_bits);
-    const bool several = is_mechanism(scene);
-    if (several) result.bodies = static_cast<int>(scene.bodies.size());
-    double bits = least_bits, limit = most_bits;
-    std::string hopeless;
-    while (bits <= limit) {
-        result.working_bits = (static_cast<long>(std::ceil(bits)) + 31) / 32 * 32;
-        const truth::WorkingPrecision precision(result.working_bits);
-        const CertifiedAttempt attempt = several ? tree.attempt() : certifier.attempt();
-        if (truth::Allowance::is_spent()) break;
-        limit = std::min(limit, attempt.most_bits);
-        if (attempt.hopeless) {
-            hopeless = attempt.fault;
-            break;
-        }
-        if (!attempt.fault.empty()) {
-            bits = std::max(attempt.wanted_bits, static_cast<double>(result.working_bits + 1));
-            continue;
-        }
-        // rounding to decimals may increase the radius by half; one more bit covers it
-        const double excess = excess_bits(attempt.columns, digits) + 1;
-        if (excess > 0) {
-            bits = static_cast<double>(result.working_bits) +
-                   std::min(excess, static_cast<double>(result.working_bits)) + 16;
-            continue;
-        }
-        result.available = true;
-        result.steps = attempt.steps;
-        write(attempt.columns, digits, result);
-        const auto name = [&](bool used, const char* method) {
-            if (used) result.method += (result.method.empty() ? "" : "; ") + std::string(method);
-        };
-        name(attempt.by_closed_form, "closed form");
-        name(attempt.by_series, "Taylor series with a proven defect, errors propagated by the logarithmic norm");
-        name(attempt.by_parallelepiped, "Taylor series with a proven defect, errors propagated by parallelepipeds");
-        name(attempt.by_collocation, "collocation with a proven defect, errors propagated by the logarithmic norm");
-        break;
-    }
+    truth::TreeCertifier tree_certifier(scene, result.times, least_bits);
+    const bool is_tree = is_mechanism(scene);
+    if (is_tree) result.bodies = static_cast<int>(scene.bodies.size());
+    const PrecisionSearch search = search_precision(
+        [&] { return is_tree ? tree_certifier.attempt() : certifier.attempt(); }, least_bits, digits, result);
     flint_cleanup();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (result.available) {
-        result.message = fmt::format("{}, {} bits", result.method, result.working_bits);
-        return result;
-    }
-    result.times.clear();
-    if (truth::Allowance::is_spent()) {
-        result.message = fmt::format("no certified truth within the limit of {} s", seconds_limit);
-        return result;
-    }
-    if (!hopeless.empty()) {
-        result.message = "no certified truth: " + hopeless;
-        return result;
-    }
-    // 64 bits of margin for what a further attempt may find missing
-    const double had = std::floor(digits - (bits - limit + 64) / bits_per_digit);
-    result.message = had < 1 ? fmt::format("no certified truth: this motion loses all digits at {} bits", limit)
-                             : fmt::format("no certified truth to {} digits: {} digits are available", digits, had);
+    if (!result.available) result.times.clear();
+    result.message = describe_result(result, search, digits, seconds_limit);
     return result;
 }
 

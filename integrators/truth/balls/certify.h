@@ -18,7 +18,7 @@ constexpr double most_series_bits = 3000, most_bits = 32768;
 
 /// The columns of a trajectory file after t as balls: blocks q, w, p, v.
 using CertifiedColumns = std::array<Ball, 13>;
-CertifiedColumns columns_of(const Motion<Ball>& motion);
+CertifiedColumns make_columns(const Motion<Ball>& motion);
 
 /// Result of an attempt at one precision.
 struct CertifiedAttempt {

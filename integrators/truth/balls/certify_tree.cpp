@@ -6,7 +6,7 @@
 #include "integrators/series/linear_algebra.h"
 #include "integrators/truth/balls/certify.h"
 #include "integrators/truth/balls/flow.h"
-#include "integrators/truth/balls/scout.h"
+#include "integrators/truth/balls/jacobian_sampler.h"
 #include "integrators/truth/tree_form.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
@@ -15,13 +15,13 @@ namespace polhode::truth {
 
 namespace {
 
-// limit of numbers_carried(); each number takes about 50 bytes
-constexpr double most_numbers = 2e7;
+// limit of count_coefficients(); each number takes about 50 bytes
+constexpr double max_coefficients = 2e7;
 
 // Weights that balance the rows and columns of the Jacobian (E. E. Osborne 1960): each variable then influences the
 // others as much as they influence it. A stiff spring then rotates its coordinate and rate into each other, and its
 // errors do not grow. `coupling` holds the magnitudes of the Jacobian's entries.
-std::vector<double> balanced(const Eigen::MatrixXd& coupling, const std::vector<double>& scales) {
+std::vector<double> balance_weights(const Eigen::MatrixXd& coupling, const std::vector<double>& scales) {
     constexpr int rounds = 20;
     const auto n = coupling.rows();
     std::vector<double> unit(scales);
@@ -40,7 +40,7 @@ std::vector<double> balanced(const Eigen::MatrixXd& coupling, const std::vector<
 
 /// Estimates how many numbers the variational equations of a tape hold: derivatives with respect to each variable, each
 /// a sum of products, to the order that a precision of `bits` requires.
-double numbers_carried(const Recording<Ball>& recording, double bits) {
+double count_coefficients(const Recording<Ball>& recording, double bits) {
     constexpr double products = 2, order_a_bit = 0.35;
     return products * static_cast<double>(recording.tape.nodes.size() * recording.rates.size()) * order_a_bit * bits;
 }
@@ -58,11 +58,12 @@ void TreeCertifier::make_plan() {
     plan_.blocks = form.blocks(plan_.scales);
     const auto n = static_cast<std::size_t>(plan_.dimension);
     plan_.weights.assign(n * n, 0);
-    Scout<TreeForm<double>> scout(scene_, plan_.blocks);
+    JacobianSampler<TreeForm<double>> sampler(scene_, plan_.blocks);
     Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(plan_.dimension, plan_.dimension);
     for (const Leg& leg : itinerary(scene_))
-        for (const Visit& visit : scout.visits(leg.begin, leg.end)) coupling += visit.seconds * visit.J.cwiseAbs();
-    const std::vector<double> unit = balanced(coupling, plan_.scales);
+        for (const JacobianSample& visit : sampler.visits(leg.begin, leg.end))
+            coupling += visit.seconds * visit.J.cwiseAbs();
+    const std::vector<double> unit = balance_weights(coupling, plan_.scales);
     for (std::size_t i = 0; i < n; ++i) plan_.weights[i * n + i] = 1 / unit[i];
     lost_bits_ =
         parallelepiped_bits + bits_a_link * static_cast<double>(form.tree().links().links.size()) + kappa_bits(problem);
@@ -82,8 +83,8 @@ CertifiedAttempt TreeCertifier::attempt() {
     std::vector<Ball> y(static_cast<std::size_t>(form.dimension()));
     form.initial(y.data());
     SampleQueue samples(times_);
-    const auto note = [&](const std::vector<Ball>& state) {
-        for (const Motion<Ball>& body : form.motion(state.data())) result.columns.push_back(columns_of(body));
+    const auto store_state = [&](const std::vector<Ball>& state) {
+        for (const Motion<Ball>& body : form.motion(state.data())) result.columns.push_back(make_columns(body));
         return true;
     };
     const auto enter = [&](const Leg& leg) {
@@ -92,10 +93,10 @@ CertifiedAttempt TreeCertifier::attempt() {
     };
     const std::vector<Leg> legs = itinerary(scene_);
     follow(
-        legs, samples, enter, [&](double) { return note(y); },
+        legs, samples, enter, [&](double) { return store_state(y); },
         [&](const Leg& leg) {
             Piece piece(record<Ball>(form, form.dimension()), leg.begin, leg.end, {});
-            if (numbers_carried(piece.equations, bits - plan_.spare_bits) > most_numbers) {
+            if (count_coefficients(piece.equations, bits - plan_.spare_bits) > max_coefficients) {
                 result.fault = fmt::format("the error bounds of {} variables need too much memory", form.dimension());
                 result.hopeless = true;
                 return false;
@@ -112,7 +113,7 @@ CertifiedAttempt TreeCertifier::attempt() {
                 }
                 return false;
             }
-            for (const std::vector<Ball>& state : enclosure.samples) note(state);
+            for (const std::vector<Ball>& state : enclosure.samples) store_state(state);
             y = std::move(enclosure.end);
             return true;
         });

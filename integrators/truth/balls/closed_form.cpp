@@ -40,8 +40,8 @@ Enclosure enclose_by_closed_form(const Piece& piece, const std::vector<Ball>& st
         Ball t;
         arb_sub(t.raw(), Ball(time).raw(), Ball(piece.begin).raw(), ARF_PREC_EXACT);
         std::vector<Ball> y(start);
-        const Turn turn = std::visit([&](const auto& kind) { return kind.after(t); }, *rotation);
-        BodyState::set_rotation(y.data(), turn.angular_velocity_B, q0 * turn.q);
+        const FreeMotion motion = std::visit([&](const auto& kind) { return kind.after(t); }, *rotation);
+        BodyState::set_rotation(y.data(), motion.angular_velocity_B, q0 * motion.q);
         if (!form.body().pivoted) {
             Vector3<Ball> p = BodyState::position(start.data()), v = BodyState::velocity(start.data());
             translate(forcing, t, p, v);

@@ -16,21 +16,21 @@ constexpr long bound_bits = 64;
 constexpr int parts = 8;  // per step, each with its own logarithmic norm
 constexpr long max_steps = 20'000;
 
-Ball exactly(const P& x) {
+Ball convert_to_ball(const P& x) {
     Ball b;
     arf_set_mpfr(arb_midref(b.raw()), raw(x));
     return b;
 }
-P near(const Ball& b) {
+P convert_to_real(const Ball& b) {
     P x;
     arf_get_mpfr(raw(x), arb_midref(b.raw()), MPFR_RNDN);
     return x;
 }
 
 // Compares the motion with one polynomial per step: bounds their distance and encloses the motion at the samples.
-class Follower {
+class CollocationEnclosure {
   public:
-    Follower(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start)
+    CollocationEnclosure(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start)
         : piece_(piece), norm_(plan), recording_(piece.equations), reached_(start) {
         const WorkingPrecision precision(bound_bits);
         coarse_ = rounded(recording_);
@@ -42,10 +42,10 @@ class Follower {
     const std::string& fault() const { return result_.fault; }
 
     /// Advances to `reached`. p are the states on [t, reached], with exact coefficients in x = 2 (time - t) / h - 1.
-    void follow(const P& t, const P& reached, const std::vector<ChebyshevSeries>& p) {
+    void advance(const P& t, const P& reached, const std::vector<ChebyshevSeries>& p) {
         if (!result_.fault.empty()) return;
         Ball h;
-        arb_sub(h.raw(), exactly(reached).raw(), exactly(t).raw(), ARF_PREC_EXACT);
+        arb_sub(h.raw(), convert_to_ball(reached).raw(), convert_to_ball(t).raw(), ARF_PREC_EXACT);
         // from the last known point of the motion to the start of this polynomial
         std::vector<Bound> jump;
         for (std::size_t i = 0; i < p.size(); ++i) jump.push_back(Bound(reached_[i] - value_at(p[i], Ball(-1))));
@@ -84,8 +84,8 @@ class Follower {
         const std::vector<Bound> distance = norm_.components(largest);
         for (; next_ < piece_.sample_times.size(); ++next_) {
             const Ball time(piece_.sample_times[next_]);
-            if (arb_gt(time.raw(), exactly(reached).raw())) break;
-            const Ball x = Ball(2) * (time - exactly(t)) / h - Ball(1);
+            if (arb_gt(time.raw(), convert_to_ball(reached).raw())) break;
+            const Ball x = Ball(2) * (time - convert_to_ball(t)) / h - Ball(1);
             std::vector<Ball> state;
             for (std::size_t i = 0; i < p.size(); ++i) state.push_back(widened(value_at(p[i], x), distance[i]));
             result_.samples.push_back(std::move(state));
@@ -125,33 +125,33 @@ Enclosure enclose_by_collocation(const Scene& scene, const Piece& piece, const P
     step.form().initial(unused.data());
     step.form().enter(piece.begin, unused.data());
     step.enter(piece.begin);
-    for (int i = 0; i < n; ++i) y[i] = near(start[i]);
+    for (int i = 0; i < n; ++i) y[i] = convert_to_real(start[i]);
     std::vector<Block> blocks;
     for (const BodyState::Block& block : BodyState::blocks)
         if (block.first < n) blocks.push_back({block.first, block.size, plan.scales[block.first]});
 
-    Follower follower(piece, plan, start);
+    CollocationEnclosure enclosure(piece, plan, start);
     const int points = stages + 1;
     std::vector<P> thetas;
-    for (int i = 0; i < points; ++i) thetas.push_back((P(1) + near(chebyshev_point(i, points))) / 2);
+    for (int i = 0; i < points; ++i) thetas.push_back((P(1) + convert_to_real(chebyshev_point(i, points))) / 2);
     long steps = 0;
     std::vector<P> state(n);
     const auto accept = [&](const P& t, const P& reached, const P&) {
         std::vector<std::vector<Ball>> values(n, std::vector<Ball>(points));
         for (int i = 0; i < points; ++i) {
             step.evaluate(thetas[i], state.data());
-            for (int j = 0; j < n; ++j) values[j][i] = exactly(state[j]);
+            for (int j = 0; j < n; ++j) values[j][i] = convert_to_ball(state[j]);
         }
         std::vector<ChebyshevSeries> p;
         for (int j = 0; j < n; ++j) {
             p.push_back(interpolated(values[j]));
             for (Ball& c : p.back()) c = c.midpoint();
         }
-        follower.follow(t, reached, p);
+        enclosure.advance(t, reached, p);
     };
     const std::string fault =
         collocate(step, piece.begin, piece.end, y, blocks, {stages, digits, max_steps}, steps, accept);
-    Enclosure result = follower.finish(steps);
+    Enclosure result = enclosure.finish(steps);
     if (result.fault.empty()) result.fault = fault, result.hopeless = steps > max_steps;
     return result;
 }

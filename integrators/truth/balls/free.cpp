@@ -50,7 +50,7 @@ struct Thetas {
     Ball one, two, three, four;
 };
 // theta functions at z with tau = i `ratio`
-Thetas thetas(const Ball& z, const Ball& ratio) {
+Thetas theta_functions(const Ball& z, const Ball& ratio) {
     Complex t1, t2, t3, t4, tau;
     arb_set(acb_imagref(tau.z), ratio.raw());
     acb_modular_theta(t1.z, t2.z, t3.z, t4.z, Complex(z).z, tau.z, Ball::precision());
@@ -72,12 +72,12 @@ Ball arctangent(const Ball& x) {
     arb_atan(a.raw(), x.raw(), Ball::precision());
     return a;
 }
-Ball quarter_turn() { return Elementary<Ball>::pi() / Ball(2); }
+Ball half_pi() { return Elementary<Ball>::pi() / Ball(2); }
 // K for the complementary modulus k1: pi / (2 agm(1, k1))
 Ball complete_integral(const Ball& k1) {
     Ball mean;
     arb_agm(mean.raw(), Ball(1).raw(), k1.raw(), Ball::precision());
-    return quarter_turn() / mean;
+    return half_pi() / mean;
 }
 
 // quaternion of the rotation by the vector w t
@@ -124,19 +124,19 @@ Quaternion<Ball> quaternion_of(const Matrix3<Ball>& m) {
 
 }  // namespace
 
-Turn PermanentRotation::after(const Ball& t) const { return {w_B, rotation(w_B, t)}; }
+FreeMotion PermanentRotation::after(const Ball& t) const { return {w_B, rotation(w_B, t)}; }
 
-Turn SymmetricRotation::after(const Ball& t) const {
+FreeMotion SymmetricRotation::after(const Ball& t) const {
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
     const Ball angle = rate * t, c = cosine(angle), s = sine(angle);
-    Turn turn;
-    turn.angular_velocity_B = w_B;
-    turn.angular_velocity_B[i] = c * w_B[i] - s * w_B[j];
-    turn.angular_velocity_B[j] = c * w_B[j] + s * w_B[i];
+    FreeMotion motion;
+    motion.angular_velocity_B = w_B;
+    motion.angular_velocity_B[i] = c * w_B[i] - s * w_B[j];
+    motion.angular_velocity_B[j] = c * w_B[j] + s * w_B[i];
     Vector3<Ball> back;
     back[axis] = -rate;
-    turn.q = rotation(L_over_equal_moment, t) * rotation(back, t);
-    return turn;
+    motion.q = rotation(L_over_equal_moment, t) * rotation(back, t);
+    return motion;
 }
 
 std::optional<AsymmetricRotation> AsymmetricRotation::from(const Vector3<Ball>& moments, const Matrix3<Ball>& axes,
@@ -180,7 +180,7 @@ std::optional<AsymmetricRotation> AsymmetricRotation::from(const Vector3<Ball>& 
     r.alpha2_ = squared(I3 * size3 / r.L_);
     r.beta1_ = squared(I1 * a1 / r.L_);
     r.beta2_ = squared(I2 * size2 / r.L_);
-    const Thetas at_zero = thetas(Ball(0), r.tau_);
+    const Thetas at_zero = theta_functions(Ball(0), r.tau_);
     r.theta2_ = at_zero.two, r.theta3_ = at_zero.three, r.theta4_ = at_zero.four;
     // 1 - nu = beta2 / beta1 with nu = -alpha^2 m / beta1
     const Ball nu = -r.alpha2_ * r.m_ / r.beta1_;
@@ -224,7 +224,7 @@ AsymmetricRotation::State AsymmetricRotation::state(const Ball& t) const {
     const Ball sign(quarter < 2 ? 1 : -1);
 
     const Ball v = u - N * K_;
-    const Thetas theta = thetas(v / (K_ + K_), tau_);
+    const Thetas theta = theta_functions(v / (K_ + K_), tau_);
     const Ball s = theta3_ * theta.one / (theta2_ * theta.four), c = theta4_ * theta.two / (theta2_ * theta.four),
                d = theta4_ * theta.three / (theta3_ * theta.four);
     const Ball s2 = s * s, c2 = c * c, d2 = d * d;
@@ -249,8 +249,8 @@ AsymmetricRotation::State AsymmetricRotation::state(const Ball& t) const {
     }
     result.integral += N * whole_;
 
-    const Ball zeta = N * quarter_turn() + angle;
-    const Ball half_chi = (quarter_turn() - (sense_ > 0 ? zeta : -zeta)) / Ball(2);
+    const Ball zeta = N * half_pi() + angle;
+    const Ball half_chi = (half_pi() - (sense_ > 0 ? zeta : -zeta)) / Ball(2);
     // sin^2 theta = (L1^2 + L2^2) / L^2 gives the half angle whose sine or cosine is small
     const Ball L1 = moments_[0] * result.w[0], L2 = moments_[1] * result.w[1], L3 = moments_[2] * result.w[2];
     const bool up = amplitudes_[2].is_positive();
@@ -261,7 +261,7 @@ AsymmetricRotation::State AsymmetricRotation::state(const Ball& t) const {
     return result;
 }
 
-Turn AsymmetricRotation::after(const Ball& t) const {
+FreeMotion AsymmetricRotation::after(const Ball& t) const {
     const State now = state(t);
     const Ball& I3 = moments_[2];
     const Ball phi = L_ * t / I3 - D3_ / (I3 * L_ * rate_) * (now.integral - start_.integral);

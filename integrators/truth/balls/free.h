@@ -11,7 +11,7 @@
 namespace polhode::truth {
 
 /// The motion after time t: w_B, and the rotation from the body axes at t to those at the start, continuous in t.
-struct Turn {
+struct FreeMotion {
     Vector3<Ball> angular_velocity_B;
     Quaternion<Ball> q;
 };
@@ -19,7 +19,7 @@ struct Turn {
 /// I w is parallel to w: w is constant.
 struct PermanentRotation {
     Vector3<Ball> w_B;
-    Turn after(const Ball& t) const;
+    FreeMotion after(const Ball& t) const;
 };
 
 /// Two equal moments: w rotates about the third axis and the body about L (Landau & Lifshitz, Mechanics, 33).
@@ -27,7 +27,7 @@ struct SymmetricRotation {
     int axis;
     Vector3<Ball> w_B, L_over_equal_moment;  ///< at the start
     Ball rate;                               ///< of w_B about the axis, rad/s
-    Turn after(const Ball& t) const;
+    FreeMotion after(const Ball& t) const;
 };
 
 /// Three different moments: Jacobi's functions (van Zon & Schofield 2007, J. Comput. Phys. 225, 145). The axes are
@@ -45,7 +45,7 @@ class AsymmetricRotation {
     /// the side of the separatrix.
     static std::optional<AsymmetricRotation> from(const Vector3<Ball>& moments, const Matrix3<Ball>& axes,
                                                   const Vector3<Ball>& w_B);
-    Turn after(const Ball& t) const;
+    FreeMotion after(const Ball& t) const;
 
   private:
     struct State {

@@ -7,8 +7,8 @@
 
 #include "integrators/series/linear_algebra.h"
 #include "integrators/series/series.h"
+#include "integrators/truth/balls/jacobian_sampler.h"
 #include "integrators/truth/balls/matrix.h"
-#include "integrators/truth/balls/scout.h"
 #include "integrators/truth/euler_form.h"
 #include "integrators/truth/strong_damping.h"
 
@@ -43,10 +43,10 @@ double largest_eigenvalue(const Eigen::MatrixXd& symmetric) {
 
 }  // namespace
 
-double growth_bits(const std::vector<Visit>& visits, const Eigen::MatrixXd& S) {
+double growth_bits(const std::vector<JacobianSample>& visits, const Eigen::MatrixXd& S) {
     const Eigen::MatrixXd inverse = S.inverse();
     double sum = 0;
-    for (const Visit& visit : visits) {
+    for (const JacobianSample& visit : visits) {
         const Eigen::MatrixXd B = S * visit.J * inverse;
         // a negative norm gains nothing: the error made at the end remains
         sum += std::max(0.0, largest_eigenvalue((B + B.transpose()) / 2)) * visit.seconds;
@@ -82,10 +82,10 @@ std::vector<PiecePlan> plan_pieces(const Problem& problem) {
         return *most - *least;
     };
 
-    Scout<EulerForm<double>> scout(problem.scene, layout);
+    JacobianSampler<EulerForm<double>> sampler(problem.scene, layout);
     std::vector<PiecePlan> plans;
     for (const Segment& segment : problem.segments) {
-        const std::vector<Visit> visits = scout.visits(segment.begin, segment.end);
+        const std::vector<JacobianSample> visits = sampler.visits(segment.begin, segment.end);
         double best[4] = {0, 0, 0, 0}, cost = growth_bits(visits, weights(best)) + spread(best);
         for (const double stride : {8.0, 2.0, 0.5})
             for (bool better = true; better;) {

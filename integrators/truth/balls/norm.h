@@ -20,7 +20,8 @@ namespace polhode::truth {
 
 /// Computes value and gradient of a quotient or square root from those of its operands.
 template <class T>
-void divided(const TapeNode<T>& node, std::vector<T>& value, std::vector<T>& slope, std::size_t i, std::size_t n) {
+void differentiate_quotient(const TapeNode<T>& node, std::vector<T>& value, std::vector<T>& slope, std::size_t i,
+                            std::size_t n) {
     const bool is_root = node.kind == TapeNode<T>::Kind::root;
     const std::size_t above = static_cast<std::size_t>(node.a), below = static_cast<std::size_t>(node.b);
     value[i] = is_root ? square_root(value[above]) : (node.a >= 0 ? value[above] : T(1)) / value[below];
@@ -43,13 +44,13 @@ std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
     std::vector<T> value(nodes.size(), T(0)), slope(nodes.size() * n, T(0)), J(n * n, T(0));
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         const TapeNode<T>& node = nodes[i];
-        T* own = &slope[i * n];
+        T* row_slope = &slope[i * n];
         if (node.kind == Kind::state) {
-            value[i] = y[i], own[i] = T(1);
+            value[i] = y[i], row_slope[i] = T(1);
             continue;
         }
         if (node.kind == Kind::quotient || node.kind == Kind::root) {
-            divided(node, value, slope, i, n);
+            differentiate_quotient(node, value, slope, i, n);
             continue;
         }
         const T* a = &slope[static_cast<std::size_t>(node.a) * n];
@@ -57,13 +58,13 @@ std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
             // the cosine is the next node
             sine_cosine(value[node.a], value[i], value[i + 1]);
             for (std::size_t j = 0; j < n; ++j)
-                if (!(a[j] == 0)) own[j] = value[i + 1] * a[j], own[n + j] = -(value[i] * a[j]);
+                if (!(a[j] == 0)) row_slope[j] = value[i + 1] * a[j], row_slope[n + j] = -(value[i] * a[j]);
         } else if (node.kind == Kind::cosine) {
             continue;
         } else if (node.kind == Kind::combination) {
             value[i] = node.factor_a * value[node.a];
             for (std::size_t j = 0; j < n; ++j)
-                if (!(a[j] == 0)) own[j] = node.factor_a * a[j];
+                if (!(a[j] == 0)) row_slope[j] = node.factor_a * a[j];
             if (node.b < 0) {
                 value[i] += node.factor_b;
                 continue;
@@ -71,13 +72,13 @@ std::vector<T> jacobian_of(const Recording<T>& recording, const T* y) {
             const T* b = &slope[static_cast<std::size_t>(node.b) * n];
             value[i] += node.factor_b * value[node.b];
             for (std::size_t j = 0; j < n; ++j)
-                if (!(b[j] == 0)) own[j] += node.factor_b * b[j];
+                if (!(b[j] == 0)) row_slope[j] += node.factor_b * b[j];
         } else {
             const T* b = &slope[static_cast<std::size_t>(node.b) * n];
             value[i] = value[node.a] * value[node.b];
             for (std::size_t j = 0; j < n; ++j) {
-                if (!(a[j] == 0)) own[j] = value[node.b] * a[j];
-                if (!(b[j] == 0)) own[j] += value[node.a] * b[j];
+                if (!(a[j] == 0)) row_slope[j] = value[node.b] * a[j];
+                if (!(b[j] == 0)) row_slope[j] += value[node.a] * b[j];
             }
         }
     }

@@ -62,7 +62,7 @@ double wanted_step(const Series<Ball>& series, const PiecePlan& plan, double bit
 }
 
 // sum of |a_j| |b_k| h^(j+k) over j + k >= N, over the first N terms of each; tail[m] is the sum of b's terms from m on
-Bound beyond(const Bound* a, const std::vector<Bound>& tail, int N) {
+Bound tail_product(const Bound* a, const std::vector<Bound>& tail, int N) {
     Bound sum;
     for (int j = 1; j < N; ++j) sum += a[j] * tail[N - j];
     return sum;
@@ -119,25 +119,25 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
                 if (node.b >= 0) own += Bound(node.factor_b) * remainder[b];
                 break;
             case Kind::product:
-                own = beyond(term(a), tail[b], N);
+                own = tail_product(term(a), tail[b], N);
                 own += tail[a][0] * remainder[b];
                 own += remainder[a] * tail[b][0];
                 own += remainder[a] * remainder[b];
                 break;
             case Kind::quotient:
-                own = beyond(term(b), tail[i], N) + remainder[b] * tail[i][0];
+                own = tail_product(term(b), tail[i], N) + remainder[b] * tail[i][0];
                 if (node.a >= 0) own += remainder[a];
                 own = own / result.least[b];
                 break;
             case Kind::root: {
                 const Bound least = least_difference(terms.least[i], tail[i][1]);
-                own = (beyond(term(i), tail[i], N) + remainder[a]) / least;
+                own = (tail_product(term(i), tail[i], N) + remainder[a]) / least;
                 // the operand is positive if it differs from r^2 > 0 by less than r^2
                 if (!(own < least)) own = unbounded;
                 break;
             }
             case Kind::sine:
-                own = beyond(term(a), tail[i], N) + beyond(term(a), tail[b], N) + remainder[a];
+                own = tail_product(term(a), tail[i], N) + tail_product(term(a), tail[b], N) + remainder[a];
                 remainder[b] = own;
                 break;
             case Kind::cosine:

@@ -85,10 +85,10 @@ struct TransitionForm {
 };
 
 // W(i, j) is identically zero unless a chain of dependencies "the rate of .. depends on .." leads from i to j.
-std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
+std::vector<TransitionEntry> find_entries(const Recording<Ball>& equations) {
     const std::vector<TapeNode<Ball>>& nodes = equations.tape.nodes;
     const std::size_t n = equations.rates.size();
-    const auto unite = [n](char* own, const char* other) {
+    const auto merge_row = [n](char* own, const char* other) {
         for (std::size_t j = 0; j < n; ++j)
             if (other[j]) own[j] = 1;
     };
@@ -100,15 +100,15 @@ std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
             continue;
         }
         for (const int operand : {nodes[i].a, nodes[i].b})
-            if (operand >= 0 && static_cast<std::size_t>(operand) < i) unite(own, &depends[operand * n]);
+            if (operand >= 0 && static_cast<std::size_t>(operand) < i) merge_row(own, &depends[operand * n]);
     }
     for (std::size_t i = 0; i < n; ++i) {
         reached[i * n + i] = 1;
-        if (equations.rates[i].node >= 0) unite(&reached[i * n], &depends[equations.rates[i].node * n]);
+        if (equations.rates[i].node >= 0) merge_row(&reached[i * n], &depends[equations.rates[i].node * n]);
     }
     for (std::size_t k = 0; k < n; ++k)
         for (std::size_t i = 0; i < n; ++i)
-            if (reached[i * n + k]) unite(&reached[i * n], &reached[k * n]);
+            if (reached[i * n + k]) merge_row(&reached[i * n], &reached[k * n]);
     std::vector<TransitionEntry> entries;
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j)
@@ -116,7 +116,8 @@ std::vector<TransitionEntry> entries_of(const Recording<Ball>& equations) {
     return entries;
 }
 
-Recording<Ball> recorded(const Recording<Ball>& equations, const std::vector<TransitionEntry>& entries, long bits) {
+Recording<Ball> record_transition(const Recording<Ball>& equations, const std::vector<TransitionEntry>& entries,
+                                  long bits) {
     const int all = static_cast<int>(equations.rates.size() + entries.size());
     const Recording<Ball> exact = record<Ball>(TransitionForm{equations, entries}, all);
     const WorkingPrecision precision(bits);
@@ -128,8 +129,8 @@ Recording<Ball> recorded(const Recording<Ball>& equations, const std::vector<Tra
 Transition::Transition(const Recording<Ball>& equations, int order, double spare_bits)
     : n_(static_cast<int>(equations.rates.size())),
       bits_(least_bits + static_cast<long>(spare_bits)),
-      entries_(entries_of(equations)),
-      series_(recorded(equations, entries_, bits_), order) {}
+      entries_(find_entries(equations)),
+      series_(record_transition(equations, entries_, bits_), order) {}
 
 void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
                         const Bound& allowed, const WeightedNorm& norm) {

@@ -106,7 +106,7 @@ double probe_of(const LinearCase& c) { return c.theory == 0 ? 0.1 : 100; }
 // growth per step at 1.05 times the theoretical limit; below some 1e-4 the measurement has too few steps to detect it
 std::optional<double> growth_beyond(const LinearCase& c) {
     if (!c.has_limit()) return {};
-    const auto growth = linear_growth(*c.method, std::polar(1.05 * c.theory, std::arg(c.lambda)));
+    const auto growth = linear_amplification(*c.method, std::polar(1.05 * c.theory, std::arg(c.lambda)));
     return growth ? std::optional(*growth - 1) : std::nullopt;
 }
 
@@ -128,23 +128,23 @@ struct Alike {
 };
 
 bool same_region(const Method& a, const Method& b) {
-    if (a.growth && b.growth) {
-        if (a.growth == b.growth) return true;
+    if (a.amplification && b.amplification) {
+        if (a.amplification == b.amplification) return true;
         for (const Complex z : {Complex(-0.7, 0.3), Complex(-3, 1), Complex(0.4, 2)})
-            if (const double x = a.growth(z); std::abs(x - b.growth(z)) > 1e-9 * (1 + x)) return false;
+            if (const double x = a.amplification(z); std::abs(x - b.amplification(z)) > 1e-9 * (1 + x)) return false;
         return true;
     }
-    if (a.growth || b.growth) return false;
-    return a.pendulum_growth == b.pendulum_growth;
+    if (a.amplification || b.amplification) return false;
+    return a.pendulum_amplification == b.pendulum_amplification;
 }
 
 enum class Region { explicit_short, explicit_long, multistep, implicit, second_order };
 
 Region region_of(const Method& method) {
-    if (!method.growth) return Region::second_order;
-    if (method.growth(-1e6) <= 1) return Region::implicit;
+    if (!method.amplification) return Region::second_order;
+    if (method.amplification(-1e6) <= 1) return Region::implicit;
     if (method.family == Family::multistep) return Region::multistep;
-    return method.growth(-3) > 1 ? Region::explicit_short : Region::explicit_long;
+    return method.amplification(-3) > 1 ? Region::explicit_short : Region::explicit_long;
 }
 
 bool is_well_known(const Method& method) {
@@ -154,7 +154,7 @@ bool is_well_known(const Method& method) {
 std::vector<Alike> members(Region region) {
     std::vector<Alike> found;
     for (const Method* method : methods()) {
-        if ((!method->growth && !method->pendulum_growth) || region_of(*method) != region) continue;
+        if ((!method->amplification && !method->pendulum_amplification) || region_of(*method) != region) continue;
         const auto like =
             std::find_if(found.begin(), found.end(), [&](const Alike& a) { return same_region(*a.method, *method); });
         if (like == found.end())
@@ -266,7 +266,7 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
     for (const auto& [family, empty] : panels) {
         Panel panel = empty;
         for (const Alike& alike : members(family))
-            add_boundary(panel, alike, [&](double x, double y) { return alike.method->growth({x, y}); });
+            add_boundary(panel, alike, [&](double x, double y) { return alike.method->amplification({x, y}); });
         int marker = 0;
         for (const Spectrum& spectrum : spectra) {
             Curve points;
@@ -289,7 +289,7 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
     Panel panel{"", "h γ", "h ω", false, false, {}};
     panel.x_limits = Limits{0, 5}, panel.y_limits = Limits{0, 3.6};
     for (const Alike& alike : members(Region::second_order))
-        add_boundary(panel, alike, [&](double x, double y) { return alike.method->pendulum_growth(x, y * y); });
+        add_boundary(panel, alike, [&](double x, double y) { return alike.method->pendulum_amplification(x, y * y); });
     pendulum.figure.panels.push_back(std::move(panel));
     pendulum.figure.note = "θ'' = −γ θ' − ω² θ. Methods with the same growth share a line.";
     return {std::move(plane), std::move(pendulum)};

@@ -83,7 +83,7 @@ Table binary32_table(const StabilityFindings& found) {
     for (const StabilityFinding& f : found.findings) {
         if (f.method->precision != Precision::binary32 || f.kind != SettingKind::step || !was_run(f)) continue;
         for (const StabilityFinding& g : found.findings)
-            if (g.scene == f.scene && g.kind == f.kind && g.method->name == f.method->in_binary64)
+            if (g.scene == f.scene && g.kind == f.kind && g.method->name == f.method->binary64_name)
                 pairs.push_back({&f, &g});
     }
     Table table{{"method", "scenes", "lost", "error_ratio_median", "lost_on"}, {}};

@@ -66,7 +66,7 @@ NamedTable summary_table(const Plan& plan, const std::vector<Result>& results) {
                     ratios.push_back(step_time(row) / scene->second);
             }
             named.table.rows.push_back(
-                {std::string(curve.method->described_as), std::string(curve.method->name),
+                {std::string(curve.method->origin), std::string(curve.method->name),
                  curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(), std::string(name_of(curve.kind)),
                  curve.kind == SettingKind::none ? Cell() : Cell(setting), ok, listed_counts(others), middle(attitude),
                  most(attitude), most(momentum), most(energy), most(norm), middle(ratios)});

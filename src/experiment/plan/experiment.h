@@ -73,7 +73,7 @@ struct Plan {
     std::string file{};  ///< the path of the experiment's file, or the name of a built-in experiment
 };
 
-/// Whether Method::described_as is set for any method of the plan.
+/// Whether Method::origin is set for any method of the plan.
 bool is_described(const Plan& plan);
 
 /// Which files `scenes` may name.

@@ -322,7 +322,7 @@ Experiment find_experiment(const std::string& name_or_path) {
 
 bool is_described(const Plan& plan) {
     return std::any_of(plan.curves.begin(), plan.curves.end(),
-                       [](const PlannedCurve& c) { return !c.method->described_as.empty(); });
+                       [](const PlannedCurve& c) { return !c.method->origin.empty(); });
 }
 
 Plan make_plan(const Experiment& experiment, const std::string& file, bool quick, NamedFiles which) {

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "integrators/engines/engine_methods.h"
-#include "integrators/own_methods.h"
+#include "integrators/user_methods.h"
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
 #include "text/json_document.h"
@@ -49,7 +49,7 @@ std::optional<Table> load_table(const std::filesystem::path& path) {
 }  // namespace
 
 std::string running_program_key() {
-    if (!has_own_methods()) return program_key();
+    if (!has_user_methods()) return program_key();
     static const std::string key =
         std::string(program_key()) +
         content_hash(read_text("/proc/self/exe", std::size_t{4} << 30, "this program's own executable"));

@@ -68,8 +68,7 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
         const std::string name = text_of(row[static_cast<std::size_t>(behind_method - 1)]);
         const auto curve = std::find_if(plan.curves.begin(), plan.curves.end(),
                                         [&](const PlannedCurve& c) { return c.method->name == name; });
-        row.insert(row.begin() + behind_method,
-                   std::string(curve == plan.curves.end() ? "" : curve->method->described_as));
+        row.insert(row.begin() + behind_method, std::string(curve == plan.curves.end() ? "" : curve->method->origin));
     }
     return page;
 }

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 namespace polhode {
 namespace {
@@ -60,7 +60,7 @@ TEST(LinearStability, OfDormandAndPrinceIsThatOfTheirPolynomial) {
         Complex sum = 1, term = 1;
         for (int j = 1; j <= 5; ++j) sum += term *= z / static_cast<double>(j);
         sum += std::pow(z, 6) / 600.0;
-        EXPECT_NEAR(method.growth(z), std::abs(sum), 1e-13 * (1 + std::abs(sum)));
+        EXPECT_NEAR(method.amplification(z), std::abs(sum), 1e-13 * (1 + std::abs(sum)));
     }
     EXPECT_NEAR(*real_interval(method), 3.306567, 1e-5);
 }
@@ -70,8 +70,8 @@ TEST(LinearStability, IsTheSameByEitherLibrary) {
     for (const auto& [a, b] :
          {std::pair("odeint_fehlberg78", "arkode_erk8"), std::pair("odeint_cash_karp54", "arkode_erk5")})
         for (const Complex z : {Complex(-1, 0), Complex(-4, 2), Complex(0.3, 2), Complex(0, -5)}) {
-            const double first = find_method(a)->growth(z);
-            EXPECT_NEAR(first, find_method(b)->growth(z), 1e-12 * (1 + first)) << a << z;
+            const double first = find_method(a)->amplification(z);
+            EXPECT_NEAR(first, find_method(b)->amplification(z), 1e-12 * (1 + first)) << a << z;
         }
 }
 
@@ -82,13 +82,13 @@ TEST(LinearStability, GoesAlongAnyRay) {
         EXPECT_NEAR(*stable_length(euler, angle), -2 * std::cos(angle), 1e-6) << angle;
     EXPECT_EQ(*stable_length(euler, 1), 0);
     EXPECT_EQ(stable_length(*find_method("exact"), 2), std::nullopt);
-    EXPECT_EQ(linear_growth(*find_method("taylor"), -1), std::nullopt);
+    EXPECT_EQ(linear_amplification(*find_method("taylor"), -1), std::nullopt);
 }
 
 TEST(LinearStability, ReachesFarWithoutOverflow) {
     for (const Method* method : methods())
         for (const Complex z : {Complex(-1e8, 0), Complex(-1e100, 1e100), Complex(0, 1e-200), Complex(0, 0)})
-            if (const std::optional<double> growth = linear_growth(*method, z)) {
+            if (const std::optional<double> growth = linear_amplification(*method, z)) {
                 EXPECT_FALSE(std::isnan(*growth)) << method->name << z;
                 EXPECT_GE(*growth, 0) << method->name << z;
                 // the eigenvalues of a pendulum at rest are both 1: rounding changes a double root by sqrt(2^-53)
@@ -141,8 +141,8 @@ TEST(LinearStability, IsThatOfTheStepsTaken) {
     for (const Method* method : methods()) {
         if (method->name.ends_with("_float32")) {
             const Method& wide = *find_method(method->name.substr(0, method->name.size() - 8));
-            EXPECT_EQ(method->growth, wide.growth) << method->name;
-            EXPECT_EQ(method->pendulum_growth, wide.pendulum_growth) << method->name;
+            EXPECT_EQ(method->amplification, wide.amplification) << method->name;
+            EXPECT_EQ(method->pendulum_amplification, wide.pendulum_amplification) << method->name;
             continue;
         }
         // skipped: methods with their own springs, a multistep method, and methods without fixed steps
@@ -152,11 +152,12 @@ TEST(LinearStability, IsThatOfTheStepsTaken) {
         for (const auto& [damping, stiffness] : {std::pair(0.3, 0.0), std::pair(0.0, 0.5), std::pair(0.7, 1.1),
                                                  std::pair(2.5, 3.0), std::pair(3.0, 0.4)}) {
             double expected = 0;
-            if (method->growth) {
+            if (method->amplification) {
                 const Complex root = std::sqrt(Complex(damping * damping / 4 - stiffness));
-                expected = std::max(method->growth(-damping / 2 + root), method->growth(-damping / 2 - root));
-            } else if (method->pendulum_growth) {
-                expected = method->pendulum_growth(damping, stiffness);
+                expected =
+                    std::max(method->amplification(-damping / 2 + root), method->amplification(-damping / 2 - root));
+            } else if (method->pendulum_amplification) {
+                expected = method->pendulum_amplification(damping, stiffness);
             } else {
                 continue;
             }

@@ -130,7 +130,7 @@ TEST(RotationSteps, AreTheSameBitsByEveryInstructionSet) {
         RotationStep plain, wide;
         for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512}) {
             if (set > widest_instruction_set()) continue;
-            for (int row = fewest_columns; row < table_rows; ++row) {
+            for (int row = min_columns; row < table_rows; ++row) {
                 if (coefficients->terms == RotationTerms::quadratic) break;  // compiled columns are used here
                 midpoint_step(InstructionSet::plain)(*coefficients, allowance, r.state, 0.01, row, plain);
                 midpoint_step(set)(*coefficients, allowance, r.state, 0.01, row, wide);

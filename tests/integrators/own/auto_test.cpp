@@ -75,7 +75,7 @@ TEST(ChooseMethod, LeavesAUsersTorqueToAnExplicitOne) {
     scene.loads = {Drag{{1100, 1100, 1100}, 0, {}},
                    UserTorque{"none", [](const LoadState&) { return Vector3<double>(); }, {}}};
     EXPECT_NE(chosen(scene), "radau");
-    EXPECT_EQ(stiffness(pose(scene)).decays, 0);
+    EXPECT_EQ(stiffness(pose(scene)).decay_times, 0);
 }
 
 // For a spin about the first axis omega_1 decays as e^(-c t): the body rotates by 1 / c rad during c T decays.
@@ -84,8 +84,8 @@ TEST(Stiffness, CountsDecaysAndTurning) {
         Scene scene = damped(c);
         scene.initial.angular_velocity = {1, 0, 0};
         const Stiffness found = stiffness(pose(scene));
-        EXPECT_NEAR(found.decays, 10 * c, 1e-6 * c);
-        EXPECT_LT(found.turning, 1 / c);
+        EXPECT_NEAR(found.decay_times, 10 * c, 1e-6 * c);
+        EXPECT_LT(found.rotation, 1 / c);
         EXPECT_EQ(found.stiff(), c == 100.0);
     }
 }

@@ -22,7 +22,7 @@ using namespace polhode::testing;
 struct Moment {
     double sum = 0, size = 0;
 };
-Moment moment(const ExtrapolationRow& row, const std::array<double, most_columns>& weights, int k) {
+Moment moment(const ExtrapolationRow& row, const std::array<double, max_columns>& weights, int k) {
     Moment m;
     for (int j = 0; j < row.columns; ++j) {
         const double term = weights[j] * std::pow(row.substeps[j], -2 * k);
@@ -32,7 +32,7 @@ Moment moment(const ExtrapolationRow& row, const std::array<double, most_columns
 }
 
 TEST(ExtrapolationRows, CancelTheEvenPowersOfTheStep) {
-    for (int number = fewest_columns; number < table_rows; ++number) {
+    for (int number = min_columns; number < table_rows; ++number) {
         const ExtrapolationRow& row = extrapolation_rows[number];
         for (int k = 0; k < row.columns; ++k) {
             const Moment value = moment(row, row.weights.value, k);
@@ -76,14 +76,14 @@ TEST(ExtrapolationRows, AreThePolynomialsThroughTheirColumns) {
                             {extrapolation_row<7>, extrapolation_rows[7]},
                             {extrapolation_row<8>, extrapolation_rows[8]},
                             {extrapolation_row<9>, extrapolation_rows[9]},
-                            {extrapolation_row<careful_row>, extrapolation_rows[careful_row]},
-                            {row_in_lanes<2>, rows_in_lanes[2]},
-                            {row_in_lanes<3>, rows_in_lanes[3]},
-                            {row_in_lanes<4>, rows_in_lanes[4]},
-                            {row_in_lanes<5>, rows_in_lanes[5]},
-                            {row_in_lanes<6>, rows_in_lanes[6]},
-                            {row_in_lanes<7>, rows_in_lanes[7]},
-                            {row_in_lanes<8>, rows_in_lanes[8]}};
+                            {extrapolation_row<compensated_row>, extrapolation_rows[compensated_row]},
+                            {make_lane_row<2>, lane_rows[2]},
+                            {make_lane_row<3>, lane_rows[3]},
+                            {make_lane_row<4>, lane_rows[4]},
+                            {make_lane_row<5>, lane_rows[5]},
+                            {make_lane_row<6>, lane_rows[6]},
+                            {make_lane_row<7>, lane_rows[7]},
+                            {make_lane_row<8>, lane_rows[8]}};
     std::mt19937 random(3);
     std::uniform_real_distribution<double> even(-1, 1);
     for (const MadeRow& made : rows) {
@@ -143,10 +143,10 @@ TEST(ExtrapolationRows, HaveTheOrderOfTwiceTheirColumns) {
 
 template <int row>
 void expect_every_column_once(int chains_expected) {
-    ColumnChains<columns_of<row>> (*const make)() = column_chains<row>;
+    ColumnChains<column_count<row>> (*const make)() = column_chains<row>;
     const auto chains = make();
     constexpr auto n = substeps<row>();
-    constexpr int K = columns_of<row>;
+    constexpr int K = column_count<row>;
     SCOPED_TRACE(row);
     int evaluations = 1;
     std::set<int> ends{0};
@@ -177,7 +177,7 @@ TEST(ColumnChains, HoldEveryColumnOnce) {
     expect_every_column_once<7>(4);
     expect_every_column_once<8>(4);
     expect_every_column_once<9>(4);
-    expect_every_column_once<careful_row>(3);
+    expect_every_column_once<compensated_row>(3);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST_P(Coefficients, LeaveLanesBeyondTheStagesZero) {
         EXPECT_EQ(radau.nodes[i], 0);
         for (int j = 0; j < 8; ++j) {
             EXPECT_EQ(radau.a[j][i], 0);
-            EXPECT_EQ(radau.outward[j][i], 0);
+            EXPECT_EQ(radau.from_eigenbasis[j][i], 0);
         }
     }
 }
@@ -42,8 +42,8 @@ TEST_P(Coefficients, TransformToTheInverse) {
     std::uniform_real_distribution<double> uniform(-1, 1);
     Lanes8 x{}, transformed{}, inverse{}, back{};
     for (int i = 0; i < s; ++i) x[i] = uniform(random);
-    for (int j = 0; j < s; ++j) transformed += x[j] * radau.inward[j];
-    for (int k = 0; k < 8; ++k) inverse += transformed[k] * radau.outward[k];
+    for (int j = 0; j < s; ++j) transformed += x[j] * radau.to_eigenbasis[j];
+    for (int k = 0; k < 8; ++k) inverse += transformed[k] * radau.from_eigenbasis[k];
     for (int j = 0; j < s; ++j) back += inverse[j] * radau.a[j];
     for (int i = 0; i < s; ++i) EXPECT_NEAR(back[i], x[i], 1e-13);
 }

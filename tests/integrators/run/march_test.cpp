@@ -223,7 +223,7 @@ Scene with_user_torque(Vector3<double> (*torque)(const LoadState&)) {
 void expect_named_failure(const Run& run, const Scene& scene, std::initializer_list<Status> allowed) {
     const auto start = std::chrono::steady_clock::now();
     const Trajectory trajectory = run.on(scene, 20);
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (std::string(run.method) == "odeint_rosenbrock4" || std::string(run.method) == "arkode_dirk5") {
         EXPECT_EQ(trajectory.status, Status::unsupported);
         return;
@@ -231,7 +231,7 @@ void expect_named_failure(const Run& run, const Scene& scene, std::initializer_l
     EXPECT_NE(std::find(allowed.begin(), allowed.end(), trajectory.status), allowed.end())
         << name_of(trajectory.status) << ": " << trajectory.message;
     EXPECT_FALSE(trajectory.message.empty());
-    EXPECT_LT(spent.count(), 20);
+    EXPECT_LT(elapsed.count(), 20);
     EXPECT_LT(trajectory.samples.size(), 21u);
     for (const Sample& sample : trajectory.samples)
         EXPECT_TRUE(std::isfinite(squared_norm(sample.q) + dot(sample.angular_velocity_B, sample.angular_velocity_B)));

@@ -95,7 +95,7 @@ TEST(SampleTimesOfARun, AreMetByWholeSteps) {
     settings.times = {0.1, 0.7, 1.9};
     const SampleIntervals intervals_of(problem, settings);
     ASSERT_EQ(intervals_of.count(), 4);
-    EXPECT_FALSE(intervals_of.begins_with_sample());
+    EXPECT_FALSE(intervals_of.has_initial_sample());
     double end = 0;
     long steps = 0;
     for (long k = 0; k < intervals_of.count(); ++k) {

@@ -54,7 +54,7 @@ TEST(TruthCache, ReadsBackTheSameBits) {
     const FreshCache cache;
     const Truth made = find_truth(scene_of(1), 5, 25);
     ASSERT_TRUE(made.reference.available);
-    const std::optional<Truth> kept = cached(cache_key(scene_of(1), 5, 25));
+    const std::optional<Truth> kept = read_cached(cache_key(scene_of(1), 5, 25));
     ASSERT_TRUE(kept);
     expect_same(made, *kept);
 }
@@ -63,7 +63,7 @@ TEST(TruthCache, IsWhatIsUsed) {
     const FreshCache cache;
     Truth marked = find_truth(scene_of(1), 5, 25);
     marked.reference.message = "from the cache";
-    keep(cache_key(scene_of(1), 5, 25), marked);
+    store(cache_key(scene_of(1), 5, 25), marked);
     EXPECT_EQ(find_truth(scene_of(1), 5, 25).reference.message, "from the cache");
     EXPECT_NE(find_truth(scene_of(2), 5, 25).reference.message, "from the cache");
 }
@@ -86,9 +86,9 @@ TEST(TruthCache, WhatOtherCodeComputedIsNotFound) {
     other.reference.message = "of another program";
     std::filesystem::remove(cache_path(cache_key(scene_of(1), 5, 25)));
     const std::string there = cache_key(scene_of(1), 5, 25, "another " + program());
-    keep(there, other);
-    ASSERT_EQ(cached(there)->reference.message, "of another program");
-    EXPECT_FALSE(cached(cache_key(scene_of(1), 5, 25)));
+    store(there, other);
+    ASSERT_EQ(read_cached(there)->reference.message, "of another program");
+    EXPECT_FALSE(read_cached(cache_key(scene_of(1), 5, 25)));
     EXPECT_NE(find_truth(scene_of(1), 5, 25).reference.message, "of another program");
     const std::vector<double> times{0, 0.3};
     EXPECT_NE(cache_key(scene_of(1), times, 25, "another " + program()), cache_key(scene_of(1), times, 25));
@@ -140,9 +140,9 @@ TEST(TruthCache, BrokenFilesAreComputedAgain) {
          {std::string(), sound.substr(0, sound.size() / 2), sound.substr(0, sound.size() - 1), changed, foreign,
           std::string("nonsense\n"), sound + "more\n"}) {
         write(path, broken);
-        EXPECT_FALSE(cached(key)) << broken.size();
+        EXPECT_FALSE(read_cached(key)) << broken.size();
         expect_same(find_truth(scene_of(1), 5, 25), made);
-        EXPECT_TRUE(cached(key));
+        EXPECT_TRUE(read_cached(key));
     }
 }
 
@@ -229,7 +229,7 @@ TEST(TruthCache, LiesWhereTheEnvironmentSays) {
     EXPECT_EQ(cache_path("k"), "/some/one/.cache/polhode/truth-k.txt");
     ::unsetenv("HOME"), ::unsetenv("XDG_CACHE_HOME");
     EXPECT_EQ(cache_path("k"), "");
-    EXPECT_FALSE(cached("k"));
+    EXPECT_FALSE(read_cached("k"));
     if (!home.empty()) ::setenv("HOME", home.c_str(), 1);
     if (!base.empty()) ::setenv("XDG_CACHE_HOME", base.c_str(), 1);
 }

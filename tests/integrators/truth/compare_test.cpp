@@ -63,7 +63,7 @@ Problem problem_of_two() {
 double off_by(const Pair& pair, double expected) { return (pair.high - expected) + pair.low; }
 
 TEST(TruthOfSeveralBodies, IsWrittenTimeByTimeWithWhatTheBodiesHaveTogether) {
-    const Attempt attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50);
+    const Attempt attempt = compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50);
     EXPECT_EQ(attempt.fault, "");
     EXPECT_EQ(attempt.agreed_digits, 50);
     const Reference& truth = attempt.truth.reference;
@@ -98,19 +98,20 @@ TEST(TruthOfSeveralBodies, DiffersByTheWorstBody) {
     const double longest = std::sqrt(1 + std::pow(1.0 / 3 + 1.0 / 7, 2));
     EXPECT_NEAR(disagreement(run_of_two(), other), 1e-20 / longest, 1e-26);
     other.motions[2][0].q.x += Fifty(1e-17);
-    const Attempt attempt = compared(problem_of_two(), three_times, run_of_two(), other, "by hand", 50);
+    const Attempt attempt = compare_runs(problem_of_two(), three_times, run_of_two(), other, "by hand", 50);
     EXPECT_NEAR(attempt.truth.reference.bound, 2e-17, 1e-22);
     EXPECT_NEAR(attempt.agreed_digits, 17 - std::log10(2), 1e-4);
     other.fault = "lost";
-    EXPECT_EQ(compared(problem_of_two(), three_times, run_of_two(), other, "by hand", 50).fault, "lost");
+    EXPECT_EQ(compare_runs(problem_of_two(), three_times, run_of_two(), other, "by hand", 50).fault, "lost");
 }
 
 TEST(TruthOfSeveralBodies, ReactionsAreComparedAndWritten) {
-    Beside<Fifty> first;
+    MechanismOutputs<Fifty> first;
     for (int k = 0; k < 3; ++k)
         first.reactions.push_back({{{Fifty(k), Fifty(0), Fifty(2) / Fifty(3)}, {Fifty(0), Fifty(0.25), Fifty(0)}}});
-    Beside<Fifty> second = first;
-    Attempt attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    MechanismOutputs<Fifty> second = first;
+    Attempt attempt =
+        compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
     EXPECT_EQ(attempt.agreed_digits, 50);
     ASSERT_EQ(attempt.truth.reference.reactions.size(), 3u);
     EXPECT_EQ(attempt.truth.reference.reactions[2].force_W[0].high, 2);
@@ -120,14 +121,14 @@ TEST(TruthOfSeveralBodies, ReactionsAreComparedAndWritten) {
     // the largest force is |(2, 0, 2/3)|; torques are scaled by this force times 0.5 m, the arm to the child's centre
     const double force = std::sqrt(4 + 4.0 / 9);
     second.reactions[0][0].torque_W[0] += Fifty(1e-13);
-    attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    attempt = compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
     EXPECT_NEAR(attempt.truth.reference.bound, 1e-13 / (force / 2), 1e-19);
     second.reactions[1][0].force_W[1] += Fifty(4e-13);
-    attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    attempt = compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
     EXPECT_NEAR(attempt.truth.reference.bound, 4e-13 / force, 1e-19);
     // undetermined components of redundant constraints do not count and are not printed
     second.reactions[2][0].torque_W[2] = 0.5;
-    attempt = compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
+    attempt = compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, second);
     EXPECT_NEAR(attempt.truth.reference.bound, 4e-13 / force, 1e-19);
     EXPECT_TRUE(std::isnan(attempt.truth.reference.reactions[2].torque_W[2].high));
     EXPECT_EQ(attempt.truth.reference.reactions[2].torque_W[1].high, 0.25);
@@ -201,7 +202,7 @@ TEST(TruthOfOneBody, IsWrittenWithItsEnergyAndItsRateInTheWorld) {
     RunOfOne run = run_of_one();
     // rotated by a third of a rotation about (1, 1, 1), so that the body's z axis is the world's x axis
     run.motions[0].q = {Fifty(0.5), Fifty(0.5), Fifty(0.5), Fifty(0.5)};
-    const Attempt attempt = compared(problem_of_one(), three_times, run, run, "by hand", 50);
+    const Attempt attempt = compare_runs(problem_of_one(), three_times, run, run, "by hand", 50);
     const ReferenceSample& first = attempt.truth.reference.samples[0];
     EXPECT_EQ(first.angular_velocity_B[2].high, 2);
     EXPECT_EQ(first.angular_momentum_W[0].high, 6);
@@ -216,31 +217,31 @@ TEST(TruthOfOneBody, ItsImpactsAreComparedAndCounted) {
     RunOfOne first = run_of_one(), second = run_of_one();
     first.impacts = {Fifty(0.25), Fifty(0.5)};
     second.impacts = {Fifty(0.25) + Fifty(3e-20), Fifty(0.5) - Fifty(1e-20)};
-    Attempt attempt = compared(problem_of_one(), three_times, first, second, "by hand", 50);
+    Attempt attempt = compare_runs(problem_of_one(), three_times, first, second, "by hand", 50);
     EXPECT_EQ(attempt.agreed_digits, 50);
     EXPECT_NEAR(attempt.truth.reference.impact_time_error, 3e-20, 1e-30);
     ASSERT_EQ(attempt.truth.reference.impact_times.size(), 2u);
     EXPECT_NE(attempt.truth.reference.message.find("2 impacts"), std::string::npos);
     second.impacts.pop_back();
-    attempt = compared(problem_of_one(), three_times, first, second, "by hand", 50);
+    attempt = compare_runs(problem_of_one(), three_times, first, second, "by hand", 50);
     EXPECT_LT(attempt.agreed_digits, 0);
     EXPECT_TRUE(std::isinf(attempt.truth.reference.bound));
 }
 
 TEST(TruthOfSeveralBodies, ReactionsThatOnlyOneKnowsAreLeftOut) {
-    Beside<Fifty> first;
+    MechanismOutputs<Fifty> first;
     for (int k = 0; k < 3; ++k) first.reactions.push_back({{{Fifty(k), Fifty(0), Fifty(0)}, {}}});
-    const Attempt attempt =
-        compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, first, Beside<Fifty>());
+    const Attempt attempt = compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50,
+                                         first, MechanismOutputs<Fifty>());
     EXPECT_EQ(attempt.agreed_digits, 50);
     EXPECT_TRUE(attempt.truth.reference.reactions.empty());
 }
 
 TEST(TruthOfSeveralBodies, JointsWithoutForceAgree) {
-    Beside<Fifty> still;
+    MechanismOutputs<Fifty> still;
     for (int k = 0; k < 3; ++k) still.reactions.push_back({{{}, {}}});
     const Attempt attempt =
-        compared(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, still, still);
+        compare_runs(problem_of_two(), three_times, run_of_two(), run_of_two(), "by hand", 50, still, still);
     EXPECT_EQ(attempt.agreed_digits, 50);
     EXPECT_EQ(attempt.truth.reference.reactions[1].torque_W[0].high, 0);
     EXPECT_EQ(attempt.truth.reaction_decimals[1][4].find("nan"), std::string::npos);

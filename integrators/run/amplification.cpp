@@ -1,4 +1,4 @@
-#include "integrators/run/linear_growth.h"
+#include "integrators/run/amplification.h"
 
 #include <cmath>
 #include <limits>
@@ -15,7 +15,7 @@ double magnitude(Complex x) {
     return std::isnan(size) ? std::numeric_limits<double>::infinity() : size;
 }
 
-double runge_kutta_growth(std::span<const double> A, std::span<const double> b, Complex z) {
+double runge_kutta_amplification(std::span<const double> A, std::span<const double> b, Complex z) {
     const std::size_t stages = b.size();
     std::vector<Complex> k(stages);
     Complex sum = 0;
@@ -28,13 +28,15 @@ double runge_kutta_growth(std::span<const double> A, std::span<const double> b, 
     return magnitude(1.0 + sum);
 }
 
-double explicit_euler_growth(Complex z) { return magnitude(1.0 + z); }
+double explicit_euler_amplification(Complex z) { return magnitude(1.0 + z); }
 
-double classical_growth(Complex z) { return magnitude(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))); }
+double classical_amplification(Complex z) {
+    return magnitude(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
+}
 
-double midpoint_growth(Complex z) { return magnitude((2.0 + z) / (2.0 - z)); }
+double midpoint_amplification(Complex z) { return magnitude((2.0 + z) / (2.0 - z)); }
 
-double radau_growth(int stages, Complex z) {
+double radau_amplification(int stages, Complex z) {
     // Degrees k over j: the term of z^(i+1) is the term of z^i times (k - i) / ((i + 1) (j + k - i)) z. Both
     // polynomials are divided by z^j for large |z| to avoid overflow.
     const int k = stages - 1, j = stages;
@@ -67,7 +69,7 @@ double spectral_radius(double a, double b, double c, double d) {
     return std::isnan(size) ? std::numeric_limits<double>::infinity() : size;
 }
 
-double semi_implicit_euler_pendulum_growth(double damping, double stiffness) {
+double semi_implicit_euler_pendulum_amplification(double damping, double stiffness) {
     return spectral_radius(1 - stiffness, 1 - damping, -stiffness, 1 - damping);
 }
 

@@ -15,28 +15,28 @@
 
 namespace polhode::truth {
 
-struct Visit {
+struct JacobianSample {
     Eigen::MatrixXd J;
     double seconds;  ///< length of the interval that J represents
 };
 
 /// Computes Jacobians along an approximate motion, at most 64 per piece.
 template <class Form>
-class Scout {
+class JacobianSampler {
   public:
     /// The scene must outlive this object.
-    Scout(const Scene& scene, std::vector<Block> blocks)
+    JacobianSampler(const Scene& scene, std::vector<Block> blocks)
         : form_(scene), blocks_(std::move(blocks)), y_(static_cast<std::size_t>(form_.dimension())) {
         form_.initial(y_.data());
     }
 
-    std::vector<Visit> visits(double begin, double end) {
+    std::vector<JacobianSample> visits(double begin, double end) {
         constexpr int order = 12, most_steps = 4000;
         constexpr double tolerance = 1e-6;
         const int n = form_.dimension();
         form_.enter(begin, y_.data());
         Series<double> series(record<double>(form_, n), order);
-        std::vector<Visit> all;
+        std::vector<JacobianSample> all;
         double t = begin;
         for (int step = 0; t < end; ++step) {
             series.expand(y_.data());
@@ -58,7 +58,7 @@ class Scout {
             series.evaluate(h, y_.data());
             t = end - t <= h ? end : t + h;
         }
-        return thinned(std::move(all));
+        return thin_out(std::move(all));
     }
 
   private:
@@ -66,22 +66,22 @@ class Scout {
     std::vector<Block> blocks_;
     std::vector<double> y_;
 
-    static std::vector<Visit> thinned(std::vector<Visit> all) {
+    static std::vector<JacobianSample> thin_out(std::vector<JacobianSample> all) {
         constexpr std::size_t most = 64;
         const std::size_t stride = (all.size() + most - 1) / most;
-        std::vector<Visit> kept;
+        std::vector<JacobianSample> selected;
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (!all[i].J.allFinite()) continue;
-            if (i % stride == 0 || kept.empty())
-                kept.push_back(std::move(all[i]));
+            if (i % stride == 0 || selected.empty())
+                selected.push_back(std::move(all[i]));
             else
-                kept.back().seconds += all[i].seconds;
+                selected.back().seconds += all[i].seconds;
         }
-        return kept;
+        return selected;
     }
 };
 
 /// Integral of the positive part of the logarithmic norm along the visits, weighted by S, in bits.
-double growth_bits(const std::vector<Visit>& visits, const Eigen::MatrixXd& S);
+double growth_bits(const std::vector<JacobianSample>& visits, const Eigen::MatrixXd& S);
 
 }  // namespace polhode::truth

@@ -4,7 +4,7 @@
 namespace polhode {
 namespace {
 
-constexpr MethodLeftOut left_out[] = {
+constexpr OmittedMethod omitted[] = {
     {.name = "odeint_symplectic",
      .reason =
          "Odeint's symplectic steppers (`symplectic_euler`, `symplectic_rkn_sb3a_mclachlan`, "
@@ -45,6 +45,6 @@ constexpr MethodLeftOut left_out[] = {
 
 }  // namespace
 
-std::span<const MethodLeftOut> methods_left_out() { return left_out; }
+std::span<const OmittedMethod> omitted_methods() { return omitted; }
 
 }  // namespace polhode

@@ -17,15 +17,15 @@ namespace polhode {
 
 /// Unit quaternion (1 + w, v).
 template <class S>
-struct TurnOf {
+struct RotationIncrementOf {
     S w = 0;
     Vector3<S> v;
 };
-using Turn = TurnOf<double>;
+using RotationIncrement = RotationIncrementOf<double>;
 
 /// Rotation a, then b about the axes rotated by a: (1 + a)(1 + b) - 1.
 template <class S>
-TurnOf<S> then(const TurnOf<S>& a, const TurnOf<S>& b) {
+RotationIncrementOf<S> compose(const RotationIncrementOf<S>& a, const RotationIncrementOf<S>& b) {
     return {a.w + b.w + (a.w * b.w - dot(a.v, b.v)), a.v + b.v + (a.w * b.v + b.w * a.v + cross(a.v, b.v))};
 }
 
@@ -53,7 +53,7 @@ struct SineCosine {
 
 /// Rotation by |v| rad about v.
 template <class S>
-TurnOf<S> turn_by(const Vector3<S>& v) {
+RotationIncrementOf<S> rotation_increment(const Vector3<S>& v) {
     const Vector3<S> half = S(0.5) * v;
     const SineCosine f(dot(half, half));
     return {f.cosine_less_one, f.sine_by_angle * half};
@@ -93,15 +93,15 @@ using CompensatedVector = CompensatedVectorOf<double>;
 
 /// A unit quaternion that is updated by many rotations.
 template <class S>
-class TurnedAttitudeOf {
+class CompensatedAttitudeOf {
   public:
-    TurnedAttitudeOf() : TurnedAttitudeOf(Quaternion<S>{}) {}
-    explicit TurnedAttitudeOf(const Quaternion<S>& q) : w_{q.w, 0}, x_{q.x, 0}, y_{q.y, 0}, z_{q.z, 0} {}
+    CompensatedAttitudeOf() : CompensatedAttitudeOf(Quaternion<S>{}) {}
+    explicit CompensatedAttitudeOf(const Quaternion<S>& q) : w_{q.w, 0}, x_{q.x, 0}, y_{q.y, 0}, z_{q.z, 0} {}
 
     Quaternion<S> value() const { return {w_.value, x_.value, y_.value, z_.value}; }
 
     /// q <- q (1 + d), with d about body axes, and q <- q (3 - |q|^2) / 2, which corrects the norm towards 1.
-    void turn(const TurnOf<S>& d) {
+    void rotate(const RotationIncrementOf<S>& d) {
         const Quaternion<S> q = value();
         const S w = d.w + (1 - squared_norm(q)) / 2;
         const Quaternion<S> change = q * Quaternion<S>{w, d.v[0], d.v[1], d.v[2]};
@@ -111,6 +111,6 @@ class TurnedAttitudeOf {
   private:
     CompensatedSumOf<S> w_, x_, y_, z_;
 };
-using TurnedAttitude = TurnedAttitudeOf<double>;
+using CompensatedAttitude = CompensatedAttitudeOf<double>;
 
 }  // namespace polhode

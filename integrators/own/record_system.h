@@ -7,7 +7,7 @@ namespace polhode {
 
 /// Records it with the loads of the segment that the system has entered. T: type of the constants.
 template <class T, class SystemType>
-Recording<T> recorded(const SystemType& system) {
+Recording<T> record_system(const SystemType& system) {
     struct Form {
         const SystemType* system;
         void derivative(const Traced<T>* y, Traced<T>* dy) const { system->derivative(0, y, dy); }

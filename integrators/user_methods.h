@@ -13,7 +13,7 @@ namespace polhode {
 void add_methods(std::span<const Method> own);
 
 /// True if add_methods() has added any.
-bool has_own_methods();
+bool has_user_methods();
 
 /// Appends a method to methods(), or replaces an earlier one that was added under this name, at any time. Lists that
 /// were returned before stay unchanged. Methods are kept until the program ends. The identity distinguishes stored

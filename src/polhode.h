@@ -19,7 +19,7 @@
 #include "integrators/run/march.h"
 #include "integrators/truth/reference.h"
 #include "measure/errors.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 #include "motion/problem.h"
 #include "motion/trajectory.h"
 #include "motion/trajectory_csv.h"

@@ -20,7 +20,7 @@
 #include "integrators/series/linear_algebra.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 #include "text/interruption.h"
 
 namespace polhode {

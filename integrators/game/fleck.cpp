@@ -158,7 +158,7 @@ class Fleck {
     void enter(const Segment& segment) {
         loads_.enter(segment);
         if (segment.impulses.empty()) return;
-        WorldLoads<S>::strike(*problem_, segment, attitude_.matrix(), x_, L_, v_);
+        WorldLoads<S>::apply_impulses(*problem_, segment, attitude_.matrix(), x_, L_, v_);
         find_angular_velocity();
     }
     [[gnu::flatten]] void step(double t, double step) {

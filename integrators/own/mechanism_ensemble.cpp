@@ -83,7 +83,7 @@ class RowsInLanes {
         std::vector<double> nowhere(n_);
         model_.initial(nowhere.data());
         model_.enter(leg.begin, nowhere.data());
-        for (LaneMotion& motion : motions_) model_.tree().strike(scene_, leg.begin, motion.y), motion.step = 0;
+        for (LaneMotion& motion : motions_) model_.tree().apply_impulses(scene_, leg.begin, motion.y), motion.step = 0;
         struct Form {
             const MechanismModel* model;
             void derivative(const Traced<double>* y, Traced<double>* dy) const { model->derivative(y, dy); }

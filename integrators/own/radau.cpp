@@ -32,7 +32,7 @@ struct LinearSystems {
     using Type = FourSystems<SystemType::dimension, SystemType::rates>;
 };
 template <>
-struct LinearSystems<OwnSystem> {
+struct LinearSystems<ErasedSystem> {
     using Type = DenseSystems;
 };
 
@@ -65,7 +65,7 @@ template <class SystemType>
 [[gnu::always_inline]] inline void stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy, int) {
     system.derivative(t, y, dy);
 }
-[[gnu::noinline]] inline void stage_rates(const OwnSystem& system, double t, const Stages* y, Stages* dy, int stages) {
+[[gnu::noinline]] inline void stage_rates(const ErasedSystem& system, double t, const Stages* y, Stages* dy, int stages) {
     Numbers<run_time> at(system.size()), rate(system.size());
     for (int j = 0; j < stages; ++j) {
         for (int n = 0; n < system.size(); ++n) at[n] = y[n].lane[j];

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "integrators/run/processor_time.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 #include "text/interruption.h"
 
 namespace polhode {

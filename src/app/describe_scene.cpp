@@ -27,7 +27,7 @@ using namespace description;
 
 constexpr double heavy_mesh = 1e5;  // kg
 
-std::string made_of(const MadeOf& source) {
+std::string made_of(const BodyDefinition& source) {
     struct Words {
         std::string operator()(const GivenBody&) const { return "mass and inertia"; }
         std::string operator()(const ShapedBody& b) const {
@@ -96,7 +96,7 @@ std::string equations(SystemKind system) {
         case SystemKind::loaded_motion:
             return "I dw/dt = tau(t, q, w, p) - w x Iw;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F(t, q, v) / m";
         case SystemKind::full_motion:
-        case SystemKind::own:
+        case SystemKind::user_defined:
         case SystemKind::mechanism:
             break;
     }
@@ -137,8 +137,8 @@ void system_posed(Report& report, const Problem& problem) {
         report.line(fmt::format("{} s to {} s", number(segment.begin), number(segment.end)), acts);
     }
     report.title("Omitted, and why");
-    if (needs.left_out.empty()) report.line("nothing");
-    for (const LeftOut& one : needs.left_out) report.line(one.what, one.why);
+    if (needs.omitted.empty()) report.line("nothing");
+    for (const Omission& one : needs.omitted) report.line(one.what, one.why);
 }
 
 void polhode_drawing(Report& report, const Problem& problem) {

@@ -1,5 +1,5 @@
 // Files of several bodies. Blocks and bodies that a file lacks are filled in from the truth.
-#include "check/judge.h"
+#include "check/file_errors.h"
 
 namespace polhode {
 
@@ -18,7 +18,7 @@ std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile
     return missing;
 }
 
-Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
+Trajectory complete_from_truth(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
     const std::vector<std::size_t> places = bodies_of_file(scene, file);
     std::vector<Vector3<double>> centers;
     for (const std::size_t b : places) centers.push_back(scene.bodies[b].body.center_of_mass);

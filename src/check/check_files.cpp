@@ -47,34 +47,34 @@ std::string lacking(const Scene& scene, const TrajectoryFile& file) {
 }
 
 // Compares a file of many samples with a polynomial reference, in binary64. A million samples take about a second.
-void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth, CheckedFile& checked) {
+void compare_in_binary64(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth, CheckedFile& checked) {
     constexpr std::size_t pieces = 16, at_once = 1024;
     const std::size_t rows = file.rows.size();
-    std::vector<Judge> judges;
-    for (std::size_t i = 0; i < pieces; ++i) judges.emplace_back(scene, file, JudgedIn::binary64);
+    std::vector<FileErrorAccumulator> accumulators;
+    for (std::size_t i = 0; i < pieces; ++i) accumulators.emplace_back(scene, file, ErrorArithmetic::binary64);
     parallel_for(pieces, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {
         std::vector<ReferenceSample> samples;
         const std::size_t end = rows * (i + 1) / pieces;
         for (std::size_t first = rows * i / pieces; first < end; first += samples.size()) {
-            if (Interruption::is_wanted()) throw NoTruth(checked.path + ": interrupted");
+            if (Interruption::is_wanted()) throw TruthUnavailable(checked.path + ": interrupted");
             samples.clear();
             for (std::size_t k = first; k < std::min(first + at_once, end); ++k)
                 samples.push_back(truth.at(file.rows[k].t));
-            judges[i].add(first, samples);
+            accumulators[i].add(first, samples);
         }
     });
-    for (std::size_t i = 1; i < pieces; ++i) judges[0].append(judges[i]);
-    checked.judgement = judges[0].result();
+    for (std::size_t i = 1; i < pieces; ++i) accumulators[0].append(accumulators[i]);
+    checked.file_errors = accumulators[0].result();
     checked.truth_bound = truth.bound, checked.truth = truth.message;
     checked.remarks.emplace_back("evaluated in binary64: errors below 1e-15 are not resolved");
 }
 
 // Compares a file with the truth. Returns why there is no truth, or an empty string.
-std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& checked) {
+std::string compare_with_truth(const Scene& scene, TrajectoryFile& file, CheckedFile& checked) {
     constexpr std::size_t many = 2000;
     if (!is_mechanism(scene) && file.rows.size() > many && file.rows.back().t > 0)
         if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available) {
-            judge_many(scene, file, truth, checked);
+            compare_in_binary64(scene, file, truth, checked);
             return "";
         }
     std::vector<double> times;
@@ -100,7 +100,7 @@ std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& ch
     }
     if (!truth.available) return truth.message;
     checked.truth_bound = truth.bound, checked.truth = truth.message;
-    checked.judgement = judge(scene, file, truth);
+    checked.file_errors = compute_file_errors(scene, file, truth);
     return "";
 }
 
@@ -110,7 +110,7 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     constexpr int between = 20;
     std::vector<double> times;
     double begin = 0;
-    for (const ErrorSpan& span : checked.judgement.over_time) {
+    for (const ErrorSpan& span : checked.file_errors.over_time) {
         for (int i = 1; i < between; ++i) times.push_back(begin + (span.until - begin) * i / between);
         times.push_back(begin = span.until);
     }
@@ -127,18 +127,18 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     for (std::size_t k = 0; k < kappa.times.size(); ++k) {
         so_far.float64 = std::max(so_far.float64, kappa.floor(k, float64_roundoff));
         so_far.float32 = std::max(so_far.float32, kappa.floor(k, float32_roundoff));
-        if (so_far.float32 > allowed && !checked.float_judged_until)
-            checked.float_judged_until = k > 0 ? times[k - 1] : 0;
+        if (so_far.float32 > allowed && !checked.float32_valid_until)
+            checked.float32_valid_until = k > 0 ? times[k - 1] : 0;
         if ((k + 1) % between == 0) checked.floor_over_time.push_back(so_far);
     }
     checked.floor = so_far;
-    const double error = checked.judgement["attitude"]->max;
+    const double error = checked.file_errors["attitude"]->max;
     // the floor contains the rounding of the start only; rounding in each step raises the error to a few times the
     // floor
     constexpr double a_few = 4;
     // the remark is about the attitude, but is made only if the other blocks are equally accurate
     const auto others_within = [&](double floor) {
-        const std::vector<BlockVerdict> all = limits.verdicts(checked.judgement);
+        const std::vector<BlockVerdict> all = limits.verdicts(checked.file_errors);
         return std::all_of(all.begin(), all.end(), [&](const BlockVerdict& v) {
             return v.block->name == "attitude" || !v.relative || *v.relative <= 1e3 * std::max(floor, 1e-14);
         });
@@ -151,11 +151,11 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
              others_within(so_far.float32))
         checked.remarks.emplace_back(
             "at the float32 floor: the attitude is as accurate as binary32 allows on this scene");
-    if (checked.float_judged_until)
+    if (checked.float32_valid_until)
         checked.remarks.push_back(fmt::format(
             "beyond t = {:.4g} s a binary32 engine cannot be evaluated: rounding the initial data to binary32 alone "
             "causes an attitude error above {} rad",
-            *checked.float_judged_until, shortest_decimal(allowed)));
+            *checked.float32_valid_until, shortest_decimal(allowed)));
 }
 
 // Returns what to record if no cause was found.
@@ -182,32 +182,32 @@ std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& fil
 }
 
 // Compares the files that were read with the truth, one by one, and diagnoses them.
-void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
+void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
                std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         CheckedFile& checked = all[i];
-        if (const std::string fault = judge_file(scene, files[i], checked); !fault.empty())
-            throw NoTruth(checked.path + ": " + fault);
+        if (const std::string fault = compare_with_truth(scene, files[i], checked); !fault.empty())
+            throw TruthUnavailable(checked.path + ": " + fault);
         checked.lacks = lacking(scene, files[i]);
-        const std::vector<BlockVerdict> verdicts = limits.verdicts(checked.judgement);
+        const std::vector<BlockVerdict> verdicts = limits.verdicts(checked.file_errors);
         const auto fails = [&](auto&& is) {
             return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
         };
         if (is_mechanism(scene)) {
-            checked.diagnosed = diagnose_system(scene, files[i], explain);
+            checked.diagnosis = diagnose_system(scene, files[i], explain);
             // in a sound engine that steps bodies separately, joints drift within the limit
             if (!fails([](std::string_view name) { return is_of_joints(name); }))
-                std::erase_if(checked.diagnosed.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
-            if (fails([](std::string_view) { return true; }) && checked.diagnosed.faults.empty())
+                std::erase_if(checked.diagnosis.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
+            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty())
                 checked.remarks.push_back(no_diagnosis_of_system(scene, files[i]));
         } else {
-            checked.diagnosed = diagnose(scene, files[i], explain);
+            checked.diagnosis = diagnose(scene, files[i], explain);
             // a matched update explains errors of the rotation only
             if (fails([](std::string_view) { return true; }) &&
                 !fails([](std::string_view name) { return name == "attitude" || name == "angular_velocity"; }))
-                checked.diagnosed.update.reset();
-            if (fails([](std::string_view) { return true; }) && checked.diagnosed.faults.empty() &&
-                !checked.diagnosed.update)
+                checked.diagnosis.update.reset();
+            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty() &&
+                !checked.diagnosis.update)
                 checked.remarks.push_back(no_diagnosis(files[i]));
             compare_with_floors(scene, limits, checked);
         }
@@ -219,7 +219,7 @@ void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool
 
 }  // namespace
 
-TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
+TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
                              std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
     ForeignTable table = find_foreign_columns(text, checked.path, columns, scene == nullptr || is_mechanism(*scene));
     const std::vector<std::string> bodies = scene != nullptr ? body_names(*scene) : std::vector<std::string>();
@@ -258,10 +258,10 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::
     std::vector<TrajectoryFile> files;
     for (const std::string& path : paths) {
         all.emplace_back().path = path;
-        files.push_back(prepared_file(&scene, convention, columns, read_text(path, largest_file, "a readable CSV file"),
+        files.push_back(prepare_file(&scene, convention, columns, read_text(path, largest_file, "a readable CSV file"),
                                       all.back()));
     }
-    judge_all(scene, limits, explain, picture, files, all);
+    evaluate_files(scene, limits, explain, picture, files, all);
     return all;
 }
 
@@ -272,9 +272,9 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<Named
     std::vector<TrajectoryFile> files;
     for (const NamedText& one : texts) {
         all.emplace_back().path = one.name;
-        files.push_back(prepared_file(&scene, convention, columns, one.text, all.back()));
+        files.push_back(prepare_file(&scene, convention, columns, one.text, all.back()));
     }
-    judge_all(scene, limits, explain, picture, files, all);
+    evaluate_files(scene, limits, explain, picture, files, all);
     return all;
 }
 

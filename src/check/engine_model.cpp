@@ -84,7 +84,7 @@ bool EngineModel::is_coasting(double t) const {
 
 // Returns w after a time h with the engine's damping only.
 Vector EngineModel::damped(const Vector& w, double t, double h) const {
-    if (fault_.only_coasting && !is_coasting(t)) return w;
+    if (fault_.coasting_only && !is_coasting(t)) return w;
     Vector left;
     for (int i = 0; i < 3; ++i)
         left[i] = std::max(0.0, 1 - (fault_.angular_damping + fault_.axis_damping_B[i]) * h) * w[i];
@@ -94,7 +94,7 @@ Vector EngineModel::damped(const Vector& w, double t, double h) const {
 ModelState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
     ModelState s{{b.q, b.angular_velocity_B, b.position_W, b.velocity_W}, {}};
-    strike(s, problem_.segments.front());
+    apply_impulses(s, problem_.segments.front());
     place_at_pivot(s);
     return s;
 }
@@ -103,7 +103,7 @@ bool EngineModel::takes(const UpdateRule& rule, int steps) const {
     if (uses_row_rate() && (steps < 2 || rule.rate == RateUpdate::accurate || !rule.by_new_rate)) return false;
     if (fault_.in_place != InPlace::none && !rule.first_order) return false;
     // these rules make no difference between damping before and after the rotation
-    if (fault_.damped_last && (!rule.by_new_rate || rule.rate == RateUpdate::accurate ||
+    if (fault_.damping_last && (!rule.by_new_rate || rule.rate == RateUpdate::accurate ||
                                rule.rate == RateUpdate::midpoint || rule.rate == RateUpdate::momentum))
         return false;
     // with a tensor fixed in the world, constant L means constant w: an engine without a gyroscopic term
@@ -111,7 +111,7 @@ bool EngineModel::takes(const UpdateRule& rule, int steps) const {
     // a rate computed from L is not integrated in body axes
     return rule.rate != RateUpdate::momentum ||
            (fault_.gyroscopic == 1 &&
-            (fault_.turned_by == TurnedBy::own_rate || fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world));
+            (fault_.rotation_rate == AttitudeRate::own_rate || fault_.rotation_rate == AttitudeRate::first_rate_of_row_w_in_world));
 }
 
 bool EngineModel::has_event(double t, double dt) const {
@@ -155,19 +155,19 @@ EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double 
 
 void EngineModel::limit(ModelState& s, double t) const {
     const double most = fault_.speed_limit;
-    if (!std::isfinite(most) || (fault_.only_coasting && !is_coasting(t))) return;
+    if (!std::isfinite(most) || (fault_.coasting_only && !is_coasting(t))) return;
     const auto clamped = [&](const Vector& w) {
         return Vector(std::clamp(w[0], -most, most), std::clamp(w[1], -most, most), std::clamp(w[2], -most, most));
     };
     Vector& w = s.angular_velocity_B;
-    switch (fault_.limit_of) {
-        case LimitOf::length:
+    switch (fault_.limited_quantity) {
+        case LimitedQuantity::length:
             if (const double speed = length(w); speed > most) w = (most / speed) * w;
             break;
-        case LimitOf::body_axes:
+        case LimitedQuantity::body_axes:
             w = clamped(w);
             break;
-        case LimitOf::world_axes:
+        case LimitedQuantity::world_axes:
             w = rotate_back(s.q, clamped(rotate(s.q, w)));
             break;
     }
@@ -177,11 +177,11 @@ void EngineModel::place_at_pivot(ModelState& s) const {
     if (problem_.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, problem_.body.arm, s.position_W, s.velocity_W);
 }
 
-void EngineModel::strike(ModelState& s, const Segment& segment) const {
+void EngineModel::apply_impulses(ModelState& s, const Segment& segment) const {
     if (segment.impulses.empty()) return;
     const Matrix3<double> A = rotation_matrix(s.q);
     Vector kick;
-    WorldLoads<double>::strike(problem_, segment, A, s.position_W, kick, s.velocity_W);
+    WorldLoads<double>::apply_impulses(problem_, segment, A, s.position_W, kick, s.velocity_W);
     s.angular_velocity_B = s.angular_velocity_B + inertia(s.q).inverse * (transposed(A) * kick);
     place_at_pivot(s);
 }
@@ -222,30 +222,30 @@ void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first
         if (!first_order) return quaternion_from_rotation_vector(angle);
         return normalized(Quaternion<double>{1, angle[0] / 2, angle[1] / 2, angle[2] / 2});
     };
-    switch (fault_.turned_by) {
-        case TurnedBy::own_rate:
+    switch (fault_.rotation_rate) {
+        case AttitudeRate::own_rate:
             s.q = normalized(s.q * factor(by));
             break;
-        case TurnedBy::body_rate_in_world:
+        case AttitudeRate::body_rate_in_world:
             s.q = normalized(factor(by) * s.q);
             break;
-        case TurnedBy::world_rate_in_body: {
+        case AttitudeRate::world_rate_in_body: {
             // this engine integrates the rate in world axes
             const Vector w_W = rotate(s.q, s.angular_velocity_B);
             s.q = normalized(s.q * factor(rotate(s.q, by)));
             s.angular_velocity_B = rotate_back(s.q, w_W);
             break;
         }
-        case TurnedBy::world_rate_in_body_w_in_body:
+        case AttitudeRate::world_rate_in_body_w_in_body:
             s.q = normalized(s.q * factor(rotate(s.q, by)));
             break;
-        case TurnedBy::first_rate_of_row_w_in_world: {
+        case AttitudeRate::first_rate_of_row_w_in_world: {
             const Vector w_W = rotate(s.q, s.angular_velocity_B);
             s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
             s.angular_velocity_B = rotate_back(s.q, w_W);
             break;
         }
-        case TurnedBy::first_rate_of_row_w_in_body:
+        case AttitudeRate::first_rate_of_row_w_in_body:
             s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
             break;
     }
@@ -292,10 +292,10 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
         const Vector dw = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
         const Vector v = from.velocity_W;
         ModelState next = old;
-        turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
+        turn(next, fault_.rotation_rate == AttitudeRate::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
              false);
         // an engine with its tensor in world axes also integrates the rate there
-        if (fault_.tensor == WorldTensor::turned && fault_.turned_by != TurnedBy::first_rate_of_row_w_in_world)
+        if (fault_.tensor == WorldTensor::turned && fault_.rotation_rate != AttitudeRate::first_rate_of_row_w_in_world)
             next.angular_velocity_B = next.angular_velocity_B + dt * dw;
         else
             next.angular_velocity_B =
@@ -337,8 +337,8 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
         default:
             w = turned(I, old_w + by_loads, h, rule);
     }
-    s.angular_velocity_B = fault_.damped_last ? w : damped(w, t, h);
-    if (!fault_.damped_last) limit(s, t);
+    s.angular_velocity_B = fault_.damping_last ? w : damped(w, t, h);
+    if (!fault_.damping_last) limit(s, t);
     turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
     if (rule.rate == RateUpdate::momentum) {
         s.angular_velocity_B = damped(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
@@ -347,7 +347,7 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
         // the rate is integrated in world axes
         s.angular_velocity_B = rotate_back(s.q, rotate(old.q, s.angular_velocity_B));
     }
-    if (fault_.damped_last) {
+    if (fault_.damping_last) {
         s.angular_velocity_B = damped(s.angular_velocity_B, t, h);
         limit(s, t);
     }
@@ -371,17 +371,17 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
         Rate r;
         const BodyInertia<double> I = inertia(unit.q);
         r.w = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
-        if (!fault_.only_coasting || is_coasting(t))
+        if (!fault_.coasting_only || is_coasting(t))
             for (int i = 0; i < 3; ++i) r.w[i] -= (fault_.angular_damping + fault_.axis_damping_B[i]) * w[i];
         const Vector error = fault_.origin.is_integrated ? origin_error(unit, w, r.w) : Vector();
         Vector turning = fault_.turn * w;
-        if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
-        if (fault_.turned_by == TurnedBy::world_rate_in_body) {
+        if (fault_.rotation_rate == AttitudeRate::body_rate_in_world) turning = rotate_back(unit.q, turning);
+        if (fault_.rotation_rate == AttitudeRate::world_rate_in_body) {
             turning = rotate(unit.q, turning);
             // only torques change w_W
             r.w = r.w - cross(turning, w);
         }
-        if (fault_.turned_by == TurnedBy::world_rate_in_body_w_in_body) turning = rotate(unit.q, turning);
+        if (fault_.rotation_rate == AttitudeRate::world_rate_in_body_w_in_body) turning = rotate(unit.q, turning);
         if (fault_.no_rotation) turning = {};
         r.q = attitude_rate(0.5, y.q, turning);
         r.p = fault_.no_translation ? Vector() : y.velocity_W;
@@ -412,10 +412,10 @@ void EngineModel::go_on(ModelState& s, const WorldLoads<double>& loads, double t
                         int steps, Vector& further) const {
     if (!(dt > 0)) return;
     if (rule.rate == RateUpdate::accurate) {
-        const double turned_by =
+        const double rotation =
             dt * fault_.time * std::max(length(s.angular_velocity_B), problem_.scales.angular_velocity);
         // a state that is not finite takes the largest number of steps
-        const double wanted = std::ceil(turned_by / most_turned);
+        const double wanted = std::ceil(rotation / most_turned);
         steps = wanted < most_small_steps ? std::max(2, static_cast<int>(wanted)) : most_small_steps;
     }
     const double part = dt / steps, h = part * fault_.time;
@@ -439,7 +439,7 @@ Vector EngineModel::advance(ModelState& s, double t, double dt, const UpdateRule
         go_on(s, loads, t, next.begin - t, rule, steps, further);
         t = std::max(t, next.begin);
         loads.enter(next);
-        strike(s, next);
+        apply_impulses(s, next);
     }
     go_on(s, loads, t, end - t, rule, steps, further);
     return further;

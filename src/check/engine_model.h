@@ -60,8 +60,8 @@ class EngineModel {
     bool takes(const UpdateRule& rule, int steps) const;
     /// Whether the attitude is rotated by the rate at the start of the row.
     bool uses_row_rate() const {
-        return fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world ||
-               fault_.turned_by == TurnedBy::first_rate_of_row_w_in_body;
+        return fault_.rotation_rate == AttitudeRate::first_rate_of_row_w_in_world ||
+               fault_.rotation_rate == AttitudeRate::first_rate_of_row_w_in_body;
     }
     /// Whether an event of the scene falls in t < event <= t + dt.
     bool has_event(double t, double dt) const;
@@ -98,7 +98,7 @@ class EngineModel {
     Vector3<double> origin_error(const ModelState& s, const Vector3<double>& w_B, const Vector3<double>& dw_B) const;
     Vector3<double> translate(ModelState& s, const ModelState& old, const Vector3<double>& acceleration_W,
                               double h) const;
-    void strike(ModelState& s, const Segment& segment) const;
+    void apply_impulses(ModelState& s, const Segment& segment) const;
     void place_at_pivot(ModelState& s) const;
 };
 

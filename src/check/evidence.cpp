@@ -27,10 +27,10 @@ double relative(double difference, double moved, double also_moved) {
 }
 
 // An answer and its value for a perfect prediction, decades.
-struct Answer {
+struct PredictionError {
     double value = 0, least = 0;
 };
-Answer answer(double error, double noise) {
+PredictionError answer(double error, double noise) {
     const double floor = std::max(finest, 3 * noise);
     const double least = std::log10(std::min(floor, 2.0));
     return {error > floor ? std::log10(error) : least, least};
@@ -38,13 +38,13 @@ Answer answer(double error, double noise) {
 
 // Mean of answers.
 struct Mean {
-    Answer sum;
+    PredictionError sum;
     int count = 0;
 
-    void add(const Answer& a) { sum.value += a.value, sum.least += a.least, ++count; }
-    void give(Residual& r, Question question) const {
+    void add(const PredictionError& a) { sum.value += a.value, sum.least += a.least, ++count; }
+    void give(Residual& r, Criterion criterion) const {
         if (count == 0) return;
-        r[question] = sum.value / count, r.least += sum.least / count;
+        r[criterion] = sum.value / count, r.least += sum.least / count;
         r.worst = std::max(r.worst, (sum.value - sum.least) / count);
     }
 };
@@ -110,11 +110,11 @@ FileEvidence::FileEvidence(const Scene& scene, const TrajectoryFile& file) : sce
                 : (1 / (row.t - before.t)) * rotation_vector_from_quaternion(conjugate(normalized(before.q)) * q);
         const Vector w_W = rotate(q, w_B);
         for (int i = 0; i < 3; ++i) {
-            facts_.most_in_world_axes[i] = std::max(facts_.most_in_world_axes[i], std::abs(w_W[i]));
-            facts_.most_in_body_axes[i] = std::max(facts_.most_in_body_axes[i], std::abs(w_B[i]));
+            facts_.largest_rates_W[i] = std::max(facts_.largest_rates_W[i], std::abs(w_W[i]));
+            facts_.largest_rates_B[i] = std::max(facts_.largest_rates_B[i], std::abs(w_B[i]));
         }
     }
-    compare_plainly();
+    compare_with_scene();
     choose_windows();
 }
 
@@ -141,7 +141,7 @@ void FileEvidence::find_noise() {
 
 // Computes the scene's motion at some rows, as far as this is fast. Finds the error of the file, the first contact
 // with a plane, and whether a body that rests in the file should move.
-void FileEvidence::compare_plainly() {
+void FileEvidence::compare_with_scene() {
     const EngineModel model(sound_);
     const UpdateRule& accurate = update_rules().front();
     const std::shared_ptr<const ContactGeometry<double>> geometry = pose(*scene_, Formulation::full).body.geometry;
@@ -155,7 +155,7 @@ void FileEvidence::compare_plainly() {
     while (still > 0 && same(still - 1, last_)) --still;
     ModelState s = model.start();
     double t = 0, scale_w = 0, scale_p = 0, scale_v = 0, worst_w = 0, worst_p = 0, worst_v = 0, worst_q = 0;
-    bool judged_still = false;
+    bool has_rest_check = false;
     for (std::size_t k = 0; k < rows && facts_.duration > 0; k += stride) {
         const double next = file_->rows[k].t;
         if (next > t) model.advance(s, t, next - t, accurate, 1);
@@ -166,10 +166,10 @@ void FileEvidence::compare_plainly() {
             last_ = k > 0 ? k - 1 : 0;
             break;
         }
-        if (k >= still && !judged_still) {
-            judged_still = true;
+        if (k >= still && !has_rest_check) {
+            has_rest_check = true;
             const double left = file_->rows.back().t - t;
-            if (last_ - still >= 3 && length(s.angular_velocity_B) * left > 0.05) still_from_ = file_->rows[still].t;
+            if (last_ - still >= 3 && length(s.angular_velocity_B) * left > 0.05) rest_start_ = file_->rows[still].t;
         }
         const ModelState f = state(sound_, k);
         scale_w = std::max(scale_w, length(s.angular_velocity_B)), scale_p = std::max(scale_p, length(s.position_W));
@@ -182,7 +182,7 @@ void FileEvidence::compare_plainly() {
     }
     const auto over = [](double worst, double scale) { return worst == 0 ? 0.0 : scale > 0 ? worst / scale : 1.0; };
     plain_error_ = std::max({worst_q, over(worst_w, scale_w), over(worst_p, scale_p), over(worst_v, scale_v)});
-    if (still_from_) last_ = std::min(last_, still);
+    if (rest_start_) last_ = std::min(last_, still);
 }
 
 bool FileEvidence::same(std::size_t a, std::size_t b) const {
@@ -237,7 +237,7 @@ void FileEvidence::use_center(const Cause& cause, const Vector& w_B, ModelState&
         s.velocity_W = s.velocity_W + rotate(s.q, cross(w_B, sound_.scene.body.center_of_mass));
 }
 
-void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+void FileEvidence::compare_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
                              Residual& r) const {
     const int late = cause.reading.rows_late;
     const std::size_t row = static_cast<std::size_t>(std::max(late, 0));
@@ -251,29 +251,29 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
     }
     ModelState f = state(cause, row);
     if (!file_->has_angular_velocity) use_center(cause, start.angular_velocity_B, f);
-    const auto tell = [&](Question question, double error) {
+    const auto tell = [&](Criterion criterion, double error) {
         Mean one;
         one.add(answer(error, noise_));
-        one.give(r, question);
+        one.give(r, criterion);
     };
-    tell(Question::start_attitude, std::min(chord(start.q, f.q), 2.0));
-    const auto ask = [&](Question question, const Vector& a, const Vector& b) {
-        if (!(length(a) == 0 && length(b) == 0)) tell(question, apart(a, b));
+    tell(Criterion::start_attitude, std::min(chord(start.q, f.q), 2.0));
+    const auto ask = [&](Criterion criterion, const Vector& a, const Vector& b) {
+        if (!(length(a) == 0 && length(b) == 0)) tell(criterion, apart(a, b));
     };
     if (file_->has_angular_velocity) {
         // a limit may act at the start or from the first step on
         ModelState limited = start;
         model.limit(limited, 0);
         const Vector &w = f.angular_velocity_B, &given = start.angular_velocity_B, &cut = limited.angular_velocity_B;
-        ask(Question::start_rate, apart(cut, w) < apart(given, w) ? cut : given, w);
+        ask(Criterion::start_rate, apart(cut, w) < apart(given, w) ? cut : given, w);
     }
     const double blur = 3 * position_noise(cause, f);
     if ((file_->has_position || file_->has_origin) && (length(start.position_W) > blur || length(f.position_W) > blur))
-        ask(Question::start_position, start.position_W, f.position_W);
-    if (file_->has_velocity) ask(Question::start_velocity, start.velocity_W, f.velocity_W);
+        ask(Criterion::start_position, start.position_W, f.position_W);
+    if (file_->has_velocity) ask(Criterion::start_velocity, start.velocity_W, f.velocity_W);
 }
 
-void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+void FileEvidence::compare_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
                              Residual& r, std::vector<double>* by_step) const {
     const bool position = file_->has_position || file_->has_origin;
     const std::size_t late = static_cast<std::size_t>(std::max(cause.reading.rows_late, 0));
@@ -305,7 +305,7 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
         const double turned =
                          std::max(chord(f.q, base.q), 0.1 * std::min(1.0, length(f.angular_velocity_B) * facts_.row)),
                      moved = length(f.position_W - base.position_W);
-        const Answer q = answer(relative(chord(next.q, f.q), chord(next.q, base.q), chord(f.q, base.q)),
+        const PredictionError q = answer(relative(chord(next.q, f.q), chord(next.q, base.q), chord(f.q, base.q)),
                                 noise_ / std::max(turned, 1e-12)),
                      w = answer(apart(next.angular_velocity_B, f.angular_velocity_B), noise_),
                      v = answer(apart(next.velocity_W, f.velocity_W), noise_);
@@ -324,18 +324,18 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
                 answer(apart(next.position_W - (0.5 * i) * further, f.position_W, base.position_W),
                        position_noise(cause, f) / std::max(moved, 1e-300)));
     }
-    attitude.give(r, Question::attitude), rate.give(r, Question::rate), velocity.give(r, Question::velocity);
+    attitude.give(r, Criterion::attitude), rate.give(r, Criterion::rate), velocity.give(r, Criterion::velocity);
     // a first step that happens to be better than the others gives no advantage
     if (first.count > 0 && attitude.count > 0) {
         const double others = (attitude.sum.value + rate.sum.value) / (2 * attitude.count);
         first.sum.value = std::max(first.sum.value, others * first.count);
     }
-    first.give(r, Question::first_step), events.give(r, Question::events);
-    nearest(places).give(r, Question::position);
+    first.give(r, Criterion::first_step), events.give(r, Criterion::events);
+    nearest(places).give(r, Criterion::position);
 }
 
 // For files without w: runs the engine from its start, row by row.
-void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+void FileEvidence::compare_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
                            Residual& r) const {
     const bool position = file_->has_position || file_->has_origin;
     const std::size_t late = static_cast<std::size_t>(std::max(cause.reading.rows_late, 0));
@@ -362,7 +362,7 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
         turned += chord(before.q, s.q), went += length(s.position_W - before.position_W);
         change = std::max({change, length(s.velocity_W), length(f.velocity_W)});
         if (k == late) continue;
-        const Answer q =
+        const PredictionError q =
             answer(relative(chord(s.q, f.q), turned, chord(f.q, start.q)), noise_ / std::max(turned, 1e-12));
         (k > first_event ? events : attitude).add(q);
         for (int i = 0; position && i < 3; ++i)
@@ -373,25 +373,25 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
         if (file_->has_velocity) velocity.add(answer(relative(length(s.velocity_W - f.velocity_W), change, 0), noise_));
         if (turned > 20 && (k > first_event || first_event == last_)) break;
     }
-    attitude.give(r, Question::attitude), velocity.give(r, Question::velocity), events.give(r, Question::events);
-    nearest(places).give(r, Question::position);
+    attitude.give(r, Criterion::attitude), velocity.give(r, Criterion::velocity), events.give(r, Criterion::events);
+    nearest(places).give(r, Criterion::position);
 }
 
 std::vector<double> FileEvidence::by_step(const Cause& cause, const EngineModel& model, const UpdateRule& rule,
                                           int steps) const {
     std::vector<double> decades;
     Residual r;
-    if (file_->has_angular_velocity) ask_steps(cause, model, rule, steps, r, &decades);
+    if (file_->has_angular_velocity) compare_steps(cause, model, rule, steps, r, &decades);
     return decades;
 }
 
 Residual FileEvidence::residual(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const {
     Residual r;
-    ask_start(cause, model, rule, steps, r);
+    compare_start(cause, model, rule, steps, r);
     if (file_->has_angular_velocity)
-        ask_steps(cause, model, rule, steps, r);
+        compare_steps(cause, model, rule, steps, r);
     else
-        ask_run(cause, model, rule, steps, r);
+        compare_run(cause, model, rule, steps, r);
     for (const std::optional<double>& value : r.decades) r.total += value.value_or(0);
     return r;
 }

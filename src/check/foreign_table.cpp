@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-constexpr std::array own_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px",
+constexpr std::array native_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px",
                                "py", "pz", "ox", "oy", "oz", "vx", "vy", "vz", "bound"};
 
 std::string matrix_entry(int i) { return fmt::format("r{}{}", i / 3 + 1, i % 3 + 1); }
@@ -78,7 +78,7 @@ std::vector<std::string> split(std::string_view text, char at) {
 // Returns the place in the header of each of polhode's columns; empty if the table's names are polhode's.
 std::map<std::string, std::size_t> recognised_places(const std::vector<std::string>& header, bool several) {
     const auto is_ours = [several](const std::string& name) {
-        return std::ranges::find(own_names, name) != own_names.end() || (several && name == "body");
+        return std::ranges::find(native_names, name) != native_names.end() || (several && name == "body");
     };
     const auto is_empty = [](const std::string& name) { return plain_name(name).empty(); };
     if (std::ranges::all_of(header, is_ours) || std::ranges::any_of(header, is_empty)) return {};

@@ -36,12 +36,12 @@ Hypothesis fixed(std::string fault, Subject subject, std::string what, std::stri
 }
 Hypothesis reading(std::string fault, Subject subject, std::string what, std::string remedy, void (*change)(Reading&),
                    std::string convention = "") {
-    return fitted(std::move(fault), subject, std::move(what), std::move(remedy), read_as(change), nullptr,
+    return fitted(std::move(fault), subject, std::move(what), std::move(remedy), change_reading(change), nullptr,
                   std::move(convention));
 }
 Hypothesis engine(std::string fault, Subject subject, std::string what, std::string remedy,
                   void (*change)(EngineFault&, double)) {
-    return fitted(std::move(fault), subject, std::move(what), std::move(remedy), engine_does(change));
+    return fitted(std::move(fault), subject, std::move(what), std::move(remedy), change_engine(change));
 }
 
 // Factors closer to 1 than this can be caused by truncation errors.
@@ -60,7 +60,7 @@ std::vector<double> damping_rates(const FileFacts& facts) {
     return logarithmic(3e-3 / std::max(facts.duration, 1e-9), 0.5 / std::max(facts.row, 1e-12), 48);
 }
 // Step rates, from one to about 20 steps per row.
-std::vector<double> steps_a_second(const FileFacts& facts) {
+std::vector<double> steps_per_second(const FileFacts& facts) {
     return logarithmic(0.9 / std::max(facts.row, 1e-12), 22 / std::max(facts.row, 1e-12), 24);
 }
 std::vector<double> time_factors(const FileFacts&) { return logarithmic(0.2, 5, 60); }
@@ -74,10 +74,10 @@ std::vector<double> speed_limits(const FileFacts& facts) {
 }
 
 // Limits on components of w: near their largest values.
-template <LimitOf limited>
+template <LimitedQuantity limited>
 std::vector<double> component_limits(const FileFacts& facts) {
     std::vector<double> values;
-    const Vector3<double>& most = limited == LimitOf::body_axes ? facts.most_in_body_axes : facts.most_in_world_axes;
+    const Vector3<double>& most = limited == LimitedQuantity::body_axes ? facts.largest_rates_B : facts.largest_rates_W;
     for (int i = 0; i < 3; ++i)
         for (const double factor : {0.98, 0.99, 1.0, 1.01, 1.02})
             if (most[i] > 1e-6 * facts.largest_rate) values.push_back(factor * most[i]);
@@ -218,16 +218,16 @@ std::vector<Hypothesis> engine_faults() {
         engine("body_rate_multiplied_on_the_left", S::turn,
                "the quaternion update multiplies the rate in body axes on the left: w q instead of q w",
                "use dq/dt = 1/2 q w for a rate in body axes",
-               [](EngineFault& e, double) { e.turned_by = TurnedBy::body_rate_in_world; }),
+               [](EngineFault& e, double) { e.rotation_rate = AttitudeRate::body_rate_in_world; }),
         engine("world_rate_multiplied_on_the_right", S::turn,
                "the quaternion update multiplies the rate in world axes on the right: q w instead of w q",
                "use dq/dt = 1/2 w q for a rate in world axes",
-               [](EngineFault& e, double) { e.turned_by = TurnedBy::world_rate_in_body; }),
+               [](EngineFault& e, double) { e.rotation_rate = AttitudeRate::world_rate_in_body; }),
         engine("world_rate_multiplied_on_the_right", S::turn,
                "the quaternion update multiplies the rate in world axes on the right: q w instead of w q (w is "
                "integrated in body axes)",
                "use dq/dt = 1/2 w q for a rate in world axes",
-               [](EngineFault& e, double) { e.turned_by = TurnedBy::world_rate_in_body_w_in_body; }),
+               [](EngineFault& e, double) { e.rotation_rate = AttitudeRate::world_rate_in_body_w_in_body; }),
         engine(
             "quaternion_updated_in_place", S::turn,
             "the quaternion is updated in place: qx is computed with the new qw, qy with both, and so on (body rate)",
@@ -242,12 +242,12 @@ std::vector<Hypothesis> engine_faults() {
                "all substeps of a row rotate the attitude by the angular velocity at the start of the row (w is "
                "integrated in world axes)",
                "rotate the attitude in each substep by the angular velocity of that substep",
-               [](EngineFault& e, double) { e.turned_by = TurnedBy::first_rate_of_row_w_in_world; }),
+               [](EngineFault& e, double) { e.rotation_rate = AttitudeRate::first_rate_of_row_w_in_world; }),
         engine("attitude_turned_by_first_rate", S::turn,
                "all substeps of a row rotate the attitude by the angular velocity at the start of the row (w is "
                "integrated in body axes)",
                "rotate the attitude in each substep by the angular velocity of that substep",
-               [](EngineFault& e, double) { e.turned_by = TurnedBy::first_rate_of_row_w_in_body; }),
+               [](EngineFault& e, double) { e.rotation_rate = AttitudeRate::first_rate_of_row_w_in_body; }),
         engine("rotation_frozen", S::rest, "the attitude never changes", "integrate the attitude, or wake the body",
                [](EngineFault& e, double) { e.no_rotation = true; }),
         {.fault = "position_frozen",
@@ -261,36 +261,36 @@ std::vector<Hypothesis> engine_faults() {
              }},
         fitted("speed_clamped", S::limit, "the angular speed is clamped at {} rad/s",
                "raise the engine's limit on angular speed",
-               engine_does([](EngineFault& e, double x) { e.speed_limit = x; }), speed_limits),
+               change_engine([](EngineFault& e, double x) { e.speed_limit = x; }), speed_limits),
         fitted("speed_clamped_by_axis", S::limit, "each component of w is clamped at {} rad/s in body axes",
                "raise the engine's limit on angular speed",
-               engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.limit_of = LimitOf::body_axes; }),
-               component_limits<LimitOf::body_axes>),
+               change_engine([](EngineFault& e, double x) { e.speed_limit = x, e.limited_quantity = LimitedQuantity::body_axes; }),
+               component_limits<LimitedQuantity::body_axes>),
         fitted("speed_clamped_by_axis", S::limit, "each component of w is clamped at {} rad/s in world axes",
                "raise the engine's limit on angular speed",
-               engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.limit_of = LimitOf::world_axes; }),
-               component_limits<LimitOf::world_axes>),
+               change_engine([](EngineFault& e, double x) { e.speed_limit = x, e.limited_quantity = LimitedQuantity::world_axes; }),
+               component_limits<LimitedQuantity::world_axes>),
         fitted("speed_clamped", S::limit, "the angular speed is clamped at {} rad/s at the end of each step",
                "raise the engine's limit on angular speed",
-               engine_does([](EngineFault& e, double x) { e.speed_limit = x, e.damped_last = true; }), speed_limits),
+               change_engine([](EngineFault& e, double x) { e.speed_limit = x, e.damping_last = true; }), speed_limits),
         fitted("speed_clamped_by_axis", S::limit,
                "each component of w is clamped at {} rad/s in body axes at the end of each step",
-               "raise the engine's limit on angular speed", engine_does([](EngineFault& e, double x) {
-                   e.speed_limit = x, e.limit_of = LimitOf::body_axes, e.damped_last = true;
+               "raise the engine's limit on angular speed", change_engine([](EngineFault& e, double x) {
+                   e.speed_limit = x, e.limited_quantity = LimitedQuantity::body_axes, e.damping_last = true;
                }),
-               component_limits<LimitOf::body_axes>),
+               component_limits<LimitedQuantity::body_axes>),
         fitted("speed_clamped_by_axis", S::limit,
                "each component of w is clamped at {} rad/s in world axes at the end of each step",
-               "raise the engine's limit on angular speed", engine_does([](EngineFault& e, double x) {
-                   e.speed_limit = x, e.limit_of = LimitOf::world_axes, e.damped_last = true;
+               "raise the engine's limit on angular speed", change_engine([](EngineFault& e, double x) {
+                   e.speed_limit = x, e.limited_quantity = LimitedQuantity::world_axes, e.damping_last = true;
                }),
-               component_limits<LimitOf::world_axes>),
+               component_limits<LimitedQuantity::world_axes>),
         fitted(
             "speed_clamped_while_coasting", S::limit,
             "the angular speed is clamped at {} rad/s while no torque or force acts",
             "raise the engine's limit on angular speed",
             [](Cause& c, double x) {
-                c.engine.speed_limit = x, c.engine.only_coasting = true;
+                c.engine.speed_limit = x, c.engine.coasting_only = true;
                 return has_pushes(c.scene);
             },
             speed_limits),
@@ -299,7 +299,7 @@ std::vector<Hypothesis> engine_faults() {
             "w decays {} 1/s faster than in the scene while no torque or force acts",
             "disable the engine's angular damping",
             [](Cause& c, double x) {
-                c.engine.angular_damping = x, c.engine.only_coasting = true;
+                c.engine.angular_damping = x, c.engine.coasting_only = true;
                 return has_pushes(c.scene);
             },
             damping_rates),
@@ -308,7 +308,7 @@ std::vector<Hypothesis> engine_faults() {
             "w decays {} 1/s faster than in the scene while no torque or force acts, at the end of each step",
             "disable the engine's angular damping",
             [](Cause& c, double x) {
-                c.engine.angular_damping = x, c.engine.only_coasting = c.engine.damped_last = true;
+                c.engine.angular_damping = x, c.engine.coasting_only = c.engine.damping_last = true;
                 return has_pushes(c.scene);
             },
             damping_rates),
@@ -326,7 +326,7 @@ std::vector<Hypothesis> engine_faults() {
          .remedy = "apply the torque -c w",
          .apply =
              [](Cause& c, double x) {
-                 c.engine.damped_last = true;
+                 c.engine.damping_last = true;
                  return drag_on_rate(c, x);
              }},
         engine("inertia_not_rotated", S::inertia,
@@ -345,11 +345,11 @@ std::vector<Hypothesis> engine_faults() {
                [](EngineFault& e, double) { e.tensor = WorldTensor::inverse_diagonal; }),
         fitted("damping_left_on", S::damping, "damping is left on: w decays {} 1/s faster than in the scene",
                "disable the engine's angular damping",
-               engine_does([](EngineFault& e, double x) { e.angular_damping = x; }), damping_rates),
+               change_engine([](EngineFault& e, double x) { e.angular_damping = x; }), damping_rates),
         fitted("damping_left_on", S::damping,
                "damping is left on: w decays {} 1/s faster than in the scene, at the end of each step",
                "disable the engine's angular damping",
-               engine_does([](EngineFault& e, double x) { e.angular_damping = x, e.damped_last = true; }),
+               change_engine([](EngineFault& e, double x) { e.angular_damping = x, e.damping_last = true; }),
                damping_rates),
         fitted(
             "linear_damping_left_on", S::linear_damping,
@@ -405,7 +405,7 @@ std::vector<Hypothesis> body_faults() {
               "use I = R D R^T, where R maps principal axes to body axes", transpose_principal_frame),
         fixed("principal_frame_forgotten", S::inertia,
               "the principal moments are used about the body axes: the rotation to the principal axes is missing",
-              "give the engine the rotation to the principal axes", forget_principal_frame),
+              "give the engine the rotation to the principal axes", drop_principal_frame),
         fixed("inertia_taken_for_a_ball", S::inertia, "one mean moment of inertia is used about all axes",
               "give the engine the full tensor", mean_moment),
         fixed("center_of_mass_for_origin", S::center_of_mass,
@@ -468,7 +468,7 @@ std::vector<Hypothesis> start_faults() {
               "the initial orientation is read as scalar-last: w, x, y, z are used as x, y, z, w",
               "give the components in the engine's order", start_scalar_last),
         fixed("start_without_orientation", S::start_attitude, "the body starts without its initial orientation",
-              "set the initial orientation", start_without_turn),
+              "set the initial orientation", start_without_orientation),
         fixed("start_velocity_negated", S::start_position, "the initial velocity has the opposite sign",
               "negate the initial velocity", start_velocity_factor, -1),
         fixed("start_without_velocity", S::start_position, "the body starts without its initial velocity",
@@ -568,7 +568,7 @@ std::vector<Hypothesis> load_faults() {
             "drag_per_step", S::drag,
             "the scene's drag is applied per step instead of per second: it is {} times too strong",
             "multiply the drag by the step", [](Cause& c, double x) { return is_plain(x) && scale_drag(c, x); },
-            steps_a_second),
+            steps_per_second),
         scaled("drag_scaled", S::drag, "the drag is {} times the scene's", "check the drag coefficient", scale_drag),
         fixed("loads_missing", S::torque, "torque and spring are missing", "apply the torque and the spring",
               scale_all_torques, 0),

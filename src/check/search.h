@@ -9,17 +9,17 @@ namespace polhode {
 
 /// Decades over all questions: required gain of a fault without and with a fitted number, and the largest difference
 /// between indistinguishable explanations.
-inline constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, alike_within = 0.15;
+inline constexpr double fixed_gain = 0.9, fitted_gain = 1.1, alike_within = 0.15;
 
 /// A fault with the number fitted to it.
-struct Supposed {
+struct FittedFault {
     const Hypothesis* hypothesis = nullptr;
     double x = 1;
 };
 
 /// A set of faults, possibly empty, with the update that fits the file best.
 struct Explanation {
-    std::vector<Supposed> faults;
+    std::vector<FittedFault> faults;
     const UpdateRule* rule = nullptr;
     int steps = 1;  ///< steps of the rule per row
     Residual residual;

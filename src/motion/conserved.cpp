@@ -37,7 +37,7 @@ struct Kicks {
     std::vector<VectorD> along, across;
 
     bool none() const { return !anything && along.empty() && across.empty(); }
-    std::vector<VectorD> kept_directions() const {
+    std::vector<VectorD> conserved_directions() const {
         if (anything) return {};
         if (!along.empty()) {
             const VectorD u = (1 / hypotenuse(along.front())) * along.front();
@@ -166,7 +166,7 @@ bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool piv
     return pivoted || a.acceleration_W == b.acceleration_W;
 }
 
-bool keeps_energy(const Problem& problem) {
+bool conserves_energy(const Problem& problem) {
     for (const ContactPlane<double>& plane : problem.body.geometry->planes)
         if (plane.restitution < 1 || plane.friction > 0) return false;
     const bool pivoted = problem.body.pivoted;
@@ -263,7 +263,7 @@ bool revolves(const ContactGeometry<double>& geometry, const VectorD& e) {
     return std::none_of(geometry.pieces.begin(), geometry.pieces.end(), off_axis);
 }
 
-bool keeps_spin(const Problem& problem, const VectorD& e) {
+bool conserves_spin(const Problem& problem, const VectorD& e) {
     if (problem.body.geometry->any()) {
         for (const ContactPlane<double>& plane : problem.body.geometry->planes)
             if (plane.friction > 0) return false;
@@ -371,7 +371,7 @@ std::vector<Conserved> conserved(const Problem& problem) {
         one.value = of(problem, one, start);
         found.push_back(std::move(one));
     };
-    const bool pivoted = problem.body.pivoted, has_energy = keeps_energy(problem);
+    const bool pivoted = problem.body.pivoted, has_energy = conserves_energy(problem);
     if (has_energy) keep(ConservedKind::energy, "energy", "E, kinetic and potential, J", energy);
 
     const Kicks angular = angular_kicks(problem);
@@ -380,7 +380,7 @@ std::vector<Conserved> conserved(const Problem& problem) {
              pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
              angular_momentum);
     } else {
-        for (const VectorD& u : angular.kept_directions())
+        for (const VectorD& u : angular.conserved_directions())
             keep(ConservedKind::angular_momentum_component, "angular momentum along u",
                  pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
                  angular_momentum_along, u);
@@ -390,12 +390,12 @@ std::vector<Conserved> conserved(const Problem& problem) {
         if (linear.none()) {
             keep(ConservedKind::linear_momentum, "linear momentum", "m v, world axes, kg m/s", linear_momentum);
         } else {
-            for (const VectorD& u : linear.kept_directions())
+            for (const VectorD& u : linear.conserved_directions())
                 keep(ConservedKind::linear_momentum_component, "linear momentum along u", "m v . u, kg m/s",
                      linear_momentum_along, u);
         }
     }
-    if (const auto axis = symmetry_axis(problem); axis && keeps_spin(problem, *axis))
+    if (const auto axis = symmetry_axis(problem); axis && conserves_spin(problem, *axis))
         keep(ConservedKind::spin, "spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
     if (const auto field = only_field(problem); has_energy && pivoted && field) {
         if (equatorial_axes(problem, field->moment, 2))

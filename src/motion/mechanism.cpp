@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "motion/contact.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 #include "motion/scout.h"
 #include "text/message.h"
 
@@ -56,7 +56,7 @@ std::vector<Sample> MechanismModel::motion(const double* y) const { return sampl
 
 void MechanismModel::enter(double t, double* y) {
     tree_.take_loads(exact_->loads_at(*scene_, t));
-    tree_.strike(*scene_, t, y);
+    tree_.apply_impulses(*scene_, t, y);
 }
 
 double MechanismModel::kinetic_energy(const Bodies& bodies) const {

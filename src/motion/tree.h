@@ -146,8 +146,8 @@ class Tree {
     /// Sets loads converted by P(number).
     template <class Other>
     void take_loads(const LinkLoads<Other>& loads);
-    /// Applies the impulses at time `at` (s) to y. Returns whether there were any.
-    bool strike(const Scene& scene, double at, P* y) const;
+    /// Applies the impulses at `time` (s) to y. Returns whether there were any.
+    bool apply_impulses(const Scene& scene, double time, P* y) const;
 
     /// dy/dt.
     template <class S>

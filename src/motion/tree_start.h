@@ -301,12 +301,12 @@ LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
 }
 
 template <class P>
-bool Tree<P>::strike(const Scene& scene, double when, P* y) const {
-    const auto strikes = [&](const Load& load) {
+bool Tree<P>::apply_impulses(const Scene& scene, double time, P* y) const {
+    const auto acts_now = [&](const Load& load) {
         const auto* impulse = std::get_if<Impulse>(&load);
-        return impulse && impulse->at == when;
+        return impulse && impulse->at == time;
     };
-    if (std::none_of(scene.loads.begin(), scene.loads.end(), strikes)) return false;
+    if (std::none_of(scene.loads.begin(), scene.loads.end(), acts_now)) return false;
     TreeWork<P>& at = work<P>();
     const std::size_t n = links_.links.size(), rates = static_cast<std::size_t>(links_.rates), rows = chosen_.size();
     move(y, at), see(y, at);
@@ -314,7 +314,7 @@ bool Tree<P>::strike(const Scene& scene, double when, P* y) const {
     articulate(at);
     std::vector<Pair6<P>> sum(n);
     for (const Load& load : scene.loads) {
-        if (!strikes(load)) continue;
+        if (!acts_now(load)) continue;
         const auto* impulse = std::get_if<Impulse>(&load);
         const Carried<P>& on = links_.bodies[static_cast<std::size_t>(body_index(scene, impulse->body))];
         if (on.link < 0) continue;

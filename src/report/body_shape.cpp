@@ -67,7 +67,7 @@ struct Place {
 
 class ShapeWriter {
   public:
-    void add(const MadeOf& made_of, const Place& place) {
+    void add(const BodyDefinition& made_of, const Place& place) {
         std::visit([&](const auto& body) { add_body(body, place); }, made_of);
     }
 

@@ -156,7 +156,7 @@ Matrix3<double> inertia(const JsonNode& node) {
     return m;
 }
 
-MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
+BodyDefinition given(const JsonNode& node, const std::string&, bool is_part) {
     GivenBody b;
     const JsonNode& mass = node.required("mass", "the mass in kg");
     b.mass = mass.number();
@@ -174,11 +174,11 @@ MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
     return b;
 }
 
-MadeOf shaped(const JsonNode& node, const std::string&, bool is_part) {
+BodyDefinition shaped(const JsonNode& node, const std::string&, bool is_part) {
     return ShapedBody{shape(*node.find("shape")), amount(node, is_part)};
 }
 
-MadeOf of_point_masses(const JsonNode& node, const std::string&, bool) {
+BodyDefinition of_point_masses(const JsonNode& node, const std::string&, bool) {
     const JsonNode& list = *node.find("points");
     PointsBody body;
     if (list.elements().empty()) list.fail("has no points", "give at least one [mass, x, y, z]");
@@ -199,7 +199,7 @@ Vector3<double> mesh_scale(const JsonNode& node) {
     return scale;
 }
 
-MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) {
+BodyDefinition meshed(const JsonNode& node, const std::string& directory, bool is_part) {
     const JsonNode& file = *node.find("mesh");
     const JsonNode* scale = node.find("scale");
     const Amount how_much = amount(node, is_part);
@@ -212,14 +212,14 @@ MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) 
     }
 }
 
-MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
+BodyDefinition imported(const JsonNode& node, const std::string& directory, bool) {
     const JsonNode& import = *node.find("import");
     import.only(keys_of(scene_keys(), "import"));
     const JsonNode& file = import.required("file", "the path of a URDF, MJCF or SDFormat file");
     const JsonNode& link = import.required("link", "the name of the link or body");
     const JsonNode* balance = import.find("balance_inertia");
     try {
-        MadeOf body = parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()),
+        BodyDefinition body = parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()),
                                        link.string(), balance && balance->boolean(), {directory, file.string()});
         if (auto* imported = std::get_if<ImportedBody>(&body))
             imported->file = file.string(), imported->link = link.string();
@@ -231,7 +231,7 @@ MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
 
 std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string& directory, bool is_part);
 
-MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
+BodyDefinition composed(const JsonNode& node, const std::string& directory, bool) {
     const JsonNode& list = *node.find("parts");
     if (list.elements().empty()) list.fail("has no parts", "give at least one body");
     PartsBody body;
@@ -250,13 +250,13 @@ MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
 }
 
 // The ways to describe a body, each identified by its key. The first also applies if no key is present.
-struct Way {
+struct BodyFormat {
     const char* key;
-    MadeOf (*read)(const JsonNode&, const std::string& directory, bool is_part);
+    BodyDefinition (*read)(const JsonNode&, const std::string& directory, bool is_part);
     const char* object;  // object name in the table of keys
 };
-const std::vector<Way>& ways() {
-    static const std::vector<Way> all{
+const std::vector<BodyFormat>& body_formats() {
+    static const std::vector<BodyFormat> all{
         {"inertia", given, "body"},           {"shape", shaped, "body of a shape"},
         {"parts", composed, "body of parts"}, {"points", of_point_masses, "body of points"},
         {"mesh", meshed, "body of a mesh"},   {"import", imported, "body imported"},
@@ -266,16 +266,16 @@ const std::vector<Way>& ways() {
 
 std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string& directory, bool is_part) {
     if (!node.is_object()) node.fail(node.described(), "give an object {\"mass\": .., \"inertia\": ..}");
-    const Way* chosen = nullptr;
-    for (const Way& way : ways()) {
-        const JsonNode* told = node.find(way.key);
-        if (!told) continue;
+    const BodyFormat* chosen = nullptr;
+    for (const BodyFormat& candidate : body_formats()) {
+        const JsonNode* member = node.find(candidate.key);
+        if (!member) continue;
         if (chosen)
-            told->fail(fmt::format("\"{}\" is given together with \"{}\"", way.key, chosen->key),
+            member->fail(fmt::format("\"{}\" is given together with \"{}\"", candidate.key, chosen->key),
                        "give the mass properties in exactly one way");
-        chosen = &way;
+        chosen = &candidate;
     }
-    if (!chosen) chosen = &ways().front();
+    if (!chosen) chosen = &body_formats().front();
     std::vector<std::string_view> keys = keys_of(scene_keys(), chosen->object);
     if (is_part) {
         const std::vector<std::string_view> more = keys_of(scene_keys(), "part");

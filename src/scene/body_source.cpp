@@ -10,7 +10,7 @@
 
 namespace polhode {
 
-std::shared_ptr<const BodySource> body_source(MadeOf made_of) {
+std::shared_ptr<const BodySource> body_source(BodyDefinition made_of) {
     auto source = std::make_shared<BodySource>();
     source->made_of = std::move(made_of);
     source->wide = std::visit(MassPropertiesOf<Wide>{}, source->made_of);

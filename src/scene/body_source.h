@@ -53,11 +53,11 @@ struct PartsBody {
 };
 
 /// Three successive rotations about coordinate axes, each by an angle in rad or degrees.
-struct EulerTurn {
+struct EulerRotation {
     std::array<int, 3> axes{0, 1, 2};
     Vector3<double> angles;
     bool in_degrees = false;
-    bool about_turned_axes = false;  ///< intrinsic: each axis follows the previous rotations; else fixed axes
+    bool intrinsic = false;  ///< intrinsic: each axis follows the previous rotations; else fixed axes
 };
 /// The inertial of a robot description. Its frame is relative to the link; the tensor is about the centre of mass in
 /// the axes of the inertial's frame.
@@ -67,22 +67,22 @@ struct ImportedBody {
     double mass = 0;
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;
-    std::variant<Quaternion<double>, EulerTurn> orientation;
+    std::variant<Quaternion<double>, EulerRotation> orientation;
 };
 
-using MadeOf = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
+using BodyDefinition = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
 
 /// The description of a body and its mass properties.
 struct BodySource {
-    MadeOf made_of;
+    BodyDefinition made_of;
     MassProperties<Wide> wide;  ///< the resulting mass properties, to 113 bits
 };
 
 /// The orientation as a unit quaternion in the scalar S.
 template <class S>
-Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>& orientation) {
+Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerRotation>& orientation) {
     if (const auto* q = std::get_if<Quaternion<double>>(&orientation)) return normalized(cast<S>(*q));
-    const EulerTurn& turn = std::get<EulerTurn>(orientation);
+    const EulerRotation& turn = std::get<EulerRotation>(orientation);
     Quaternion<S> q;
     for (int i = 0; i < 3; ++i) {
         if (turn.angles[i] == 0) continue;
@@ -92,7 +92,7 @@ Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>&
         Quaternion<S> one;
         Elementary<S>::sine_cosine(S(angle / S(2)), axis[turn.axes[i]], one.w);
         one = {one.w, axis[0], axis[1], axis[2]};
-        q = turn.about_turned_axes ? q * one : one * q;
+        q = turn.intrinsic ? q * one : one * q;
     }
     return q;
 }
@@ -162,7 +162,7 @@ MassProperties<S> mass_properties(const Body& body) {
 }
 
 /// Creates a source with its mass properties.
-std::shared_ptr<const BodySource> body_source(MadeOf made_of);
+std::shared_ptr<const BodySource> body_source(BodyDefinition made_of);
 
 /// The scene body of this source, with each number rounded once. Does not check that the numbers are physical: see
 /// validate().

@@ -54,7 +54,7 @@ Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const ch
 }
 
 Quaternion<Wide> mjcf_euler(const Vector3<double>& angles, const MjcfCompiler& compiler) {
-    EulerTurn turn = compiler.euler;
+    EulerRotation turn = compiler.euler;
     turn.angles = angles;
     return unit_quaternion<Wide>(turn);
 }
@@ -126,7 +126,7 @@ std::optional<ImportedBody> mjcf_given_inertial(const RobotXml& xml, const XMLEl
         const std::vector<double> v = xml.attribute(inertial, "quat", 4);
         body.orientation = Quaternion<double>{v[0], v[1], v[2], v[3]};
     } else if (inertial.Attribute("euler")) {
-        EulerTurn turn = compiler.euler;
+        EulerRotation turn = compiler.euler;
         turn.angles = three_of(xml.attribute(inertial, "euler", 3));
         body.orientation = turn;
     }

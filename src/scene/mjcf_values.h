@@ -14,7 +14,7 @@ enum class MjcfInertia { from_geoms, from_inertials, either };
 
 /// MJCF's <compiler>. If there are several elements, the last value of each attribute applies.
 struct MjcfCompiler {
-    EulerTurn euler{{0, 1, 2}, {}, true, true};  ///< sequence and units; the angles are unused
+    EulerRotation euler{{0, 1, 2}, {}, true, true};  ///< sequence and units; the angles are unused
     bool in_degrees = true;
     MjcfInertia inertia = MjcfInertia::either;  ///< inertiafromgeom; either: geoms unless there is an <inertial>
     double first_group = 0, last_group = 5;     ///< inertiagrouprange: groups of geoms that have mass

@@ -24,7 +24,7 @@ LinkInertial read_inertial(const RobotXml& xml, XMLElement& root, const std::str
 
 }  // namespace
 
-MadeOf parse_robot_body(std::string_view text, const std::string& path, const std::string& link, bool balance_inertia,
+BodyDefinition parse_robot_body(std::string_view text, const std::string& path, const std::string& link, bool balance_inertia,
                         const RobotFiles& files) {
     tinyxml2::XMLDocument document;
     parse_robot_xml(document, text, path);

@@ -15,7 +15,7 @@ namespace polhode {
 /// Properties computed from geoms or collision shapes, and repaired tensors, give a GivenBody rounded to binary64. A
 /// tensor that breaks the triangle inequality by less than 1e-3 of its largest moment is repaired; a larger excess is
 /// refused unless `balance_inertia`. Throws InputError.
-MadeOf parse_robot_body(std::string_view text, const std::string& path, const std::string& link,
+BodyDefinition parse_robot_body(std::string_view text, const std::string& path, const std::string& link,
                         bool balance_inertia = false, const RobotFiles& files = {});
 
 }  // namespace polhode

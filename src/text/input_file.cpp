@@ -17,7 +17,7 @@ namespace {
 
 // Why the file cannot be read, or an empty string if it can. A shell passes pipes and terminals in /dev and /proc,
 // and /dev/null, which ends at once. Other devices may never end.
-std::string unfit(const struct stat& status, const std::string& path, FileKinds kinds, int descriptor) {
+std::string unreadable_reason(const struct stat& status, const std::string& path, FileKinds kinds, int descriptor) {
     const bool handed = kinds == FileKinds::streamed && (path.starts_with("/dev/") || path.starts_with("/proc/"));
     if (S_ISREG(status.st_mode)) return "";
     if (S_ISDIR(status.st_mode)) return std::string("cannot be read: ") + std::strerror(EISDIR);
@@ -42,7 +42,7 @@ InputFile::InputFile(const std::string& path, std::string called, std::string ex
                                : fmt::format("cannot be opened: {}", std::strerror(reason)));
     }
     std::string fault = ::fstat(descriptor_, &status) != 0 ? fmt::format("cannot be read: {}", std::strerror(errno))
-                                                           : unfit(status, path, kinds, descriptor_);
+                                                           : unreadable_reason(status, path, kinds, descriptor_);
     if (!fault.empty()) {
         ::close(descriptor_);
         refuse(fault);

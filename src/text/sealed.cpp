@@ -33,11 +33,11 @@ std::optional<std::string> read_sealed(const std::string& path) {
     if (!file) return {};
     const std::string text(std::istreambuf_iterator<char>(file), {});
     std::optional<std::string> body = unseal(text);
-    if (!body) tell_damaged(path);
+    if (!body) warn_damaged(path);
     return body;
 }
 
-void tell_damaged(const std::string& path) {
+void warn_damaged(const std::string& path) {
     static std::mutex mutex;
     static std::set<std::string> told;
     const std::lock_guard lock(mutex);

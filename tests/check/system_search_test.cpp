@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "build_kind.h"
-#include "check/judge.h"
+#include "check/file_errors.h"
 #include "motion/trajectory_csv.h"
 
 namespace polhode {
@@ -311,7 +311,7 @@ TEST(SystemSearch, AFileWithSomeOfTheBodiesIsComparedInThose) {
             sample.t = 0.5 * k, sample.q.w = 1.0;
             truth.samples.push_back(sample);
         }
-    const Judgement found = judge(scene, file, truth);
+    const FileErrors found = compute_file_errors(scene, file, truth);
     EXPECT_NEAR(found["attitude"]->max, 2 * std::acos(0.6), 1e-12);
     EXPECT_EQ(found.worst_body, "lower");
     EXPECT_FALSE(found["joint_gap"] || found["energy"] || found["omega"]);

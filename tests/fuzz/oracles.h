@@ -299,7 +299,7 @@ inline void columns(std::string_view text) {
         CheckedFile checked;
         checked.path = "fuzz";
         std::vector<std::size_t> gaps;
-        const TrajectoryFile file = prepared_file(nullptr, {}, names, table, checked, &gaps);
+        const TrajectoryFile file = prepare_file(nullptr, {}, names, table, checked, &gaps);
         require(std::ranges::is_sorted(gaps), "gaps are not sorted");
         require(gaps.empty() || gaps.back() <= file.rows.size(), "a gap is beyond the end");
         for (const std::string& remark : checked.remarks) require_one_line(remark);

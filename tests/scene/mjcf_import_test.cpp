@@ -647,7 +647,7 @@ TEST(MjcfImport, Gravity) {
 
 TEST(MjcfImport, OneBodyFollowsTheSameRules) {
     const auto mass = [](const std::string& text, const std::string& body) {
-        const MadeOf made = parse_robot_body(text, "robot.xml", body, false, {});
+        const BodyDefinition made = parse_robot_body(text, "robot.xml", body, false, {});
         return std::visit(
             [](const auto& one) -> std::pair<std::string, double> {
                 using T = std::decay_t<decltype(one)>;

@@ -1,4 +1,4 @@
-#include "check/judge.h"
+#include "check/file_errors.h"
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ bool rotates_alone(const Scene& scene) {
 }
 
 /// The largest errors so far, before division by a scale.
-struct Judge::Tally {
+struct FileErrorAccumulator::Tally {
     ErrorSummary all;
     std::array<double, most_spans> span{};
     bool any = false;  // whether an error was added
@@ -53,7 +53,7 @@ struct Judge::Tally {
     }
 };
 
-struct Judge::State {
+struct FileErrorAccumulator::State {
     // The measures in one scalar type, with buffers that are filled at each time.
     template <class S>
     struct Arithmetic {
@@ -181,20 +181,20 @@ struct Judge::State {
     }
 };
 
-Judge::Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic) {
+FileErrorAccumulator::FileErrorAccumulator(const Scene& scene, const TrajectoryFile& file, ErrorArithmetic arithmetic) {
     using Arithmetics = decltype(State::arithmetic);
     state_ =
         std::make_unique<State>(State{&scene, &file, bodies_of_file(scene, file), joint_names(scene),
-                                      arithmetic == JudgedIn::binary64 ? Arithmetics(State::Arithmetic<double>(scene))
+                                      arithmetic == ErrorArithmetic::binary64 ? Arithmetics(State::Arithmetic<double>(scene))
                                                                        : Arithmetics(State::Arithmetic<Wide>(scene)),
                                       JointCoordinates(scene), JointCoordinates(scene)});
     state_->rotational =
         !is_mechanism(scene) && !scene.pivot && !(state_->has_position() && file.has_velocity) && rotates_alone(scene);
 }
-Judge::~Judge() = default;
-Judge::Judge(Judge&&) noexcept = default;
+FileErrorAccumulator::~FileErrorAccumulator() = default;
+FileErrorAccumulator::FileErrorAccumulator(FileErrorAccumulator&&) noexcept = default;
 
-void Judge::add(std::size_t first, std::span<const ReferenceSample> truth) {
+void FileErrorAccumulator::add(std::size_t first, std::span<const ReferenceSample> truth) {
     const std::span<const TrajectoryRow> rows = state_->file->rows;
     const std::size_t at_once = state_->places.size(), bodies = std::max<std::size_t>(1, state_->scene->bodies.size()),
                       moments = truth.size() / bodies;
@@ -208,16 +208,16 @@ void Judge::add(std::size_t first, std::span<const ReferenceSample> truth) {
         state_->arithmetic);
 }
 
-void Judge::keep(std::size_t measure) { state_->kept_measure = measure; }
+void FileErrorAccumulator::keep(std::size_t measure) { state_->kept_measure = measure; }
 
-std::vector<double> Judge::kept() const {
+std::vector<double> FileErrorAccumulator::kept() const {
     std::vector<double> errors = state_->kept;
     if (const double scale = state_->scales[*state_->kept_measure]; scale > 0)
         for (double& error : errors) error /= scale;
     return errors;
 }
 
-void Judge::append(const Judge& later) {
+void FileErrorAccumulator::append(const FileErrorAccumulator& later) {
     const State& other = *later.state_;
     state_->kept.insert(state_->kept.end(), other.kept.begin(), other.kept.end());
     for (std::size_t m = 0; m < measures().size(); ++m) {
@@ -228,7 +228,7 @@ void Judge::append(const Judge& later) {
     for (std::size_t k = 0; k < most_spans; ++k) state_->until[k] = std::max(state_->until[k], other.until[k]);
 }
 
-Judgement Judge::result() const {
+FileErrors FileErrorAccumulator::result() const {
     std::array<bool, most_spans> seen{};
     for (const TrajectoryRow& row : state_->file->rows) seen[state_->span_of(row.t)] = true;
     PerMeasure<Tally> tallies = state_->tallies;
@@ -237,7 +237,7 @@ Judgement Judge::result() const {
     if (double& rate = scales[state_->omega];
         is_mechanism(*state_->scene) && rate * state_->scene->duration < vanishing)
         rate = 0;
-    Judgement result;
+    FileErrors result;
     result.worst_body = state_->worst_body, result.worst_gap = state_->worst_gap,
     result.worst_turn = state_->worst_turn;
     for (std::size_t m = 0; m < measures().size(); ++m) {
@@ -254,10 +254,10 @@ Judgement Judge::result() const {
     return result;
 }
 
-Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth, JudgedIn arithmetic) {
+FileErrors compute_file_errors(const Scene& scene, const TrajectoryFile& file, const Reference& truth, ErrorArithmetic arithmetic) {
     if (!truth.available || file.rows.empty() || truth.moments() * file.bodies_at_once() != file.rows.size())
         throw std::invalid_argument("no truth available at the file's times");
-    Judge whole(scene, file, arithmetic);
+    FileErrorAccumulator whole(scene, file, arithmetic);
     whole.add(0, truth.samples);
     return whole.result();
 }

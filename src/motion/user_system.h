@@ -15,7 +15,7 @@
 //     };
 //     const Trajectory trajectory = solve(pose(TwoMasses{1, 2, 3, 0.5}, 10.0), *find_method("cvode_adams"));
 //
-// OwnModel is the concept that a model must satisfy, pose() makes a Problem of it, and OwnSystem is the System that
+// UserModel is the concept that a model must satisfy, pose() makes a Problem of it, and ErasedSystem is the System that
 // methods integrate.
 #pragma once
 
@@ -64,7 +64,7 @@ inline constexpr int run_time = -1;
 ///
 ///  * `double kinetic_energy(const Bodies& bodies) const` and `double energy_bound() const`.
 template <class M>
-concept OwnModel = std::copyable<M> &&
+concept UserModel = std::copyable<M> &&
     requires(const M model, double* y, const Dual<own_directions>* x, Dual<own_directions>* rate) {
     { model.dimension() } -> std::convertible_to<int>;
     model.initial(y);
@@ -75,7 +75,7 @@ concept OwnModel = std::copyable<M> &&
 };
 
 /// @cond internal
-/// Type erasure of an OwnModel, with one virtual function per scalar. Immutable.
+/// Type erasure of an UserModel, with one virtual function per scalar. Immutable.
 class ErasedModel {
   public:
     virtual ~ErasedModel() = default;
@@ -97,7 +97,7 @@ class ErasedModel {
     virtual std::shared_ptr<const ErasedModel> entered(double t, double* y) const = 0;
 };
 
-template <OwnModel M>
+template <UserModel M>
 class Erased : public ErasedModel {
   public:
     explicit Erased(M model) : model_(std::move(model)) {}
@@ -156,25 +156,25 @@ class Erased : public ErasedModel {
 /// @endcond
 
 /// The problem of a user-defined system over `duration` (s). Called by pose().
-Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration);
+Problem pose_model(std::shared_ptr<const ErasedModel> model, double duration);
 
 /// Poses a user-defined system for a run from t = 0 to `duration` (s). Every method with `own_systems` in its
 /// descriptor can solve it; the others return `unsupported`. The trajectory has one sample per body at each time.
 /// Throws InputError if the duration or the model's own data are invalid.
-template <OwnModel M>
+template <UserModel M>
 Problem pose(M model, double duration) {
-    return pose_own(std::make_shared<const Erased<M>>(std::move(model)), duration);
+    return pose_model(std::make_shared<const Erased<M>>(std::move(model)), duration);
 }
 
 /// @cond internal
 /// The System of a problem with a user-defined system.
-class OwnSystem {
+class ErasedSystem {
   public:
     using Scalar = double;
     static constexpr int dimension = run_time;
     static constexpr bool about_axis = false, has_translation = false;
 
-    explicit OwnSystem(const Problem& problem)
+    explicit ErasedSystem(const Problem& problem)
         : model_(problem.model()), size_(model_->dimension()), reactions_(problem.reactions) {}
 
     int size() const { return size_; }
@@ -220,7 +220,7 @@ bool project_step([[maybe_unused]] const SystemType& system, [[maybe_unused]] Sc
     return false;
 }
 
-inline void jacobian(const OwnSystem& system, double t, const double* y, double* J) {
+inline void jacobian(const ErasedSystem& system, double t, const double* y, double* J) {
     jacobian_by_columns<own_directions>(system, t, y, J);
 }
 /// @endcond

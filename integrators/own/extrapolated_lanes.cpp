@@ -238,7 +238,7 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
         if (until_look == 0) {
             until_look = between_looks;
             // Interrupted motions keep the state from the start of the span; waiting ones are not started.
-            if (Interruption::is_wanted()) {
+            if (Interruption::is_requested()) {
                 for (const Register& r : registers_)
                     for (LaneMotion* const motion : r.motion)
                         if (motion) motion->end = LaneMotion::End::interrupted;

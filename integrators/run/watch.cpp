@@ -48,7 +48,7 @@ bool Budget::in_time() {
     constexpr double between_looks = 0.01;  // s
     constexpr long most_steps = 1024;
     const double now = spent();
-    if (Interruption::is_wanted()) {
+    if (Interruption::is_requested()) {
         until_look_ = 1;
         message_ = "interrupted";
         return false;

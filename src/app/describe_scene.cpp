@@ -29,7 +29,7 @@ constexpr double heavy_mesh = 1e5;  // kg
 
 std::string made_of(const BodyDefinition& source) {
     struct Words {
-        std::string operator()(const GivenBody&) const { return "mass and inertia"; }
+        std::string operator()(const NumericBody&) const { return "mass and inertia"; }
         std::string operator()(const ShapedBody& b) const {
             return fmt::format("a {} of uniform density", name_of(b.shape));
         }
@@ -113,7 +113,7 @@ std::string torque_terms(const Forcing<double>& f) {
     if (!f.springs.empty()) terms.push_back("springs");
     if (!f.world_points.empty()) terms.push_back("forces at world points");
     if (!f.user_torques.empty()) terms.push_back("a user-defined torque");
-    return terms.empty() ? "no torque" : listed(terms);
+    return terms.empty() ? "no torque" : join_with_commas(terms);
 }
 
 void system_posed(Report& report, const Problem& problem) {

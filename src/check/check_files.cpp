@@ -32,7 +32,7 @@ std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     if (is_mechanism(scene)) {
         if (const std::vector<std::string> missing = missing_bodies(scene, file); !missing.empty())
             all.push_back(fmt::format("bod{} {} (therefore also energy, momentum and joints)",
-                                      missing.size() > 1 ? "ies" : "y", one_line(listed(missing), 200)));
+                                      missing.size() > 1 ? "ies" : "y", one_line(join_with_commas(missing), 200)));
         if (!file.has_position && !file.has_origin) all.emplace_back("position (therefore also joint gaps)");
         if (!file.has_velocity) all.emplace_back("velocity");
         if (file.has_angular_velocity && (!file.has_velocity || !(file.has_position || file.has_origin)))
@@ -56,7 +56,7 @@ void compare_in_binary64(const Scene& scene, const TrajectoryFile& file, const D
         std::vector<ReferenceSample> samples;
         const std::size_t end = rows * (i + 1) / pieces;
         for (std::size_t first = rows * i / pieces; first < end; first += samples.size()) {
-            if (Interruption::is_wanted()) throw TruthUnavailable(checked.path + ": interrupted");
+            if (Interruption::is_requested()) throw TruthUnavailable(checked.path + ": interrupted");
             samples.clear();
             for (std::size_t k = first; k < std::min(first + at_once, end); ++k)
                 samples.push_back(truth.at(file.rows[k].t));
@@ -226,7 +226,7 @@ TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, co
     TrajectoryFile file =
         parse_foreign_trajectory(text, checked.path, table.columns, convention.quaternion, bodies, gaps);
     checked.remarks = std::move(table.remarks);
-    if (!file.read_past.empty()) checked.remarks.push_back("ignored: " + file.read_past);
+    if (!file.skipped_content.empty()) checked.remarks.push_back("ignored: " + file.skipped_content);
     if (scene == nullptr) {
         convert(file, convention);
         return file;

@@ -110,7 +110,7 @@ Convention parse_convention(std::string_view text) {
             throw std::invalid_argument(fmt::format(
                 "unknown convention {}; {}known: {}", word.empty() ? "\"\"" : one_line(word, 60),
                 word.empty() || did_you_mean(word, words()).empty() ? "" : did_you_mean(word, words()) + " ",
-                listed(words())));
+                join_with_commas(words())));
         if (comma == text.npos) break;
         begin = comma + 1;
     }

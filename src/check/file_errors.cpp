@@ -108,22 +108,22 @@ struct FileErrorAccumulator::State {
 
     // Overwrites the true motion by a row of the file. Blocks that the file lacks keep the true values.
     template <class S>
-    void read(const TrajectoryRow& row, const Vector3<S>& center, BodyMotion<S>& own) const {
-        own.q = cast<S>(row.q);
-        const Quaternion<S> unit = normalized(own.q);
-        if (has_position()) own.position_W = cast<S>(row.position_W);
-        if (file->has_origin) own.position_W = own.position_W + rotate(unit, center);
-        if (file->has_velocity) own.velocity_W = cast<S>(row.velocity_W);
-        if (file->has_angular_velocity) own.angular_velocity_B = rotate_back(unit, cast<S>(row.angular_velocity_W));
+    void read(const TrajectoryRow& row, const Vector3<S>& center, BodyMotion<S>& computed) const {
+        computed.q = cast<S>(row.q);
+        const Quaternion<S> unit = normalized(computed.q);
+        if (has_position()) computed.position_W = cast<S>(row.position_W);
+        if (file->has_origin) computed.position_W = computed.position_W + rotate(unit, center);
+        if (file->has_velocity) computed.velocity_W = cast<S>(row.velocity_W);
+        if (file->has_angular_velocity) computed.angular_velocity_B = rotate_back(unit, cast<S>(row.angular_velocity_W));
     }
 
     // Returns both motions without translation, so that their energy is rotational.
     template <class S>
     ComparedMotion<S> at_rest_in_place(const Arithmetic<S>& a, double t) {
         ComparedMotion<S> c = a.compared;
-        BodyMotion<S> own = a.motions[0], right = a.truth[0];
-        own.position_W = own.velocity_W = right.position_W = right.velocity_W = {};
-        c.own = a.measure.invariants(t, {&own, 1}, coordinates);
+        BodyMotion<S> computed = a.motions[0], right = a.truth[0];
+        computed.position_W = computed.velocity_W = right.position_W = right.velocity_W = {};
+        c.computed = a.measure.invariants(t, {&computed, 1}, coordinates);
         c.truth = a.measure.invariants(t, {&right, 1}, true_coordinates);
         return c;
     }
@@ -137,17 +137,17 @@ struct FileErrorAccumulator::State {
         a.truth.clear();
         for (const ReferenceSample& sample : truth) a.truth.push_back(true_motion<S>(sample));
         for (std::size_t b = 0; b < a.truth.size(); ++b)
-            a.compared.bodies[b].truth = a.compared.bodies[b].own = a.truth[b];
+            a.compared.bodies[b].truth = a.compared.bodies[b].computed = a.truth[b];
         for (std::size_t i = 0; i < rows.size(); ++i)
-            read(rows[i], a.measure.center(places[i]), a.compared.bodies[places[i]].own);
+            read(rows[i], a.measure.center(places[i]), a.compared.bodies[places[i]].computed);
         a.motions.clear();
         for (const ComparedBody<S>& body : a.compared.bodies) {
-            a.motions.push_back(body.own);
-            a.motions.back().q = normalized(body.own.q);
+            a.motions.push_back(body.computed);
+            a.motions.back().q = normalized(body.computed.q);
         }
         a.compared.truth = a.measure.true_invariants(truth, a.truth, true_coordinates);
         if (has_all_bodies()) {
-            a.compared.own = a.measure.invariants(t, a.motions, coordinates);
+            a.compared.computed = a.measure.invariants(t, a.motions, coordinates);
             a.compared.joints = a.measure.violations(a.motions);
         }
         std::optional<ComparedMotion<S>> alone;

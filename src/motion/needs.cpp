@@ -91,7 +91,7 @@ bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& 
     return true;
 }
 
-bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
+bool rotates_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
                                 const std::vector<Forcing<Wide>>& forcings) {
     // only for given axes: computed principal axes are irrational, and w0 exactly along one would be a coincidence
     const VectorW w = rotate_back(q_BP, body.angular_velocity_B);
@@ -121,12 +121,12 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     Needs& needs = problem.needs;
     const Vector3<double>& I = problem.body.principal.moments;
     // moments that agree in binary64 may still affect a body with very little inertia about the third axis
-    const auto agree = [&](int i, int j) {
+    const auto moments_agree = [&](int i, int j) {
         constexpr double hardly = 1e-10, negligible = 0x1p-50;
         const int k = 3 - i - j;
         return I[i] == I[j] && (I[k] > hardly * I[i] || std::abs(problem.body.principal.gyroscopic[k]) <= negligible);
     };
-    const int equal = agree(0, 1) + agree(1, 2) + agree(2, 0);
+    const int equal = moments_agree(0, 1) + moments_agree(1, 2) + moments_agree(2, 0);
     needs.symmetry = equal == 3 ? Symmetry::spherical : equal == 1 ? Symmetry::symmetric : Symmetry::asymmetric;
 
     needs.torque_free = true;
@@ -164,7 +164,7 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     }
 
     const bool couples = needs.translation == Translation::integrated;
-    if (!couples && !needs.user_torque && turns_about_principal_axis(problem, exact, q_BP, forcings)) {
+    if (!couples && !needs.user_torque && rotates_about_principal_axis(problem, exact, q_BP, forcings)) {
         needs.system = SystemKind::principal_axis_rotation, needs.dimension = 3;
         omit("gyroscopic term w x Iw", "w stays along one principal axis");
         omit("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");

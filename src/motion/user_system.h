@@ -65,7 +65,7 @@ inline constexpr int run_time = -1;
 ///  * `double kinetic_energy(const Bodies& bodies) const` and `double energy_bound() const`.
 template <class M>
 concept UserModel = std::copyable<M> &&
-    requires(const M model, double* y, const Dual<own_directions>* x, Dual<own_directions>* rate) {
+    requires(const M model, double* y, const Dual<jacobian_directions>* x, Dual<jacobian_directions>* rate) {
     { model.dimension() } -> std::convertible_to<int>;
     model.initial(y);
     model.derivative(y, y);
@@ -82,7 +82,7 @@ class ErasedModel {
     virtual int dimension() const = 0;
     virtual void initial(double* y) const = 0;
     virtual void derivative(const double* y, double* dy) const = 0;
-    virtual void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const = 0;
+    virtual void derivative(const Dual<jacobian_directions>* y, Dual<jacobian_directions>* dy) const = 0;
     virtual void derivative(const Traced<double>* y, Traced<double>* dy) const = 0;
     virtual void derivative(const Traced<long double>* y, Traced<long double>* dy) const = 0;
     virtual std::vector<double> scales() const = 0;
@@ -94,7 +94,7 @@ class ErasedModel {
     virtual double kinetic_energy(const Bodies& bodies) const = 0;
     virtual double energy_bound() const = 0;
     /// The model for the time from t on; y is updated. nullptr if the model does not change.
-    virtual std::shared_ptr<const ErasedModel> entered(double t, double* y) const = 0;
+    virtual std::shared_ptr<const ErasedModel> enter_event(double t, double* y) const = 0;
 };
 
 template <UserModel M>
@@ -105,7 +105,7 @@ class Erased : public ErasedModel {
     int dimension() const override { return model_.dimension(); }
     void initial(double* y) const override { model_.initial(y); }
     void derivative(const double* y, double* dy) const override { model_.derivative(y, dy); }
-    void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const override {
+    void derivative(const Dual<jacobian_directions>* y, Dual<jacobian_directions>* dy) const override {
         model_.derivative(y, dy);
     }
     void derivative(const Traced<double>* y, Traced<double>* dy) const override { model_.derivative(y, dy); }
@@ -137,7 +137,7 @@ class Erased : public ErasedModel {
         if constexpr (requires { model_.energy_bound(); }) return model_.energy_bound();
         return std::numeric_limits<double>::infinity();
     }
-    std::shared_ptr<const ErasedModel> entered(double t, double* y) const override {
+    std::shared_ptr<const ErasedModel> enter_event(double t, double* y) const override {
         if constexpr (requires(M m) { m.enter(t, y); }) {
             M next = model_;
             next.enter(t, y);
@@ -180,7 +180,7 @@ class ErasedSystem {
     int size() const { return size_; }
     void initial(double* y) const { model_->initial(y); }
     bool enter(const Segment& segment, double* y) {
-        std::shared_ptr<const ErasedModel> next = model_->entered(segment.begin, y);
+        std::shared_ptr<const ErasedModel> next = model_->enter_event(segment.begin, y);
         if (!next) return false;
         model_ = std::move(next);
         return true;
@@ -221,7 +221,7 @@ bool project_step([[maybe_unused]] const SystemType& system, [[maybe_unused]] Sc
 }
 
 inline void jacobian(const ErasedSystem& system, double t, const double* y, double* J) {
-    jacobian_by_columns<own_directions>(system, t, y, J);
+    jacobian_by_columns<jacobian_directions>(system, t, y, J);
 }
 /// @endcond
 

@@ -19,7 +19,7 @@ std::shared_ptr<const BodySource> body_source(BodyDefinition made_of) {
 
 Body body_of(std::shared_ptr<const BodySource> source) {
     // plain numbers are exact and need no source
-    if (const auto* given = std::get_if<GivenBody>(&source->made_of))
+    if (const auto* given = std::get_if<NumericBody>(&source->made_of))
         return {given->mass, given->inertia, given->center_of_mass, nullptr};
     const auto [mass, center, inertia] = mass_properties<double>(*source);
     return {mass, inertia, center, std::move(source)};

@@ -21,7 +21,7 @@ struct Amount {
 };
 
 /// Mass (kg), tensor about the centre of mass (kg m^2) and centre of mass (m), given as numbers.
-struct GivenBody {
+struct NumericBody {
     double mass = 1;
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;
@@ -70,7 +70,7 @@ struct ImportedBody {
     std::variant<Quaternion<double>, EulerRotation> orientation;
 };
 
-using BodyDefinition = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
+using BodyDefinition = std::variant<NumericBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
 
 /// The description of a body and its mass properties.
 struct BodySource {
@@ -100,18 +100,18 @@ Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerRotati
 /// Computes the exact real function of the source's binary64 numbers, in the scalar S.
 template <class S>
 struct MassPropertiesOf {
-    MassProperties<S> operator()(const GivenBody& given) const {
+    MassProperties<S> operator()(const NumericBody& given) const {
         return {S(given.mass), cast<S>(given.center_of_mass), symmetric(given.inertia)};
     }
     MassProperties<S> operator()(const ShapedBody& shaped) const {
         const S amount(shaped.amount.value);
-        return shaped.amount.is_density ? of_density<S>(shaped.shape, amount) : of_mass<S>(shaped.shape, amount);
+        return shaped.amount.is_density ? body_from_density<S>(shaped.shape, amount) : body_from_mass<S>(shaped.shape, amount);
     }
     MassProperties<S> operator()(const PointsBody& body) const {
         std::vector<PointMass<S>> points;
         points.reserve(body.points.size());
         for (const PointMass<double>& point : body.points) points.push_back({S(point.mass), cast<S>(point.position)});
-        return of_points(points);
+        return body_from_points(points);
     }
     MassProperties<S> operator()(const MeshBody& body) const {
         const S amount(body.amount.value);
@@ -158,7 +158,7 @@ MassProperties<S> MassPropertiesOf<S>::operator()(const PartsBody& body) const {
 template <class S>
 MassProperties<S> mass_properties(const Body& body) {
     if (body.source) return mass_properties<S>(*body.source);
-    return MassPropertiesOf<S>{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
+    return MassPropertiesOf<S>{}(NumericBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 
 /// Creates a source with its mass properties.

@@ -14,7 +14,7 @@ std::size_t word(const RobotXml& xml, const XMLElement& at, const char* name, co
     if (!text) return fallback;
     for (std::size_t i = 0; i < words.size(); ++i)
         if (text == words[i]) return i;
-    xml.fail(at, fmt::format("has \"{}\" in {}", one_line(text, 40), name), "give one of " + listed(words));
+    xml.fail(at, fmt::format("has \"{}\" in {}", one_line(text, 40), name), "give one of " + join_with_commas(words));
 }
 
 bool flag_or(const RobotXml& xml, const XMLElement& at, const char* name, bool fallback) {

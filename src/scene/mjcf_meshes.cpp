@@ -50,7 +50,7 @@ MeshMap map_of(const RobotXml& xml, const XMLElement& asset) {
     if (asset.Attribute("scale")) map.scale = cast<Wide>(three_of(xml.attribute(asset, "scale", 3)));
     if (asset.Attribute("refquat")) {
         const std::vector<double> q = xml.attribute(asset, "refquat", 4);
-        map.turn = unit_quaternion<Wide>(xml.turn_by(asset, {q[0], q[1], q[2], q[3]}));
+        map.turn = unit_quaternion<Wide>(xml.rotate_by(asset, {q[0], q[1], q[2], q[3]}));
     }
     if (map.determinant() == Wide(0)) xml.fail(asset, "has a scale of zero", "give three numbers that are not 0");
     return map;

@@ -45,7 +45,7 @@ BodyDefinition parse_robot_body(std::string_view text, const std::string& path, 
         body->hash = content_hash(text);
         return *body;
     }
-    return GivenBody{double(properties.mass),
+    return NumericBody{double(properties.mass),
                      round_tensor(repair.inertia),
                      {double(properties.center[0]), double(properties.center[1]), double(properties.center[2])}};
 }

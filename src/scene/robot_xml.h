@@ -64,7 +64,7 @@ class RobotXml {
     double checked_mass(const XMLElement& at, double mass) const;
     /// The tensor with the entries xx yy zz xy xz yz, without checks.
     static Matrix3<double> tensor(const std::vector<double>& v);
-    RobotRotation turn_by(const XMLElement& at, const Quaternion<double>& q) const;
+    RobotRotation rotate_by(const XMLElement& at, const Quaternion<double>& q) const;
 
   private:
     std::string path_;

@@ -20,8 +20,8 @@ struct ChildLimits {
 struct ChildRun {
     std::string fault;             ///< why it did not exit by itself with code 0, in one line; else empty
     std::string output;            ///< standard output up to the end of the run
-    bool was_not_found = false;    ///< the program does not exist
-    bool was_out_of_time = false;  ///< it was killed at the time limit
+    bool not_found = false;    ///< the program does not exist
+    bool timed_out = false;  ///< it was killed at the time limit
     double seconds = 0;            ///< wall clock, from start to end
 };
 

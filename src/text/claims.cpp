@@ -61,9 +61,9 @@ std::optional<Claims::Claim> Claims::take(std::string_view key) const {
 
 void warn_unlocked(const std::string& path, int error) {
     static std::mutex mutex;
-    static std::set<std::string> told;
+    static std::set<std::string> reported;
     const std::lock_guard lock(mutex);
-    if (!told.insert(path).second) return;
+    if (!reported.insert(path).second) return;
     const std::string line = "polhode: " + one_line(path, 500) + ": cannot be locked: " + std::strerror(error) +
                              "; continues as if no other run used this folder\n";
     static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere

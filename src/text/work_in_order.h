@@ -29,18 +29,18 @@ void work_in_order(int threads, const Read& read, const Work& work, const Write&
     std::condition_variable room;
     std::map<std::size_t, Piece> waiting;  // finished pieces whose predecessors are not written yet
     std::size_t started = 0, written = 0;
-    bool ended = false, failed = false, writing = false;
+    bool finished = false, failed = false, writing = false;
 
     const auto next = [&](std::size_t& number) -> std::optional<Piece> {
-        const std::lock_guard turn(reading);
+        const std::lock_guard reading_lock(reading);
         {
             std::unique_lock lock(mutex);
-            room.wait(lock, [&] { return ended || started - written < 2 * workers; });
-            if (ended) return {};
+            room.wait(lock, [&] { return finished || started - written < 2 * workers; });
+            if (finished) return {};
         }
         std::optional<Piece> piece = read();
         const std::lock_guard lock(mutex);
-        if (!piece) ended = true;
+        if (!piece) finished = true;
         number = started;
         started += piece ? 1 : 0;
         return piece;
@@ -70,7 +70,7 @@ void work_in_order(int threads, const Read& read, const Work& work, const Write&
             }
         } catch (...) {
             const std::lock_guard lock(mutex);
-            ended = failed = true;
+            finished = failed = true;
             room.notify_all();
             throw;
         }

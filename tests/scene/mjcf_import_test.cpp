@@ -652,7 +652,7 @@ TEST(MjcfImport, OneBodyFollowsTheSameRules) {
             [](const auto& one) -> std::pair<std::string, double> {
                 using T = std::decay_t<decltype(one)>;
                 if constexpr (std::is_same_v<T, ImportedBody>) return {"given", one.mass};
-                if constexpr (std::is_same_v<T, GivenBody>) return {"computed", one.mass};
+                if constexpr (std::is_same_v<T, NumericBody>) return {"computed", one.mass};
                 return {"", 0};
             },
             made);

@@ -21,7 +21,7 @@ std::string told(CsvLines&& lines) {
             for (const std::string_view cell : lines.cells()) all.append(cell).append("|");
             all += '\n';
         }
-        all += lines.read_past();
+        all += lines.skipped_content();
     } catch (const InputError& error) {
         all += error.what();
     }

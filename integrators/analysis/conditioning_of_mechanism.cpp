@@ -1,8 +1,8 @@
 // Conditioning of a mechanism by its variational equation.
 //
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
-// advances both by DOP853 with step control. Dual numbers give df/dy S, jacobian_directions columns per evaluation. Norms
-// are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
+// advances both by DOP853 with step control. Dual numbers give df/dy S, jacobian_directions columns per evaluation.
+// Norms are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
 #include "integrators/analysis/conditioning_of_mechanism.h"
 
 #include <fmt/format.h>

@@ -133,7 +133,8 @@ void require_name(const JsonNode& node) {
 }
 
 EngineEntry read_entry(const JsonNode& node, const std::string& here) {
-    node.require_known_keys({"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
+    node.require_known_keys(
+        {"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
     EngineEntry entry;
     const JsonNode& name = node.require_member("name", "the engine's name");
     require_name(name);
@@ -169,7 +170,7 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
 EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
     EngineReport report;
     const LineAnswer said = asked.session->greet(report.hello);
-    report.fault = said.not_found   ? "it needs " + asked.entry.needs
+    report.fault = said.not_found       ? "it needs " + asked.entry.needs
                    : said.fault.empty() ? report.hello.missing
                                         : said.fault;
     if (!problem || !report.fault.empty()) return report;

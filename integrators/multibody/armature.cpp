@@ -53,7 +53,8 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
             J = I.J - outer(N, U_n), M = I.M - outer(F, U_f);
             for (int r = 0; r < 3; ++r) B[r] = I.B[r] - N[r] * U_f;
         }
-        add_child_inertia(w, J, B, M, Vector3<double>(), Vector3<double>(), links_[static_cast<std::size_t>(link.parent)].inertia);
+        add_child_inertia(w, J, B, M, Vector3<double>(), Vector3<double>(),
+                          links_[static_cast<std::size_t>(link.parent)].inertia);
     }
 }
 

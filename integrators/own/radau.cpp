@@ -65,7 +65,8 @@ template <class SystemType>
 [[gnu::always_inline]] inline void stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy, int) {
     system.derivative(t, y, dy);
 }
-[[gnu::noinline]] inline void stage_rates(const ErasedSystem& system, double t, const Stages* y, Stages* dy, int stages) {
+[[gnu::noinline]] inline void stage_rates(const ErasedSystem& system, double t, const Stages* y, Stages* dy,
+                                          int stages) {
     Numbers<run_time> at(system.size()), rate(system.size());
     for (int j = 0; j < stages; ++j) {
         for (int n = 0; n < system.size(); ++n) at[n] = y[n].lane[j];

@@ -66,7 +66,7 @@ std::vector<PlottedFile> read_files(const PlotOptions& options, const Scene* sce
         CheckedFile checked;
         checked.path = one.path;
         one.file = prepare_file(scene, convention, columns, read_text(one.path, largest_file, "a readable CSV file"),
-                                 checked, &one.gaps);
+                                checked, &one.gaps);
     }
     return files;
 }

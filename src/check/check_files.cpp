@@ -26,7 +26,7 @@ namespace polhode {
 namespace {
 
 // Lists the columns and blocks that a file of this scene could have but lacks.
-std::string lacking(const Scene& scene, const TrajectoryFile& file) {
+std::string list_missing_blocks(const Scene& scene, const TrajectoryFile& file) {
     std::vector<std::string> all;
     if (!file.has_angular_velocity) all.emplace_back("angular velocity (therefore also energy and angular momentum)");
     if (is_mechanism(scene)) {
@@ -42,12 +42,14 @@ std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("position");
     if (!scene.pivot && !file.has_velocity) all.emplace_back("velocity");
     if (!scene.pivot && file.has_angular_velocity && !(file.has_velocity && (file.has_position || file.has_origin)))
-        all.emplace_back(rotates_alone(scene) ? "translational energy (the rotational energy is compared)" : "energy");
+        all.emplace_back(rotation_is_independent(scene) ? "translational energy (the rotational energy is compared)"
+                                                        : "energy");
     return fmt::format("{}", fmt::join(all, "; "));
 }
 
 // Compares a file of many samples with a polynomial reference, in binary64. A million samples take about a second.
-void compare_in_binary64(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth, CheckedFile& checked) {
+void compare_in_binary64(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth,
+                         CheckedFile& checked) {
     constexpr std::size_t pieces = 16, at_once = 1024;
     const std::size_t rows = file.rows.size();
     std::vector<FileErrorAccumulator> accumulators;
@@ -159,7 +161,7 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
 }
 
 // Returns what to record if no cause was found.
-std::string no_diagnosis(const TrajectoryFile& file) {
+std::string explain_missing_diagnosis(const TrajectoryFile& file) {
     double turn = 0;
     for (std::size_t k = 1; k < file.rows.size(); ++k)
         turn = std::max(turn, rotation_angle_between(file.rows[k - 1].q, file.rows[k].q));
@@ -173,7 +175,7 @@ std::string no_diagnosis(const TrajectoryFile& file) {
 }
 
 // Returns why a file of several bodies has no diagnosis, and what to record.
-std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& file) {
+std::string explain_missing_system_diagnosis(const Scene& scene, const TrajectoryFile& file) {
     if (!missing_bodies(scene, file).empty()) return "no diagnosis: bodies are missing in the file; record all bodies";
     if (!file.has_angular_velocity || !file.has_velocity || !(file.has_position || file.has_origin))
         return "no diagnosis: no known fault predicts a row from the previous one; record w, p and v of all bodies "
@@ -183,12 +185,12 @@ std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& fil
 
 // Compares the files that were read with the truth, one by one, and diagnoses them.
 void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
-               std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
+                    std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         CheckedFile& checked = all[i];
         if (const std::string fault = compare_with_truth(scene, files[i], checked); !fault.empty())
             throw TruthUnavailable(checked.path + ": " + fault);
-        checked.lacks = lacking(scene, files[i]);
+        checked.missing_blocks = list_missing_blocks(scene, files[i]);
         const std::vector<BlockVerdict> verdicts = limits.verdicts(checked.file_errors);
         const auto fails = [&](auto&& is) {
             return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
@@ -199,7 +201,7 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
             if (!fails([](std::string_view name) { return is_of_joints(name); }))
                 std::erase_if(checked.diagnosis.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
             if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty())
-                checked.remarks.push_back(no_diagnosis_of_system(scene, files[i]));
+                checked.remarks.push_back(explain_missing_system_diagnosis(scene, files[i]));
         } else {
             checked.diagnosis = diagnose(scene, files[i], explain);
             // a matched update explains errors of the rotation only
@@ -208,7 +210,7 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
                 checked.diagnosis.update.reset();
             if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty() &&
                 !checked.diagnosis.update)
-                checked.remarks.push_back(no_diagnosis(files[i]));
+                checked.remarks.push_back(explain_missing_diagnosis(files[i]));
             compare_with_floors(scene, limits, checked);
         }
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
@@ -220,7 +222,7 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
 }  // namespace
 
 TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
-                             std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
+                            std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
     ForeignTable table = find_foreign_columns(text, checked.path, columns, scene == nullptr || is_mechanism(*scene));
     const std::vector<std::string> bodies = scene != nullptr ? body_names(*scene) : std::vector<std::string>();
     TrajectoryFile file =
@@ -259,7 +261,7 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::
     for (const std::string& path : paths) {
         all.emplace_back().path = path;
         files.push_back(prepare_file(&scene, convention, columns, read_text(path, largest_file, "a readable CSV file"),
-                                      all.back()));
+                                     all.back()));
     }
     evaluate_files(scene, limits, explain, picture, files, all);
     return all;

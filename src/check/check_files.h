@@ -33,7 +33,7 @@ inline constexpr std::size_t largest_file = std::size_t{1} << 30;
 /// messages use the path of `checked`. Without a scene (nullptr), any duration and any bodies are accepted. `gaps`:
 /// see parse_foreign_trajectory(). Throws InputError.
 TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
-                             std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps = nullptr);
+                            std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps = nullptr);
 
 /// Compares the files at these paths with the scene's truth. All files are read first, so that an error in the last
 /// one is found at once. `columns`: which columns hold polhode's, if their names do not show it. Files of more than

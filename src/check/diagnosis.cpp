@@ -20,15 +20,15 @@ constexpr double wrong_threshold = 1e-4;
 
 const char* name_of(Criterion criterion) {
     constexpr const char* names[criterion_count] = {"the initial attitude",
-                                                   "the initial angular velocity",
-                                                   "the initial position",
-                                                   "the initial velocity",
-                                                   "the first step",
-                                                   "the attitude per step",
-                                                   "w per step",
-                                                   "the position per step",
-                                                   "the velocity per step",
-                                                   ""};
+                                                    "the initial angular velocity",
+                                                    "the initial position",
+                                                    "the initial velocity",
+                                                    "the first step",
+                                                    "the attitude per step",
+                                                    "w per step",
+                                                    "the position per step",
+                                                    "the velocity per step",
+                                                    ""};
     return names[static_cast<std::size_t>(criterion)];
 }
 
@@ -77,8 +77,8 @@ std::string describe_fault(const FittedFault& fault) {
     // a load scaled by 1/n has often acted in one of n substeps
     const Subject about = fault.hypothesis->subject;
     const double parts = std::round(1 / fault.x);
-    if (fault.hypothesis->values && about >= Subject::gravity && about <= Subject::drag && parts >= 2 &&
-        parts <= 20 && std::abs(fault.x * parts - 1) < 2e-3)
+    if (fault.hypothesis->values && about >= Subject::gravity && about <= Subject::drag && parts >= 2 && parts <= 20 &&
+        std::abs(fault.x * parts - 1) < 2e-3)
         what += fmt::format(", as if it acted in one of {:.0f} substeps", parts);
     return what;
 }
@@ -91,7 +91,7 @@ std::string describe_faults(const Explanation& e) {
 
 // Adds the faults of an explanation, each with its prediction errors.
 void add_diagnoses(const Scene& scene, const Explanation& e, const FaultSearch& search, const std::string& also,
-          std::vector<Diagnosis>& diagnoses) {
+                   std::vector<Diagnosis>& diagnoses) {
     const std::size_t criterion = most_improved_criterion(search.sound.residual, e.residual);
     const double before = std::pow(10.0, search.sound.residual.decades[criterion].value_or(0)),
                  after = std::pow(10.0, e.residual.decades[criterion].value_or(0));
@@ -100,10 +100,11 @@ void add_diagnoses(const Scene& scene, const Explanation& e, const FaultSearch& 
         const auto same = [&](const Diagnosis& d) { return d.fault == h.fault; };
         if (std::any_of(diagnoses.begin(), diagnoses.end(), same)) continue;
         diagnoses.push_back({h.fault,
-                        fmt::format("{}; {}{} (relative prediction error of {}: {:.2g} with {}, {:.2g} without)",
-                                    describe_fault(s), h.remedy, also, describe_criterion(static_cast<Criterion>(criterion), scene), after,
-                                    e.faults.size() > 1 ? "both faults" : "this fault", before),
-                        h.convention, before, after});
+                             fmt::format("{}; {}{} (relative prediction error of {}: {:.2g} with {}, {:.2g} without)",
+                                         describe_fault(s), h.remedy, also,
+                                         describe_criterion(static_cast<Criterion>(criterion), scene), after,
+                                         e.faults.size() > 1 ? "both faults" : "this fault", before),
+                             h.convention, before, after});
     }
 }
 
@@ -122,25 +123,27 @@ FileDiagnosis diagnose(const Scene& scene, const TrajectoryFile& file, bool all)
     const auto add = [&](const std::vector<Diagnosis>& more) {
         result.faults.insert(result.faults.end(), more.begin(), more.end());
     };
-    add(lengths_of_quaternions(file));
+    add(find_length_faults(file));
     add(impact_faults(scene, file));
     if (const std::vector<Diagnosis> between = rows_between_steps(file); !between.empty()) {
         add(between);
         return result;
     }
-    if (!evidence.enough() || (!all && evidence.plain_error() < wrong_threshold)) return result;
+    if (!evidence.has_enough_rows() || (!all && evidence.plain_error() < wrong_threshold)) return result;
     const FaultSearch search = search_faults(evidence, all);
     result.sound = search.sound.residual.total;
     const Explanation& best = search.best;
     if (best.rule) result.rule = best.rule->name;
-    for (const Explanation& e : search.tried)
-        result.tried.push_back({e.faults.front().hypothesis->fault, describe_faults(e), e.residual.total});
+    for (const Explanation& e : search.singles)
+        result.hypotheses.push_back({e.faults.front().hypothesis->fault, describe_faults(e), e.residual.total});
     if (!best.faults.empty()) {
         std::string also;
         for (const Explanation& e : search.alike) also += (also.empty() ? "" : "; or ") + describe_faults(e);
-        add_diagnoses(scene, best, search, also.empty() ? "" : "; in this file indistinguishable from: " + also, result.faults);
+        add_diagnoses(scene, best, search, also.empty() ? "" : "; in this file indistinguishable from: " + also,
+                      result.faults);
         for (const Explanation& e : search.alike)
-            add_diagnoses(scene, e, search, "; in this file indistinguishable from the previous diagnosis", result.faults);
+            add_diagnoses(scene, e, search, "; in this file indistinguishable from the previous diagnosis",
+                          result.faults);
     }
     const std::optional<FirstOrderUpdate> first_order =
         file.has_angular_velocity ? first_order_update(file) : std::nullopt;

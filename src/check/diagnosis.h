@@ -26,12 +26,12 @@ struct Diagnosis {
 
 /// An update of the catalogue that a file follows.
 struct UpdateMatch {
-    std::string method;             ///< its name
-    std::string message;            ///< one line for users
-    double step = 0;                ///< s
-    double distance = 0;            ///< largest attitude difference between file and method, rad
-    double error = 0;               ///< largest attitude error of the file over the same rows, rad
-    bool matches = false;           ///< the file matches the method to rounding; else it resembles it
+    std::string method;                    ///< its name
+    std::string message;                   ///< one line for users
+    double step = 0;                       ///< s
+    double distance = 0;                   ///< largest attitude difference between file and method, rad
+    double error = 0;                      ///< largest attitude error of the file over the same rows, rad
+    bool matches = false;                  ///< the file matches the method to rounding; else it resembles it
     std::optional<double> departure_time;  ///< time of the first row that no longer matches, s
 };
 
@@ -43,11 +43,11 @@ struct TestedHypothesis {
 
 /// The result of a diagnosis.
 struct FileDiagnosis {
-    std::vector<Diagnosis> faults;         ///< the diagnoses; indistinguishable ones are marked
-    std::optional<UpdateMatch> update;  ///< the update that the file follows, if there is no fault
-    std::vector<TestedHypothesis> tried;              ///< all hypotheses that apply to the scene, the best first
-    double sound = 0;                      ///< decades without a fault, as in TestedHypothesis
-    std::string rule;                      ///< the update that fits best, for users; empty if nothing was tested
+    std::vector<Diagnosis> faults;             ///< the diagnoses; indistinguishable ones are marked
+    std::optional<UpdateMatch> update;         ///< the update that the file follows, if there is no fault
+    std::vector<TestedHypothesis> hypotheses;  ///< all hypotheses that apply to the scene, the best first
+    double sound = 0;                          ///< decades without a fault, as in TestedHypothesis
+    std::string rule;                          ///< the update that fits best, for users; empty if nothing was tested
 };
 
 /// Diagnoses a file by a few dozen of its steps. The result has no faults if the file is within 1e-4 of the scene's

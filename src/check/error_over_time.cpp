@@ -37,7 +37,7 @@ ErrorOverTime by_polynomials(const Scene& scene, const TrajectoryFile& file, std
     std::vector<FileErrorAccumulator> accumulators;
     for (std::size_t i = 0; i < pieces; ++i) {
         accumulators.emplace_back(scene, file, ErrorArithmetic::binary64);
-        accumulators.back().keep(measure);
+        accumulators.back().keep_row_errors(measure);
     }
     parallel_for(pieces, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {
         std::vector<ReferenceSample> samples;
@@ -52,7 +52,7 @@ ErrorOverTime by_polynomials(const Scene& scene, const TrajectoryFile& file, std
     for (std::size_t i = 1; i < pieces; ++i) accumulators[0].append(accumulators[i]);
     ErrorOverTime result;
     for (const TrajectoryRow& row : file.rows) result.t.push_back(row.t);
-    result.error = accumulators[0].kept();
+    result.error = accumulators[0].row_errors();
     return result;
 }
 
@@ -84,9 +84,9 @@ ErrorOverTime error_over_time(const Scene& scene, const TrajectoryFile& file, st
         return result;
     }
     FileErrorAccumulator accumulator(scene, picked, ErrorArithmetic::binary128);
-    accumulator.keep(index);
+    accumulator.keep_row_errors(index);
     accumulator.add(0, truth.samples);
-    result.error = accumulator.kept();
+    result.error = accumulator.row_errors();
     return result;
 }
 

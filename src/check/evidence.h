@@ -37,8 +37,8 @@ inline constexpr std::size_t criterion_count = 10;
 /// The answers under one cause and one rule.
 struct Residual {
     std::array<std::optional<double>, criterion_count> decades;  ///< 0: the prediction fails; empty: not asked
-    double total = 0;                                           ///< sum of the decades
-    double least = 0;                                           ///< the sum for perfect predictions
+    double total = 0;                                            ///< sum of the decades
+    double least = 0;                                            ///< the sum for perfect predictions
     double worst = 0;  ///< largest excess of a question over its value for perfect predictions
 
     std::optional<double>& operator[](Criterion q) { return decades[static_cast<std::size_t>(q)]; }
@@ -52,7 +52,7 @@ class FileEvidence {
     FileEvidence(const Scene& scene, const TrajectoryFile& file);
 
     /// False if fewer than three rows can be compared.
-    bool enough() const { return windows_.size() >= 2; }
+    bool has_enough_rows() const { return windows_.size() >= 2; }
     /// The cause without a fault: this scene, and columns as they are named.
     const Cause& sound() const { return sound_; }
     const FileFacts& facts() const { return facts_; }
@@ -88,12 +88,14 @@ class FileEvidence {
     void compare_with_scene();
     ModelState state(const Cause& cause, std::size_t row) const;
     double position_noise(const Cause& cause, const ModelState& s) const;
-    void use_center(const Cause& cause, const Vector3<double>& angular_velocity_B, ModelState& s) const;
+    void convert_origin_velocity(const Cause& cause, const Vector3<double>& angular_velocity_B, ModelState& s) const;
     bool same(std::size_t a, std::size_t b) const;
-    void compare_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
+    void compare_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                       Residual& r) const;
     void compare_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r,
-                   std::vector<double>* by_step = nullptr) const;
-    void compare_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
+                       std::vector<double>* by_step = nullptr) const;
+    void compare_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                     Residual& r) const;
 };
 
 }  // namespace polhode

@@ -38,7 +38,7 @@ struct FileErrors : PerMeasure<std::optional<ErrorSummary>> {
 };
 
 /// Whether the rotation is independent of the position: no planes, and no loads at points fixed in the world.
-bool rotates_alone(const Scene& scene);
+bool rotation_is_independent(const Scene& scene);
 
 /// The number of time spans in a report.
 inline constexpr std::size_t most_spans = 10;
@@ -51,10 +51,10 @@ enum class ErrorArithmetic { binary128, binary64 };
 
 /// Computes the errors of all samples. Throws std::invalid_argument if `truth` is not at the file's times. Omega and
 /// momentum need w. Energy needs w, and without a pivot also p and v. If p or v is missing, the rotational energy is
-/// compared, provided that rotates_alone(). Momenta and energy of several bodies need w, p and v of all bodies. Joint
-/// errors need all bodies.
+/// compared, provided that rotation_is_independent(). Momenta and energy of several bodies need w, p and v of all
+/// bodies. Joint errors need all bodies.
 FileErrors compute_file_errors(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
-                ErrorArithmetic arithmetic = ErrorArithmetic::binary128);
+                               ErrorArithmetic arithmetic = ErrorArithmetic::binary128);
 
 /// Indices in the scene of the bodies of a file.
 std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file);
@@ -76,12 +76,12 @@ class FileErrorAccumulator {
     /// Throws std::invalid_argument if a sample's time differs from its row's.
     void add(std::size_t first, std::span<const ReferenceSample> truth);
     /// Also keeps the error of each row in this measure. Must be called before add().
-    void keep(std::size_t measure);
+    void keep_row_errors(std::size_t measure);
     /// Appends the result of later rows. For scenes of one body.
     void append(const FileErrorAccumulator& later);
     FileErrors result() const;
     /// The kept errors, one per row, in the unit of the measure.
-    std::vector<double> kept() const;
+    std::vector<double> row_errors() const;
 
     struct State;
     struct Tally;

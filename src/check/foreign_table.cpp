@@ -15,7 +15,7 @@ namespace polhode {
 namespace {
 
 constexpr std::array native_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px",
-                               "py", "pz", "ox", "oy", "oz", "vx", "vy", "vz", "bound"};
+                                  "py", "pz", "ox", "oy", "oz", "vx", "vy", "vz", "bound"};
 
 std::string matrix_entry(int i) { return fmt::format("r{}{}", i / 3 + 1, i % 3 + 1); }
 
@@ -44,7 +44,7 @@ const std::vector<KnownNames>& known_names() {
 }
 
 // Returns polhode's name for a column of another program, if it is known.
-std::optional<std::string> recognised(std::string_view name) {
+std::optional<std::string> recognise(std::string_view name) {
     const std::string plain = plain_name(name);
     for (const char* time : {"t", "time", "times", "timestamp", "seconds", "sec", "simtime"})
         if (plain == time) return "t";
@@ -76,7 +76,7 @@ std::vector<std::string> split(std::string_view text, char at) {
 }
 
 // Returns the place in the header of each of polhode's columns; empty if the table's names are polhode's.
-std::map<std::string, std::size_t> recognised_places(const std::vector<std::string>& header, bool several) {
+std::map<std::string, std::size_t> recognise_columns(const std::vector<std::string>& header, bool several) {
     const auto is_native = [several](const std::string& name) {
         return std::ranges::find(native_names, name) != native_names.end() || (several && name == "body");
     };
@@ -84,7 +84,7 @@ std::map<std::string, std::size_t> recognised_places(const std::vector<std::stri
     if (std::ranges::all_of(header, is_native) || std::ranges::any_of(header, is_empty)) return {};
     std::map<std::string, std::size_t> places;
     for (std::size_t i = 0; i < header.size(); ++i) {
-        std::optional<std::string> native = is_native(header[i]) ? header[i] : recognised(header[i]);
+        std::optional<std::string> native = is_native(header[i]) ? header[i] : recognise(header[i]);
         if (!native && several && names_a_body(header[i])) native = "body";
         if (native && !places.emplace(*native, i).second) return {};
     }
@@ -152,7 +152,7 @@ ForeignTable find_foreign_columns(std::string_view text, const std::string& file
     if (!lines.next()) return {};
     const std::vector<std::string> header(lines.cells().begin(), lines.cells().end());
     ForeignColumns columns{
-        names.theirs.empty() ? recognised_places(header, several) : named_places(header, names, file, lines.number()),
+        names.theirs.empty() ? recognise_columns(header, several) : named_places(header, names, file, lines.number()),
         names.sequence, names.degrees};
     if (columns.places.empty()) return {};
     std::vector<std::string> taken, ignored;

@@ -22,19 +22,20 @@ Vector3<double> rounded(const Vector3<Pair>& v) { return {v[0].high, v[1].high, 
 // Converts numbers to a convention's axes and unit of length.
 class ConventionConverter {
   public:
-    explicit ConventionConverter(const Convention& convention) : axes_(convention.axes), unit_(convention.length_unit) {}
+    explicit ConventionConverter(const Convention& convention)
+        : axes_(convention.axes), unit_(convention.length_unit) {}
 
     // x in m^power
-    double scaled(double x, int power) const {
+    double scale(double x, int power) const {
         for (int i = 0; i < power; ++i) x /= unit_;
         return x;
     }
-    Vector3<double> scaled(const Vector3<double>& v, int power) const {
-        return {scaled(v[0], power), scaled(v[1], power), scaled(v[2], power)};
+    Vector3<double> scale(const Vector3<double>& v, int power) const {
+        return {scale(v[0], power), scale(v[1], power), scale(v[2], power)};
     }
-    Vector3<double> vector(const Vector3<double>& v, int power) const { return scaled(vector_to(axes_, v), power); }
+    Vector3<double> vector(const Vector3<double>& v, int power) const { return scale(vector_to(axes_, v), power); }
     Vector3<double> pseudovector(const Vector3<double>& v, int power) const {
-        return scaled(pseudovector_to(axes_, v), power);
+        return scale(pseudovector_to(axes_, v), power);
     }
     // M T M^T: transforms the columns of T, then the rows
     Matrix3<double> tensor(const Matrix3<double>& T, int power) const {
@@ -56,18 +57,18 @@ class ConventionConverter {
         d.rotational = {T[0][0], T[1][1], T[2][2]};
     }
     void operator()(Spring& s) const {
-        s.stiffness = scaled(s.stiffness, 2), s.rest_orientation = attitude(s.rest_orientation);
+        s.stiffness = scale(s.stiffness, 2), s.rest_orientation = attitude(s.rest_orientation);
     }
     void operator()(UserTorque&) const {}
     void operator()(Motor&) const {}
     void operator()(PointSpring& s) const {
         s.first_point = vector(s.first_point, 1), s.second_point = vector(s.second_point, 1);
-        s.rest_length = scaled(s.rest_length, 1);
+        s.rest_length = scale(s.rest_length, 1);
     }
 
     // force along a joint's coordinate: kg m/s^2 for prismatic joints, else kg m^2/s^2
     double generalized(const Joint& joint, double force) const {
-        return scaled(force, joint.type == JointType::prismatic ? 1 : 2);
+        return scale(force, joint.type == JointType::prismatic ? 1 : 2);
     }
     void operator()(Joint& j) const {
         const bool slides = j.type == JointType::prismatic;
@@ -77,14 +78,14 @@ class ConventionConverter {
         j.angular_velocity = pseudovector(j.angular_velocity, 0);
         for (std::size_t i = 0; i < 2; ++i) {
             j.axes[i] = slides ? vector(j.axes[i], 0) : pseudovector(j.axes[i], 0);
-            for (double* x : {&j.stiffness[i], &j.damping[i]}) *x = scaled(*x, slides ? 0 : 2);
-            for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scaled(*x, slides ? 1 : 0);
+            for (double* x : {&j.stiffness[i], &j.damping[i]}) *x = scale(*x, slides ? 0 : 2);
+            for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scale(*x, slides ? 1 : 0);
         }
     }
     void operator()(Loop& l) const {
         l.first_point = vector(l.first_point, 1), l.second_point = vector(l.second_point, 1);
         l.first_axis = pseudovector(l.first_axis, 0), l.second_axis = pseudovector(l.second_axis, 0);
-        l.length = scaled(l.length, 1);
+        l.length = scale(l.length, 1);
     }
     void operator()(Body& body) const {
         body.source = nullptr;
@@ -103,7 +104,7 @@ class ConventionConverter {
 };
 
 SupportPiece<double> convert_piece(const ConventionConverter& converter, SupportPiece<double> piece) {
-    piece.center = converter.vector(piece.center, 1), piece.radius = converter.scaled(piece.radius, 1);
+    piece.center = converter.vector(piece.center, 1), piece.radius = converter.scale(piece.radius, 1);
     Matrix3<double> columns = transposed(piece.semi_axes);
     for (int i = 0; i < 3; ++i) columns[i] = converter.vector(columns[i], 1);
     piece.semi_axes = transposed(columns);
@@ -197,12 +198,14 @@ Scene convert_scene(const Convention& convention, const Scene& scene) {
     for (Load& load : there.loads) {
         std::visit(converter, load);
         if (auto* motor = std::get_if<Motor>(&load))
-            motor->force = converter.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
+            motor->force =
+                converter.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
     }
     for (Plane& plane : there.planes) {
         // the offset refers to the unit normal
         const double size = length(plane.normal_W);
-        plane.offset = converter.scaled(plane.offset, 1) / size, plane.normal_W = converter.vector((1 / size) * plane.normal_W, 0);
+        plane.offset = converter.scale(plane.offset, 1) / size,
+        plane.normal_W = converter.vector((1 / size) * plane.normal_W, 0);
     }
     return there;
 }
@@ -231,12 +234,12 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
              converter.pseudovector(cast<double>(unit * (convention.body_rates ? w : rotate(exact, w))), 0),
              converter.vector(rounded(s.position_W), 1), converter.vector(rounded(s.velocity_W), 1)});
         if (is_mechanism(scene)) continue;
-        g.energy.push_back(converter.scaled(s.energy.high, 2));
+        g.energy.push_back(converter.scale(s.energy.high, 2));
         g.momentum.push_back(converter.pseudovector(rounded(s.angular_momentum_W), 2));
     }
     g.motion.bodies = body_names(scene);
     for (const ReferenceSystem& system : truth.system) {
-        g.energy.push_back(converter.scaled(system.energy.high, 2));
+        g.energy.push_back(converter.scale(system.energy.high, 2));
         g.momentum.push_back(converter.pseudovector(rounded(system.angular_momentum_W), 2));
     }
     const auto is_known = [](const Reaction<Pair>& r) {
@@ -249,8 +252,8 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
             g.torques.push_back(converter.pseudovector(rounded(reaction.torque_W), 2));
         }
     const PerMeasure<double> sizes = sizes_of(scene, truth);
-    if (sizes["energy"] > 0) g.energy_scale = converter.scaled(sizes["energy"], 2);
-    if (sizes["momentum"] > 0) g.momentum_scale = converter.scaled(sizes["momentum"], 2);
+    if (sizes["energy"] > 0) g.energy_scale = converter.scale(sizes["energy"], 2);
+    if (sizes["momentum"] > 0) g.momentum_scale = converter.scale(sizes["momentum"], 2);
     find_floors(scene, truth, g);
     set_tolerances(scene, sizes, convention, g);
     return g;

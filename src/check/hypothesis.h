@@ -91,17 +91,17 @@ struct EngineFault {
     Vector3<double> axis_damping_B;       ///< 1/s, of each component of w_B, in addition
     double linear_damping = 0;            ///< 1/s
     double speed_limit = std::numeric_limits<double>::infinity();  ///< rad/s
-    LimitedQuantity limited_quantity = LimitedQuantity::length;                            ///< what the limit clamps
-    bool coasting_only = false;                ///< damping and limit act only without torque or force
-    bool damping_last = false;                  ///< damping and limit act after the attitude has been rotated
-    WorldTensor tensor = WorldTensor::turned;  ///< the inertia tensor in world axes
-    double turn = 1;                           ///< factor of the rate that rotates the attitude
-    AttitudeRate rotation_rate = AttitudeRate::own_rate;   ///< which rate rotates the attitude
-    double time = 1;                           ///< simulated seconds per second of the rows
-    InPlace in_place = InPlace::none;          ///< how the quaternion is overwritten
-    OriginTerms origin;                        ///< how the origin's acceleration is computed
-    bool no_rotation = false;                  ///< the attitude stays constant
-    bool no_translation = false;               ///< the position stays constant
+    LimitedQuantity limited_quantity = LimitedQuantity::length;    ///< what the limit clamps
+    bool coasting_only = false;                           ///< damping and limit act only without torque or force
+    bool damping_last = false;                            ///< damping and limit act after the attitude has been rotated
+    WorldTensor tensor = WorldTensor::turned;             ///< the inertia tensor in world axes
+    double rotation_factor = 1;                           ///< factor of the rate that rotates the attitude
+    AttitudeRate rotation_rate = AttitudeRate::own_rate;  ///< which rate rotates the attitude
+    double time = 1;                                      ///< simulated seconds per second of the rows
+    InPlace in_place = InPlace::none;                     ///< how the quaternion is overwritten
+    OriginTerms origin;                                   ///< how the origin's acceleration is computed
+    bool no_rotation = false;                             ///< the attitude stays constant
+    bool no_translation = false;                          ///< the position stays constant
 };
 
 /// The cause of a file: how to read it, the scene that its engine ran, and the engine's faults.

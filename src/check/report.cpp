@@ -26,20 +26,20 @@ const char* verdict(const ErrorLimits& limits, const BlockVerdict& block) {
 
 // Indices of the measures that are reported over time.
 std::vector<std::size_t> measures_over_time(const FileErrors& file_errors) {
-    std::vector<std::size_t> told;
+    std::vector<std::size_t> reported;
     for (std::size_t m = 0; m < measures().size(); ++m)
-        if (measures()[m].over_time && file_errors[m]) told.push_back(m);
-    return told;
+        if (measures()[m].over_time && file_errors[m]) reported.push_back(m);
+    return reported;
 }
 
 // Formats a limit: "0.05 rad" or "5 %".
-std::string said(const BlockVerdict& v) {
+std::string format_limit(const BlockVerdict& v) {
     if (v.limit.relative) return fmt::format("{} %", shortest_decimal(100 * v.limit.value));
     return fmt::format("{} {}", shortest_decimal(v.limit.value), v.block->unit);
 }
 
 // Describes the blocks that exceed their limits, or the attitude error if there is none.
-std::string sentence(const ErrorLimits& limits, const CheckedFile& c) {
+std::string summarize(const ErrorLimits& limits, const CheckedFile& c) {
     std::string text;
     for (const BlockVerdict& v : limits.verdicts(c.file_errors)) {
         if (!v.failed || limits.report_only) continue;
@@ -47,7 +47,7 @@ std::string sentence(const ErrorLimits& limits, const CheckedFile& c) {
         text += fmt::format("{}{} error {:.3g}{}{} at t = {} s exceeds the limit of {} ({})", text.empty() ? "" : "; ",
                             v.block->title, v.limit.relative && v.relative ? 100 * *v.relative : *v.error,
                             v.limit.relative ? " %" : " ", v.limit.relative ? "" : v.block->unit,
-                            shortest_decimal(error.max_time), said(v), v.limit.from);
+                            shortest_decimal(error.max_time), format_limit(v), v.limit.from);
     }
     if (!text.empty()) return text;
     return fmt::format("largest attitude error {:.3g} rad at t = {} s", c.file_errors["attitude"]->max,
@@ -68,8 +68,8 @@ std::string verdicts(const ErrorLimits& limits, const CheckedFile& c) {
                             v.error ? fmt::format("{:.2e}", *v.error) : "-", v.error ? v.block->unit : "",
                             v.relative ? fmt::format("{:.2e}", *v.relative) : "-",
                             error ? fmt::format("{:.5g}", error->max_time) : "",
-                            error ? fmt::format("{:.2e}", unit * error->final) : "", said(v), verdict(limits, v),
-                            worst.empty() ? "" : ", at joint " + one_line(worst, 100));
+                            error ? fmt::format("{:.2e}", unit * error->final) : "", format_limit(v),
+                            verdict(limits, v), worst.empty() ? "" : ", at joint " + one_line(worst, 100));
     }
     const auto line = [&](const char* title, double value, const char* unit) {
         text += fmt::format("  {:<18}{:>10.2e}{:>7}\n", title, value, unit);
@@ -101,13 +101,13 @@ std::string over_time(const CheckedFile& c) {
 }
 
 std::string text_of(const ErrorLimits& limits, const CheckedFile& c) {
-    std::string report = fmt::format("{}: {}: {}\n", one_line(c.path, 300), verdict(limits, c), sentence(limits, c));
+    std::string report = fmt::format("{}: {}: {}\n", one_line(c.path, 300), verdict(limits, c), summarize(limits, c));
     report +=
         fmt::format("  {} samples, t = {} to {} s\n", c.samples, shortest_decimal(c.from), shortest_decimal(c.until));
     report += verdicts(limits, c);
     if (c.file_errors.over_time.size() > 1) report += over_time(c);
     for (const std::string& remark : c.remarks) report += fmt::format("  remark: {}\n", remark);
-    if (!c.lacks.empty()) report += fmt::format("  not in the file and not evaluated: {}\n", c.lacks);
+    if (!c.missing_blocks.empty()) report += fmt::format("  not in the file and not evaluated: {}\n", c.missing_blocks);
     for (const Diagnosis& d : c.diagnosis.faults) report += fmt::format("  diagnosis: {}\n", d.message);
     if (c.diagnosis.update) report += fmt::format("  update: {}\n", c.diagnosis.update->message);
     return report;
@@ -138,20 +138,20 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
         file["blocks"][std::string(v.block->name)] = {
             {"verdict", verdict(limits, v)},  {"error", number(v.error)},           {"relative", number(v.relative)},
             {"limit", number(v.limit.value)}, {"limit_relative", v.limit.relative}, {"limit_from", v.limit.from}};
-    file["not_in_the_file"] = c.lacks;
+    file["not_in_the_file"] = c.missing_blocks;
     file["truth_bound"] = number(c.truth_bound), file["truth"] = c.truth;
     file["float64_floor"] = c.floor ? number(c.floor->float64) : nullptr;
     file["float32_floor"] = c.floor ? number(c.floor->float32) : nullptr;
     file["float_judged_until"] = number(c.float32_valid_until);
     file["over_time"] = ordered_json::array();
     // measures that every file has come first
-    std::vector<std::size_t> told = measures_over_time(c.file_errors);
-    std::stable_partition(told.begin(), told.end(),
+    std::vector<std::size_t> reported = measures_over_time(c.file_errors);
+    std::stable_partition(reported.begin(), reported.end(),
                           [](std::size_t m) { return (measures()[m].needs & ~known_truth) == 0; });
     for (std::size_t k = 0; k < c.file_errors.over_time.size(); ++k) {
         const ErrorSpan& span = c.file_errors.over_time[k];
         ordered_json& row = file["over_time"].emplace_back(ordered_json{{"until", number(span.until)}});
-        for (const std::size_t m : told)
+        for (const std::size_t m : reported)
             row[fmt::format("{}{}", measures()[m].name, measures()[m].suffix)] = number(span.error[m]);
         if (k < c.floor_over_time.size()) {
             row["float64_floor"] = number(c.floor_over_time[k].float64);
@@ -167,7 +167,7 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
              {"convention", d.convention.empty() ? ordered_json(nullptr) : ordered_json(d.convention)},
              {"error", number(d.error)},
              {"explained", number(d.explained)}});
-    for (const TestedHypothesis& t : c.diagnosis.tried)
+    for (const TestedHypothesis& t : c.diagnosis.hypotheses)
         file["tried"].push_back({{"fault", t.fault}, {"what", t.what}, {"decades", number(t.decades)}});
     file["update"] = nullptr;
     if (const std::optional<UpdateMatch>& u = c.diagnosis.update)
@@ -203,13 +203,14 @@ std::string explanation_text(const std::vector<CheckedFile>& all) {
         text += fmt::format(
             "{}: hypotheses tested, each with the sum over all questions of log10(relative prediction error)\n",
             one_line(c.path, 300));
-        if (c.diagnosis.tried.empty())
+        if (c.diagnosis.hypotheses.empty())
             text +=
                 "  none: the file is within 1e-4 of the reference, or a known update predicts it to the precision of "
                 "its numbers\n";
         else
             text += fmt::format("  {:8.2f}  no fault; best update: {}\n", c.diagnosis.sound, c.diagnosis.rule);
-        for (const TestedHypothesis& t : c.diagnosis.tried) text += fmt::format("  {:8.2f}  {}: {}\n", t.decades, t.fault, t.what);
+        for (const TestedHypothesis& t : c.diagnosis.hypotheses)
+            text += fmt::format("  {:8.2f}  {}: {}\n", t.decades, t.fault, t.what);
     }
     return text;
 }
@@ -244,7 +245,7 @@ std::string check_junit(const Scene& scene, const ErrorLimits& limits, const std
             std::string causes;
             for (const Diagnosis& d : c.diagnosis.faults) causes += d.message + '\n';
             xml.OpenElement("failure");
-            xml.PushAttribute("message", one_line(sentence(limits, c), 4096).c_str());
+            xml.PushAttribute("message", one_line(summarize(limits, c), 4096).c_str());
             xml.PushText(causes.c_str());
             xml.CloseElement();
         }

@@ -29,9 +29,9 @@ struct CheckedFile {
     std::string truth;                           ///< how the truth was computed
     std::optional<RoundingFloor> floor;          ///< largest up to the end of the file; empty if not available
     std::vector<RoundingFloor> floor_over_time;  ///< up to the end of each span of `file_errors`, or empty
-    std::optional<double> float32_valid_until;    ///< last time with the float32 floor within the limit, s
+    std::optional<double> float32_valid_until;   ///< last time with the float32 floor within the limit, s
     std::vector<std::string> remarks;            ///< remarks, one line each
-    std::string lacks;                           ///< blocks that the file lacks: "position; velocity"
+    std::string missing_blocks;                  ///< blocks that the file lacks: "position; velocity"
     FileDiagnosis diagnosis;
     std::optional<Figure> picture;       ///< errors over time, if requested
     std::optional<TrajectoryFile> file;  ///< rows in polhode's conventions, if requested

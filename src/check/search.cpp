@@ -33,7 +33,7 @@ class Searcher {
   public:
     Searcher(const FileEvidence& evidence, bool all) : evidence_(evidence), all_(all) {}
 
-    FaultSearch run();
+    FaultSearch search();
 
   private:
     const FileEvidence& evidence_;
@@ -52,12 +52,16 @@ class Searcher {
     std::vector<Update> all_updates() const;
     Explanation explain(std::vector<FittedFault> faults, const std::vector<Update>& updates) const;
     std::optional<Explanation> fit_fault(const std::vector<FittedFault>& others, const Hypothesis& h,
-                                        const std::vector<Update>& updates, double hopeless) const;
+                                         const std::vector<Update>& updates, double hopeless) const;
     void find_steps();
     std::vector<Update> common_updates(const Explanation& first) const;
     Explanation without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const;
     std::vector<double> by_step(const Explanation& e) const;
     bool is_refuted(const Explanation& e, const Explanation& sound) const;
+    std::vector<Explanation> test_singles(const Explanation& sound, const std::vector<Update>& updates) const;
+    std::vector<Explanation> test_pairs(const std::vector<Explanation>& singles, const Explanation& best, double sound,
+                                        const std::vector<Update>& updates) const;
+    void select_explanations(const std::vector<Explanation>& candidates, FaultSearch& found) const;
 };
 
 // Returns every rule with each possible number of steps per row.
@@ -85,7 +89,7 @@ Explanation Searcher::explain(std::vector<FittedFault> faults, const std::vector
     best.faults = std::move(faults);
     const EngineModel model(cause);
     for (const Update& update : updates) {
-        if (!model.takes(*update.rule, update.steps)) continue;
+        if (!model.supports(*update.rule, update.steps)) continue;
         const Residual r = evidence_.residual(cause, model, *update.rule, update.steps);
         if (!(r.total < best.residual.total)) continue;
         // without substeps, rotating by the row's first rate is the same as explicit Euler
@@ -98,7 +102,7 @@ Explanation Searcher::explain(std::vector<FittedFault> faults, const std::vector
 
 // Adds a fault to others. A fitted number is the best on a grid, refined between its neighbours by golden section.
 std::optional<Explanation> Searcher::fit_fault(const std::vector<FittedFault>& others, const Hypothesis& h,
-                                              const std::vector<Update>& updates, double hopeless) const {
+                                               const std::vector<Update>& updates, double hopeless) const {
     const auto at = [&](double x, const std::vector<Update>& by) {
         std::vector<FittedFault> faults = others;
         faults.push_back({&h, x});
@@ -178,7 +182,7 @@ void Searcher::find_steps() {
                 change(cause.engine);
                 const EngineModel model(cause);
                 for (const UpdateRule& rule : update_rules())
-                    if (rule.rate != RateUpdate::accurate && model.takes(rule, steps) &&
+                    if (rule.rate != RateUpdate::accurate && model.supports(rule, steps) &&
                         (first_order || !rule.first_order)) {
                         const Residual r = evidence_.residual(cause, model, rule, steps);
                         least = std::min(least, r.total), possible = std::min(possible, r.least);
@@ -266,33 +270,27 @@ bool is_round(const Explanation& e) {
 
 bool is_better(const Explanation& a, const Explanation& b) { return a.residual.total < b.residual.total; }
 
-FaultSearch Searcher::run() {
-    FaultSearch found;
-    find_steps();
-    const std::vector<Update> updates = all_updates();
-    found.sound = found.best = explain({}, updates);
-    best_sound_update_ = {found.sound.rule, found.sound.steps};
-    // no fault can gain enough
-    if (!all_ && found.sound.residual.total - found.sound.residual.least < fixed_gain) return found;
+bool has_fitted_number(const Explanation& e) {
+    return std::any_of(e.faults.begin(), e.faults.end(), [](const FittedFault& s) { return !!s.hypothesis->values; });
+}
+
+// Tests all known faults singly. Returns the explanations, the best first.
+std::vector<Explanation> Searcher::test_singles(const Explanation& sound, const std::vector<Update>& updates) const {
     std::vector<Explanation> singles;
     for (const Hypothesis& h : known_faults())
-        if (std::optional<Explanation> e = fit_fault({}, h, updates, found.sound.residual.total - 0.2))
+        if (std::optional<Explanation> e = fit_fault({}, h, updates, sound.residual.total - 0.2))
             singles.push_back(std::move(*e));
     std::stable_sort(singles.begin(), singles.end(), is_better);
-    found.tried = singles;
-    const double sound = found.sound.residual.total;
-    const auto gains = [&](const Explanation& e) {
-        return sound - e.residual.total >= needed_gain(*e.faults.front().hypothesis);
-    };
-    std::vector<Explanation> accepted;
-    for (const Explanation& e : singles)
-        if (gains(e)) accepted.push_back(e);
-    // pairs of the best faults with any other, if both are needed
+    return singles;
+}
+
+// Tests pairs of the best single faults with any other. Returns those in which both faults are needed, the best first.
+// `best`: the best accepted single fault, or the explanation without a fault if none is accepted.
+std::vector<Explanation> Searcher::test_pairs(const std::vector<Explanation>& singles, const Explanation& best,
+                                              double sound, const std::vector<Update>& updates) const {
     std::vector<Explanation> pairs;
-    const double single = accepted.empty() ? sound : accepted.front().residual.total,
-                 left = (accepted.empty() ? found.sound : accepted.front()).residual.worst;
     std::size_t taken = 0;
-    for (std::size_t i = 0; i < singles.size() && taken < beam && left > pair_threshold; ++i) {
+    for (std::size_t i = 0; i < singles.size() && taken < beam && best.residual.worst > pair_threshold; ++i) {
         const Explanation& first = singles[i];
         // engines without a gyroscopic term usually have another fault
         const bool usual = first.faults.front().hypothesis->subject == Subject::gyroscopic;
@@ -304,7 +302,7 @@ FaultSearch Searcher::run() {
             // two fitted numbers can explain any file
             if (h.values && first.faults.front().hypothesis->values) continue;
             std::optional<Explanation> e = fit_fault(first.faults, h, few, first.residual.total - 0.2);
-            if (!e || single - e->residual.total < fitted_gain) continue;
+            if (!e || best.residual.total - e->residual.total < fitted_gain) continue;
             const double total = e->residual.total;
             const bool needs_first =
                            without(*e, 0, updates).residual.total - total >= needed_gain(*e->faults[0].hypothesis),
@@ -313,45 +311,65 @@ FaultSearch Searcher::run() {
         }
     }
     std::stable_sort(pairs.begin(), pairs.end(), is_better);
-    std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
-    // test one candidate after the other: only the best ones are reported
-    while (!candidates.empty() && is_refuted(candidates.front(), found.sound)) candidates.erase(candidates.begin());
-    if (candidates.empty()) return found;
-    found.best = candidates.front();
+    return pairs;
+}
+
+// Selects the explanations that are as good as the best candidate. Prefers loads and fixed numbers.
+void Searcher::select_explanations(const std::vector<Explanation>& candidates, FaultSearch& found) const {
     // among equally good explanations, those without a fitted number come first
     const double limit = found.best.residual.total + alike_within;
-    const auto fitted = [](const Explanation& e) {
-        return std::any_of(e.faults.begin(), e.faults.end(), [](const FittedFault& s) { return !!s.hypothesis->values; });
-    };
     std::vector<Explanation> near;
     for (const Explanation& e : candidates)
         if (e.residual.total <= limit && !is_refuted(e, found.sound)) near.push_back(e);
     // a load of the wrong size is more frequent than a wrong mass
     std::stable_partition(near.begin(), near.end(), is_of_load);
     // fitting alone gains about half a decade: also accept explanations with fixed numbers within this margin
-    if (!near.empty() && fitted(near.front()))
+    if (!near.empty() && has_fitted_number(near.front()))
         for (const Explanation& e : candidates)
-            if (!fitted(e) && e.residual.total > limit && e.residual.total <= limit + 0.5 &&
+            if (!has_fitted_number(e) && e.residual.total > limit && e.residual.total <= limit + 0.5 &&
                 e.faults.size() == near.front().faults.size() &&
                 e.faults.back().hypothesis->subject == near.front().faults.back().hypothesis->subject)
                 near.push_back(e);
     bool first = true;
     for (const Explanation& e : near) {
         const auto needs_no_fit = [&](const Explanation& other) {
-            return !fitted(other) && other.faults.size() == e.faults.size() &&
+            return !has_fitted_number(other) && other.faults.size() == e.faults.size() &&
                    (!is_round(e) || other.faults.back().hypothesis->subject == e.faults.back().hypothesis->subject);
         };
-        if (fitted(e) && std::any_of(near.begin(), near.end(), needs_no_fit)) continue;
+        if (has_fitted_number(e) && std::any_of(near.begin(), near.end(), needs_no_fit)) continue;
         if (first)
             found.best = e, first = false;
         else if (found.alike.size() < max_alike)
             found.alike.push_back(e);
     }
+}
+
+FaultSearch Searcher::search() {
+    FaultSearch found;
+    find_steps();
+    const std::vector<Update> updates = all_updates();
+    found.sound = found.best = explain({}, updates);
+    best_sound_update_ = {found.sound.rule, found.sound.steps};
+    // no fault can gain enough
+    if (!all_ && found.sound.residual.total - found.sound.residual.least < fixed_gain) return found;
+    found.singles = test_singles(found.sound, updates);
+    const double sound = found.sound.residual.total;
+    std::vector<Explanation> accepted;
+    for (const Explanation& e : found.singles)
+        if (sound - e.residual.total >= needed_gain(*e.faults.front().hypothesis)) accepted.push_back(e);
+    std::vector<Explanation> pairs =
+        test_pairs(found.singles, accepted.empty() ? found.sound : accepted.front(), sound, updates);
+    std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
+    // test one candidate after the other: only the best ones are reported
+    while (!candidates.empty() && is_refuted(candidates.front(), found.sound)) candidates.erase(candidates.begin());
+    if (candidates.empty()) return found;
+    found.best = candidates.front();
+    select_explanations(candidates, found);
     return found;
 }
 
 }  // namespace
 
-FaultSearch search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).run(); }
+FaultSearch search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).search(); }
 
 }  // namespace polhode

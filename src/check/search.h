@@ -27,10 +27,10 @@ struct Explanation {
 
 /// The result of a search.
 struct FaultSearch {
-    Explanation sound;               ///< no fault, best update
-    Explanation best;                ///< each of its faults is needed; no faults if nothing explains the file
-    std::vector<Explanation> alike;  ///< other explanations that are indistinguishable from the best
-    std::vector<Explanation> tried;  ///< all single faults, the best first
+    Explanation sound;                 ///< no fault, best update
+    Explanation best;                  ///< each of its faults is needed; no faults if nothing explains the file
+    std::vector<Explanation> alike;    ///< other explanations that are indistinguishable from the best
+    std::vector<Explanation> singles;  ///< all single faults, the best first
 };
 
 /// Tests all known faults on the file. A fault is needed if omitting it makes the prediction about ten times worse,

@@ -88,7 +88,7 @@ class SystemEvidence {
         if (determined_) choose_windows(scene), include_predicted_changes(model);
     }
 
-    bool enough() const { return determined_ && windows_.size() >= 3; }
+    bool has_enough_rows() const { return determined_ && windows_.size() >= 3; }
     const SystemCause& sound() const { return sound_; }
 
     // Prediction errors for each window and velocity, relative to the typical changes of that velocity.
@@ -98,14 +98,15 @@ class SystemEvidence {
         for (const std::size_t k : windows_) {
             const SystemState next = state(cause, model, k + 1);
             const std::vector<double> is = model.velocities(next),
-                                      said = model.predicted(state(cause, model, k), next, time(k),
-                                                             time(k + 1) - time(k), rule, steps);
-            for (std::size_t i = 0; i < is.size(); ++i) all.push_back((said[i] - is[i]) / scales_[i]);
+                                      predictions = model.predicted(state(cause, model, k), next, time(k),
+                                                                    time(k + 1) - time(k), rule, steps);
+            for (std::size_t i = 0; i < is.size(); ++i) all.push_back((predictions[i] - is[i]) / scales_[i]);
         }
         return all;
     }
 
-    PredictionErrors prediction_errors(const SystemCause& cause, const SystemEngine& model, SystemRule rule, int steps) const {
+    PredictionErrors prediction_errors(const SystemCause& cause, const SystemEngine& model, SystemRule rule,
+                                       int steps) const {
         PredictionErrors a;
         const std::size_t n = scales_.size();
         // for each velocity: squared changes in the file and predicted, largest value; all prediction errors
@@ -113,13 +114,14 @@ class SystemEvidence {
         for (const std::size_t k : windows_) {
             const SystemState from = state(cause, model, k), next = state(cause, model, k + 1);
             const std::vector<double> was = model.velocities(from), is = model.velocities(next),
-                                      said = model.predicted(from, next, time(k), time(k + 1) - time(k), rule, steps);
+                                      predictions =
+                                          model.predicted(from, next, time(k), time(k + 1) - time(k), rule, steps);
             for (std::size_t i = 0; i < n; ++i) {
                 const std::size_t of = model.vector_of_velocity()[i];
                 in_file[of] += (is[i] - was[i]) * (is[i] - was[i]);
-                predicted[of] += (said[i] - was[i]) * (said[i] - was[i]);
+                predicted[of] += (predictions[i] - was[i]) * (predictions[i] - was[i]);
                 sizes[of] = std::max(sizes[of], std::abs(is[i]));
-                errors.push_back(std::abs(said[i] - is[i]));
+                errors.push_back(std::abs(predictions[i] - is[i]));
             }
         }
         const double count = static_cast<double>(windows_.size());
@@ -160,10 +162,11 @@ class SystemEvidence {
         const SystemEngine model(sound_);
         const SystemState from = state(sound_, model, k), to = state(sound_, model, k + 2);
         const std::vector<double> was = model.velocities(from), is = model.velocities(to),
-                                  said = model.predicted(from, to, time(k), time(k + 2) - time(k), SystemRule::accurate,
-                                                         2 * accurate_steps());
+                                  predictions = model.predicted(from, to, time(k), time(k + 2) - time(k),
+                                                                SystemRule::accurate, 2 * accurate_steps());
         for (std::size_t i = 0; i < is.size(); ++i)
-            if (std::abs(said[i] - is[i]) > 0.3 * std::abs(is[i] - was[i]) && std::abs(is[i] - was[i]) > 5 * scales_[i])
+            if (std::abs(predictions[i] - is[i]) > 0.3 * std::abs(is[i] - was[i]) &&
+                std::abs(is[i] - was[i]) > 5 * scales_[i])
                 return false;
         return true;
     }
@@ -343,10 +346,10 @@ class SystemEvidence {
         for (const std::size_t k : windows_) {
             const SystemState from = state(sound_, model, k), next = state(sound_, model, k + 1);
             const std::vector<double> was = model.velocities(from),
-                                      said = model.predicted(from, next, time(k), time(k + 1) - time(k),
-                                                             SystemRule::accurate, accurate_steps());
+                                      predictions = model.predicted(from, next, time(k), time(k + 1) - time(k),
+                                                                    SystemRule::accurate, accurate_steps());
             for (std::size_t i = 0; i < was.size(); ++i) {
-                const double change = said[i] - was[i];
+                const double change = predictions[i] - was[i];
                 if (std::isfinite(change)) squares[model.vector_of_velocity()[i]] += change * change;
             }
         }
@@ -466,7 +469,8 @@ class SystemSearch {
              {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates}) {
             std::optional<SystemExplanation> nearest;
             for (const int steps : {1, 2, 4, 8, 10}) {
-                const SystemExplanation e{nullptr, 1, rule, steps, evidence_.prediction_errors(evidence_.sound(), model, rule, steps)};
+                const SystemExplanation e{nullptr, 1, rule, steps,
+                                          evidence_.prediction_errors(evidence_.sound(), model, rule, steps)};
                 if (!nearest || e.errors.total < nearest->errors.total - 0.3) nearest = e;
             }
             updates_.push_back({rule, nearest->steps});
@@ -565,7 +569,9 @@ class SystemSearch {
         if (remains > effect - (has_loops_ ? 1 : 0.5)) return false;
         return effect > spread + 0.5 || (!has_loops_ && remains < std::min(effect, spread) - 1);
     }
-    static bool is_better(const SystemExplanation& a, const SystemExplanation& b) { return a.errors.total < b.errors.total; }
+    static bool is_better(const SystemExplanation& a, const SystemExplanation& b) {
+        return a.errors.total < b.errors.total;
+    }
 
   private:
     struct Update {
@@ -604,7 +610,7 @@ class SystemSearch {
         }
     }
     std::optional<SystemExplanation> fit_fault(const std::vector<SystemExplanation>& others, const SystemHypothesis& h,
-                                      const SystemExplanation& before) const {
+                                               const SystemExplanation& before) const {
         const auto with = [&](double x) {
             std::vector<SystemExplanation> all = others;
             SystemExplanation e;
@@ -685,7 +691,7 @@ class SystemSearch {
     }
 };
 
-std::string said(const SystemExplanation& e) {
+std::string describe_system_fault(const SystemExplanation& e) {
     std::string what = e.hypothesis->what;
     if (const std::size_t place = what.find("{}"); place != what.npos)
         what.replace(place, 2, fmt::format("{:.4g}", e.x));
@@ -702,16 +708,19 @@ double required_gain(const SystemExplanation& e) {
 }
 
 // Adds a diagnosis with its prediction errors. `before`: without this fault.
-void add_diagnosis(std::vector<Diagnosis>& diagnoses, const SystemExplanation& e, const SystemExplanation& before, const std::string& also) {
+void add_diagnosis(std::vector<Diagnosis>& diagnoses, const SystemExplanation& e, const SystemExplanation& before,
+                   const std::string& also) {
     const double was = std::pow(10.0, before.errors.velocities), is = std::pow(10.0, e.errors.velocities);
-    if (std::ranges::any_of(
-            diagnoses, [&](const Diagnosis& d) { return d.fault == e.hypothesis->fault && d.message.starts_with(said(e)); }))
+    if (std::ranges::any_of(diagnoses, [&](const Diagnosis& d) {
+            return d.fault == e.hypothesis->fault && d.message.starts_with(describe_system_fault(e));
+        }))
         return;
-    diagnoses.push_back({e.hypothesis->fault,
-                    fmt::format("{}; {}{} (prediction error of the joint rates per step, relative to their changes: "
-                                "{:.2g} with this fault, {:.2g} without)",
-                                said(e), e.hypothesis->remedy, also, is, was),
-                    e.hypothesis->convention, was, is});
+    diagnoses.push_back(
+        {e.hypothesis->fault,
+         fmt::format("{}; {}{} (prediction error of the joint rates per step, relative to their changes: "
+                     "{:.2g} with this fault, {:.2g} without)",
+                     describe_system_fault(e), e.hypothesis->remedy, also, is, was),
+         e.hypothesis->convention, was, is});
 }
 
 }  // namespace
@@ -722,7 +731,7 @@ FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bo
     const std::vector<Diagnosis> of_joints =
         joint_faults(scene, file, [&](std::size_t k) { return evidence.predicts(k); });
     result.faults = of_joints;
-    if (!evidence.enough()) return result;
+    if (!evidence.has_enough_rows()) return result;
     SystemSearch search(evidence, evidence.sound().scene);
     const SystemExplanation sound = search.sound();
     result.sound = sound.errors.total;
@@ -734,7 +743,8 @@ FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bo
     for (std::size_t i = 0; i < std::min(refit_count, singles.size()); ++i)
         if (sound.errors.total - singles[i].errors.total > 0.3) singles[i] = search.refit_update(singles[i]);
     std::stable_sort(singles.begin(), singles.end(), SystemSearch::is_better);
-    for (const SystemExplanation& e : singles) result.tried.push_back({e.hypothesis->fault, said(e), e.errors.total});
+    for (const SystemExplanation& e : singles)
+        result.hypotheses.push_back({e.hypothesis->fault, describe_system_fault(e), e.errors.total});
     // a displaced joint explains the motion of its bodies
     if (std::ranges::any_of(of_joints, [](const Diagnosis& d) {
             return d.fault != "joint_drifts" && d.fault != "joint_limit_where_none";
@@ -769,8 +779,9 @@ FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bo
     for (const SystemExplanation& e : accepted)
         if (e.errors.total <= limit || (!e.hypothesis->fit && e.errors.total <= limit + 0.5)) near.push_back(e);
     // a wrong size of something in the scene is preferred to something that the scene does not have
-    std::ranges::stable_sort(
-        near, {}, [](const SystemExplanation& e) { return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0; });
+    std::ranges::stable_sort(near, {}, [](const SystemExplanation& e) {
+        return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0;
+    });
     // gravity on all bodies includes gravity on the one body whose weight matters
     const auto is_gravity = [](const SystemExplanation& e, bool of_body) {
         return e.hypothesis->subject == Subject::gravity &&
@@ -789,7 +800,7 @@ FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bo
     for (const SystemExplanation& e : near)
         if (&e != &best && e.errors.total <= limit &&
             e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
-            others.push_back(&e), also += (also.empty() ? "" : "; or ") + said(e);
+            others.push_back(&e), also += (also.empty() ? "" : "; or ") + describe_system_fault(e);
     add_diagnosis(result.faults, best, sound, also.empty() ? "" : "; in this file indistinguishable from: " + also);
     for (const SystemExplanation* e : others)
         add_diagnosis(result.faults, *e, sound, "; in this file indistinguishable from the previous diagnosis");

@@ -127,11 +127,12 @@ class Canvas {
     std::vector<Cell> cells_;
 };
 
-struct ShownPoint {
+struct CanvasPoint {
     double x, y;
 };
-std::vector<ShownPoint> shown_points(const Panel& panel, const std::vector<double>& x, const std::vector<double>& y) {
-    std::vector<ShownPoint> points;
+std::vector<CanvasPoint> drawable_points_of(const Panel& panel, const std::vector<double>& x,
+                                            const std::vector<double>& y) {
+    std::vector<CanvasPoint> points;
     for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i)
         if (drawable(x[i], panel.log_x) && drawable(y[i], panel.log_y)) points.push_back({x[i], y[i]});
     return points;
@@ -182,10 +183,10 @@ class Plotter {
         if (!panel.y_label.empty()) heading += (heading.empty() ? "" : ": ") + panel.y_label;
         heading = cut(heading, width()) + "\n";
         double low_x = std::numeric_limits<double>::infinity(), high_x = -low_x, low_y = low_x, high_y = -low_x;
-        std::vector<std::vector<ShownPoint>> curves;
+        std::vector<std::vector<CanvasPoint>> curves;
         for (const Curve& curve : panel.curves) {
-            curves.push_back(shown_points(panel, curve.x, curve.y));
-            for (const ShownPoint& p : curves.back()) {
+            curves.push_back(drawable_points_of(panel, curve.x, curve.y));
+            for (const CanvasPoint& p : curves.back()) {
                 low_x = std::min(low_x, p.x), high_x = std::max(high_x, p.x);
                 low_y = std::min(low_y, p.y), high_y = std::max(high_y, p.y);
             }
@@ -203,21 +204,22 @@ class Plotter {
         Canvas canvas(columns, plot_.rows);
         const auto dot_x = [&](double value) { return fraction(x, value) * (canvas.dots_wide() - 1); };
         const auto dot_y = [&](double value) { return (1 - fraction(y, value)) * (canvas.dots_high() - 1); };
-        const auto trace = [&](const std::vector<ShownPoint>& points, int pen, int stride) {
+        const auto trace = [&](const std::vector<CanvasPoint>& points, int pen, int stride) {
             for (std::size_t i = 0; i < points.size(); ++i) {
-                const ShownPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
+                const CanvasPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
                 canvas.line(dot_x(from.x), dot_y(from.y), dot_x(to.x), dot_y(to.y), pen, stride);
             }
         };
         for (const Guide& guide : panel.guides) {
             const bool level = guide.x.empty() && guide.y.size() == 1;
-            trace(level ? shown_points(panel, {x.low, x.high}, {guide.y[0], guide.y[0]})
-                        : shown_points(panel, guide.x, guide.y),
+            trace(level ? drawable_points_of(panel, {x.low, x.high}, {guide.y[0], guide.y[0]})
+                        : drawable_points_of(panel, guide.x, guide.y),
                   guide_pen, 4);
         }
         for (std::size_t i = 0; i < curves.size(); ++i) trace(curves[i], pen_of(panel.curves[i]), 1);
         if (uses_letters())
-            for (std::size_t i = 0; i < curves.size(); ++i) draw_letters(canvas, panel.curves[i], curves[i], dot_x, dot_y);
+            for (std::size_t i = 0; i < curves.size(); ++i)
+                draw_letters(canvas, panel.curves[i], curves[i], dot_x, dot_y);
 
         std::vector<std::string> labels(static_cast<std::size_t>(plot_.rows));
         for (const TextTic& tic : y_tics)
@@ -232,14 +234,14 @@ class Plotter {
 
     /// Marks the curve with its letter every few columns; different curves are offset from each other.
     template <class X, class Y>
-    void draw_letters(Canvas& canvas, const Curve& curve, const std::vector<ShownPoint>& points, const X& dot_x,
-                   const Y& dot_y) const {
+    void draw_letters(Canvas& canvas, const Curve& curve, const std::vector<CanvasPoint>& points, const X& dot_x,
+                      const Y& dot_y) const {
         constexpr int apart = 18;
         const int pen = pen_of(curve);
         if (pen < 0) return;
         int next = 2 + pen * apart / static_cast<int>(pens_.size());
         for (std::size_t i = 0; i < points.size(); ++i) {
-            const ShownPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
+            const CanvasPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
             const double begin = dot_x(from.x) / 2, end = dot_x(to.x) / 2;
             while (next < canvas.dots_wide() / 2 && begin <= next && next <= end) {
                 const double share = end > begin ? (next - begin) / (end - begin) : 0;

@@ -55,7 +55,7 @@ double common_level(const std::vector<std::vector<DrawablePoint>>& curves) {
 
 /// The x at which the curve reaches the level; linear interpolation between points as drawn.
 std::optional<double> crossing_of_level(const Panel& panel, const std::vector<DrawablePoint>& points, double level,
-                                 bool at_least) {
+                                        bool at_least) {
     const auto to = [](double v, bool logarithmic) { return logarithmic ? std::log(v) : v; };
     std::optional<double> best;
     const auto take = [&](double x) {

@@ -25,7 +25,8 @@ void thin(Curve& curve, std::size_t columns) {
         std::array<std::size_t, 4> selected{first, lowest, highest, end - 1};
         std::ranges::sort(selected);
         for (std::size_t k = 0; k < selected.size(); ++k)
-            if (k == 0 || selected[k] != selected[k - 1]) x.push_back(curve.x[selected[k]]), y.push_back(curve.y[selected[k]]);
+            if (k == 0 || selected[k] != selected[k - 1])
+                x.push_back(curve.x[selected[k]]), y.push_back(curve.y[selected[k]]);
     }
     curve.x = std::move(x), curve.y = std::move(y);
 }

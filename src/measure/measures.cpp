@@ -62,7 +62,8 @@ const std::vector<Measure>& table() {
          .needs = known_truth | known_angular_velocity,
          .tabled = true,
          .over_time = true,
-         .whole_error = [](const auto& c) { return length(c.computed.angular_momentum_W - c.truth.angular_momentum_W); },
+         .whole_error =
+             [](const auto& c) { return length(c.computed.angular_momentum_W - c.truth.angular_momentum_W); },
          .whole_scale =
              [](const auto& truth) { return or_zero(length(truth.angular_momentum_W), truth.angular_size); }},
         {.name = "energy",
@@ -72,7 +73,8 @@ const std::vector<Measure>& table() {
          .needs = known_truth | known_angular_velocity | known_center,
          .tabled = true,
          .over_time = true,
-         .whole_error = [](const auto& c) { return magnitude(decltype(c.computed.energy)(c.computed.energy - c.truth.energy)); },
+         .whole_error =
+             [](const auto& c) { return magnitude(decltype(c.computed.energy)(c.computed.energy - c.truth.energy)); },
          .whole_scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
         {.name = "position",
          .title = "position",

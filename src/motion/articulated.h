@@ -108,7 +108,7 @@ Matrix3<S> rotation_about_z(const Matrix3<P>& turn, const S& c, const S& s) {
 /// Adds the articulated inertia of a child to its parent's: rotated by R and moved by r.
 template <class S>
 void add_child_inertia(const LinkWork<S>& child, const Symmetric3<S>& J, const Matrix3<S>& B, const Symmetric3<S>& M,
-          const Vector3<S>& n, const Vector3<S>& f, ArticulatedInertia<S>& parent) {
+                       const Vector3<S>& n, const Vector3<S>& f, ArticulatedInertia<S>& parent) {
     const Matrix3<S>& R = child.R;
     const Vector3<S>& r = child.r;
     const Symmetric3<S> J_p = congruence(R, J), M_p = congruence(R, M);

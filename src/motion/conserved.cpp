@@ -366,7 +366,7 @@ std::vector<Conserved> conserved(const Problem& problem) {
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
     const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,
-                          const VectorD& direction = VectorD()) {
+                                  const VectorD& direction = VectorD()) {
         Conserved one{kind, name, formula, {}, of, direction};
         one.value = of(problem, one, start);
         found.push_back(std::move(one));
@@ -376,14 +376,15 @@ std::vector<Conserved> conserved(const Problem& problem) {
 
     const MomentumChanges angular = angular_momentum_changes(problem);
     if (angular.none()) {
-        add_quantity(ConservedKind::angular_momentum, "angular momentum",
-             pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
-             angular_momentum);
+        add_quantity(
+            ConservedKind::angular_momentum, "angular momentum",
+            pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
+            angular_momentum);
     } else {
         for (const VectorD& u : angular.conserved_directions())
             add_quantity(ConservedKind::angular_momentum_component, "angular momentum along u",
-                 pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
-                 angular_momentum_along, u);
+                         pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
+                         angular_momentum_along, u);
     }
     if (!pivoted) {
         const MomentumChanges linear = linear_momentum_changes(problem);
@@ -392,18 +393,19 @@ std::vector<Conserved> conserved(const Problem& problem) {
         } else {
             for (const VectorD& u : linear.conserved_directions())
                 add_quantity(ConservedKind::linear_momentum_component, "linear momentum along u", "m v . u, kg m/s",
-                     linear_momentum_along, u);
+                             linear_momentum_along, u);
         }
     }
     if (const auto axis = symmetry_axis(problem); axis && conserves_spin(problem, *axis))
-        add_quantity(ConservedKind::spin, "spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
+        add_quantity(ConservedKind::spin, "spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin,
+                     *axis);
     if (const auto field = sole_field(problem); has_energy && pivoted && field) {
         if (equatorial_axes(problem, field->moment, 2))
             add_quantity(ConservedKind::integral_of_a_special_top, "Kovalevskaya's integral",
-                 "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
+                         "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
         if (equatorial_axes(problem, field->moment, 4) && has_no_momentum_along(problem, *field, start))
             add_quantity(ConservedKind::integral_of_a_special_top, "Goryachev and Chaplygin's integral",
-                 "r (p^2 + q^2) - (m g l / C) p g3, s^-3", goryachev_chaplygin_integral);
+                         "r (p^2 + q^2) - (m g l / C) p g3, s^-3", goryachev_chaplygin_integral);
     }
     return found;
 }

@@ -21,7 +21,9 @@ using V3 = Vector3<double>;
 constexpr double direction_tolerance = 1e-12;
 
 V3 unit_of(const V3& v) { return (1 / length(v)) * v; }
-bool are_parallel(const V3& a, const V3& b) { return length(cross(a, b)) <= direction_tolerance * length(a) * length(b); }
+bool are_parallel(const V3& a, const V3& b) {
+    return length(cross(a, b)) <= direction_tolerance * length(a) * length(b);
+}
 bool are_across(const V3& a, const V3& b) { return std::abs(dot(a, b)) <= direction_tolerance * length(a) * length(b); }
 bool is_zero(const V3& v) { return dot(v, v) == 0; }
 
@@ -168,11 +170,11 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
 
     std::vector<Conserved> found;
     const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, const V3& value,
-                          const V3& direction = {}) {
+                                  const V3& direction = {}) {
         found.push_back({kind, name, formula, {value[0], value[1], value[2]}, nullptr, direction});
     };
     const auto add_across = [&](const Changes& changes, ConservedKind whole, ConservedKind part, const char* name,
-                                 const char* formula, const V3& value) {
+                                const char* formula, const V3& value) {
         if (changes.none()) add_quantity(whole, name, formula, value);
         if (changes.any || !changes.along) return;
         const V3& u = *changes.along;
@@ -186,10 +188,10 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
         for (const Load& load : scene.loads)
             std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
         add_across(angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
-                    "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
-                    at_start.angular_momentum_W);
+                   "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
+                   at_start.angular_momentum_W);
         add_across(linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component, "linear momentum",
-                    "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
+                   "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
         return found;
     }
     std::optional<V3> line = rotation_line(scene, before);
@@ -210,8 +212,8 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
     }
     if (!other.none()) return found;
     if (is_zero(*line)) {
-        add_quantity(ConservedKind::angular_momentum, "angular momentum", "L about the world's origin, world axes, kg m^2/s",
-             at_start.angular_momentum_W);
+        add_quantity(ConservedKind::angular_momentum, "angular momentum",
+                     "L about the world's origin, world axes, kg m^2/s", at_start.angular_momentum_W);
         return found;
     }
     found.push_back({ConservedKind::angular_momentum_component,

@@ -119,8 +119,8 @@ Vector3<S> contact_impulse(const ImpactBody<S>& a, const ImpactBody<S>& b, const
 /// The result of an impact at several simultaneous contacts.
 struct ImpactOutcome {
     bool has_impact = false;  ///< a contact was approaching
-    bool resolved = true;   ///< no contact approaches any more
-    double separation = 0;  ///< the largest separation speed (m/s) after the impact
+    bool resolved = true;     ///< no contact approaches any more
+    double separation = 0;    ///< the largest separation speed (m/s) after the impact
 };
 
 /// Resolves simultaneous contacts of one body with immovable bodies. A single approaching contact uses

@@ -54,8 +54,8 @@ struct Link {
     int coordinate = 0;  ///< index in y of its coordinates: x; q; or q and the origin's position in W
     int rate = 0;        ///< index in y of its rates: x'; w relative to the parent; or w and the origin's velocity in W
     Quaternion<P> q_placement;  ///< link axes at coordinate zero to the parent link's axes
-    Matrix3<P> turn;       ///< `q_placement` as a matrix
-    Vector3<P> place;      ///< the joint's point, from the parent's origin, in the parent link's axes
+    Matrix3<P> turn;            ///< `q_placement` as a matrix
+    Vector3<P> place;           ///< the joint's point, from the parent's origin, in the parent link's axes
     P mass = P(0);
     Vector3<P> moment;      ///< mass times centre of mass
     Symmetric3<P> inertia;  ///< about the origin
@@ -85,12 +85,12 @@ struct LinkBody {
 /// The links and bodies of a mechanism.
 template <class P>
 struct Links {
-    std::vector<Link<P>> links;      ///< parents precede their children
+    std::vector<Link<P>> links;       ///< parents precede their children
     std::vector<LinkBody<P>> bodies;  ///< in the order of the scene
-    std::vector<int> order;          ///< indices of bodies: each follows the body that carries it
-    std::vector<int> carrier;        ///< for each body: index in scene.joints; -1 for a free base
-    std::vector<int> link_of_joint;  ///< per joint: its (last) link; world_link if it does not move
-    int coordinates = 0, rates = 0;  ///< sizes of the state y = (coordinates, rates)
+    std::vector<int> order;           ///< indices of bodies: each follows the body that carries it
+    std::vector<int> carrier;         ///< for each body: index in scene.joints; -1 for a free base
+    std::vector<int> link_of_joint;   ///< per joint: its (last) link; world_link if it does not move
+    int coordinates = 0, rates = 0;   ///< sizes of the state y = (coordinates, rates)
 };
 
 /// A unit quaternion that rotates z to the direction of `axis`, of any nonzero length. Exact for coordinate axes.

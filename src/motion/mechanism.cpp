@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "motion/contact.h"
-#include "motion/user_system.h"
 #include "motion/scout.h"
+#include "motion/user_system.h"
 #include "text/message.h"
 
 namespace polhode {

@@ -60,8 +60,8 @@ std::optional<AxisEquations<double>> about(const Forcing<Wide>& f, const VectorW
 }
 
 // An impulse keeps w along e if its angular kick is along e at any angle: again a quadratic form in (c, s).
-bool conserves_axis(const PosedImpulse<Wide>& impulse, const VectorW& e, const QuaternionW& q0, const ExactBody<Wide>& body,
-                const FullInertia<Wide>& inertia) {
+bool conserves_axis(const PosedImpulse<Wide>& impulse, const VectorW& e, const QuaternionW& q0,
+                    const ExactBody<Wide>& body, const FullInertia<Wide>& inertia) {
     const Wide pairs[3][2] = {{1, 0}, {0, 1}, {1, 1}};
     for (const auto& [c, s] : pairs) {
         VectorW w, v;
@@ -92,7 +92,7 @@ bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& 
 }
 
 bool rotates_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
-                                const std::vector<Forcing<Wide>>& forcings) {
+                                  const std::vector<Forcing<Wide>>& forcings) {
     // only for given axes: computed principal axes are irrational, and w0 exactly along one would be a coincidence
     const VectorW w = rotate_back(q_BP, body.angular_velocity_B);
     const bool axes_are_principal = problem.body.q_BP == Quaternion<double>{};
@@ -172,8 +172,7 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
         needs.system = SystemKind::free_rotation, needs.dimension = 7;
         omit("torque", impulses ? "zero between impulses: w decouples from q" : "zero: w decouples from q");
         if (needs.symmetry == Symmetry::symmetric)
-            omit("one gyroscopic component",
-                      "two moments are equal: the rate about the symmetry axis is constant");
+            omit("one gyroscopic component", "two moments are equal: the rate about the symmetry axis is constant");
     } else {
         needs.system = couples ? SystemKind::loaded_motion : SystemKind::loaded_rotation;
         needs.dimension = couples ? 13 : 7;

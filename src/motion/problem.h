@@ -66,7 +66,7 @@ struct Needs {
     bool torque_free = false;                           ///< no torque at any time (impulses excepted)
     bool time_dependent = false;                        ///< events inside the duration, or a user-defined torque
     bool user_torque = false;                           ///< a user-defined torque acts
-    std::vector<Omission> omitted;                  ///< omitted variables and terms, with reasons
+    std::vector<Omission> omitted;                      ///< omitted variables and terms, with reasons
 };
 
 /// A leg of the run with the loads that act on it.

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "motion/body_equations.h"
-#include "motion/user_system.h"
 #include "motion/problem.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 

@@ -162,8 +162,8 @@ class Reader {
                  "give the centre of mass (p) or the body's origin (o), not both");
         if (seen[block_body] == 0 && bodies_.size() > 1)
             fail(here(), "column body is missing",
-                 "give t,body,qw,.. with one line at each time for each of " + one_line(join_with_commas(bodies_), 200) +
-                     ", or for some of them");
+                 "give t,body,qw,.. with one line at each time for each of " +
+                     one_line(join_with_commas(bodies_), 200) + ", or for some of them");
         if (quaternion_ != QuaternionColumns::by_name) assign_quaternion_columns();
         result_.has_angular_velocity = seen[block_w] > 0;
         result_.has_position = seen[block_p] > 0;
@@ -185,7 +185,8 @@ class Reader {
         while (lines.next()) {
             const auto& cells = lines.cells();
             const auto has_nan = [&](const FileColumn& c) { return c.place < cells.size() && is_nan(cells[c.place]); };
-            if (time_place_ < cells.size() && std::ranges::any_of(columns_, has_nan)) nan_times_.emplace(cells[time_place_]);
+            if (time_place_ < cells.size() && std::ranges::any_of(columns_, has_nan))
+                nan_times_.emplace(cells[time_place_]);
         }
     }
 
@@ -331,7 +332,7 @@ class Reader {
     const ForeignColumns& foreign_;
     QuaternionColumns quaternion_;
     std::vector<std::size_t>* gaps_;                // if null, NaN is refused
-    std::set<std::string, std::less<>> nan_times_;       // times at which a cell is NaN
+    std::set<std::string, std::less<>> nan_times_;  // times at which a cell is NaN
     bool in_gap_ = false;                           // whether the last line was at one of these times
     std::size_t times_ = 0;                         // number of times read so far
     std::vector<std::string> names_;                // names of the file's columns
@@ -343,7 +344,7 @@ class Reader {
     std::vector<std::string> bodies_;                        // names, in the order of the rows at one time
     std::map<std::string, std::size_t, std::less<>> index_;  // index of each name
     std::size_t moment_ = 0;                                 // first row at the current time
-    std::vector<char> has_row_;                                // whether each body has a row at the current time
+    std::vector<char> has_row_;                              // whether each body has a row at the current time
     std::vector<char> in_file_;                              // whether each body has a row at the first time
     long last_line_ = 0;                                     // line of the last row of a body
     TrajectoryFile result_;

@@ -2,9 +2,9 @@
 //
 // accelerate() evaluates the articulated-body recursion (Featherstone 2008, ch. 7; motion/articulated.h): move()
 // computes relative poses, velocities and bias accelerations, see() world poses, load() applied forces, articulate()
-// runs from the leaves to the root, compute_accelerations() from the root to the leaves. With loops (tree_loops.h), the multipliers
-// lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the accelerations without loops, and then correct them.
-// coordinate_rates() computes the rates of the coordinates.
+// runs from the leaves to the root, compute_accelerations() from the root to the leaves. With loops (tree_loops.h), the
+// multipliers lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the accelerations without loops, and then
+// correct them. coordinate_rates() computes the rates of the coordinates.
 #pragma once
 
 #include "motion/tree.h"

@@ -74,7 +74,7 @@ class ShapeWriter {
     Json parts = Json::array(), vertices = Json::array(), faces = Json::array(), points = Json::array();
 
   private:
-    void add_body(const NumericBody&, const Place&) {}     // no shape: the page draws the box of the moments
+    void add_body(const NumericBody&, const Place&) {}   // no shape: the page draws the box of the moments
     void add_body(const ImportedBody&, const Place&) {}  // no shape: the page draws the box of the moments
     void add_body(const ShapedBody& body, const Place& place) {
         Sizes sizes = std::visit([](const auto& shape) { return sizes_of(shape); }, body.shape);

@@ -122,7 +122,8 @@ Shape shape(const JsonNode& node) {
             return read(node);
         }
     const std::string meant = did_you_mean(type.string(), names);
-    type.fail(type.describe(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
+    type.fail(type.describe(),
+              fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
 }
 
 Amount amount(const JsonNode& node, bool is_part) {
@@ -219,8 +220,9 @@ BodyDefinition parse_imported_body(const JsonNode& node, const std::string& dire
     const JsonNode& link = import.require_member("link", "the name of the link or body");
     const JsonNode* balance = import.find("balance_inertia");
     try {
-        BodyDefinition body = parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()),
-                                       link.string(), balance && balance->boolean(), {directory, file.string()});
+        BodyDefinition body =
+            parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()), link.string(),
+                             balance && balance->boolean(), {directory, file.string()});
         if (auto* parse_imported_body = std::get_if<ImportedBody>(&body))
             parse_imported_body->file = file.string(), parse_imported_body->link = link.string();
         return body;
@@ -257,9 +259,9 @@ struct BodyFormat {
 };
 const std::vector<BodyFormat>& body_formats() {
     static const std::vector<BodyFormat> all{
-        {"inertia", parse_numeric_body, "body"},           {"shape", parse_shaped_body, "body of a shape"},
+        {"inertia", parse_numeric_body, "body"},      {"shape", parse_shaped_body, "body of a shape"},
         {"parts", parse_parts_body, "body of parts"}, {"points", parse_points_body, "body of points"},
-        {"mesh", parse_mesh_body, "body of a mesh"},   {"import", parse_imported_body, "body imported"},
+        {"mesh", parse_mesh_body, "body of a mesh"},  {"import", parse_imported_body, "body imported"},
     };
     return all;
 }
@@ -272,7 +274,7 @@ std::shared_ptr<const BodySource> parse_source(const JsonNode& node, const std::
         if (!member) continue;
         if (chosen)
             member->fail(fmt::format("\"{}\" is given together with \"{}\"", candidate.key, chosen->key),
-                       "give the mass properties in exactly one way");
+                         "give the mass properties in exactly one way");
         chosen = &candidate;
     }
     if (!chosen) chosen = &body_formats().front();
@@ -385,7 +387,9 @@ struct SourceWriter {
 
 }  // namespace
 
-Body parse_body(const JsonNode& node, const std::string& directory) { return body_of(parse_source(node, directory, false)); }
+Body parse_body(const JsonNode& node, const std::string& directory) {
+    return body_of(parse_source(node, directory, false));
+}
 
 std::string write_body(const Body& body) {
     if (body.parse_source) return std::visit(SourceWriter{}, body.parse_source->made_of);

@@ -105,7 +105,8 @@ struct MassPropertiesOf {
     }
     MassProperties<S> operator()(const ShapedBody& shaped) const {
         const S amount(shaped.amount.value);
-        return shaped.amount.is_density ? body_from_density<S>(shaped.shape, amount) : body_from_mass<S>(shaped.shape, amount);
+        return shaped.amount.is_density ? body_from_density<S>(shaped.shape, amount)
+                                        : body_from_mass<S>(shaped.shape, amount);
     }
     MassProperties<S> operator()(const PointsBody& body) const {
         std::vector<PointMass<S>> points;

@@ -42,7 +42,8 @@ Type parse_type(const JsonNode& node, const std::pair<const char*, Type> (&types
             return type;
         }
     const std::string meant = did_you_mean(given.string(), names);
-    given.fail(given.describe(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
+    given.fail(given.describe(),
+               fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
 }
 
 Vector3<double> point_at(const JsonNode& node, const char* key) {
@@ -96,12 +97,14 @@ Loop loop(const JsonNode& node) {
     return l;
 }
 
-NamedBody parse_named_body(const JsonNode& node, const std::string& directory, const std::set<std::string_view>& carried) {
+NamedBody parse_named_body(const JsonNode& node, const std::string& directory,
+                           const std::set<std::string_view>& carried) {
     if (!node.is_object()) node.fail(node.describe(), "give an object {\"name\": .., \"body\": ..}");
     node.require_known_keys(keys_of(scene_keys(), "one of bodies"));
     NamedBody one;
     one.name = node.require_member("name", "the body's name").string();
-    one.body = parse_body(node.require_member("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
+    one.body =
+        parse_body(node.require_member("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
     const JsonNode* start = node.find("initial");
     if (start && carried.contains(one.name))
         start->fail("is given for a body that is the child of a joint",
@@ -235,7 +238,8 @@ void parse_mechanism(const JsonNode& root, Scene& scene) {
     if (bodies.elements().size() > most_bodies)
         bodies.fail(bodies.describe(), fmt::format("give at most {} bodies", most_bodies));
     const std::set<std::string_view> carried = children_of(scene);
-    for (const JsonNode* one : bodies.elements()) scene.bodies.push_back(parse_named_body(*one, scene.directory, carried));
+    for (const JsonNode* one : bodies.elements())
+        scene.bodies.push_back(parse_named_body(*one, scene.directory, carried));
 }
 
 std::string write_bodies(const Scene& scene) {

@@ -202,7 +202,8 @@ Load parse_load(const JsonNode& node, const std::vector<Joint>& joints) {
         return load;
     }
     const std::string meant = did_you_mean(type.string(), names);
-    type.fail(type.describe(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
+    type.fail(type.describe(),
+              fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
 }
 
 std::string write_load(const Load& load, const std::vector<Joint>& joints) {

@@ -16,6 +16,6 @@ namespace polhode {
 /// tensor that breaks the triangle inequality by less than 1e-3 of its largest moment is repaired; a larger excess is
 /// refused unless `balance_inertia`. Throws InputError.
 BodyDefinition parse_robot_body(std::string_view text, const std::string& path, const std::string& link,
-                        bool balance_inertia = false, const RobotFiles& files = {});
+                                bool balance_inertia = false, const RobotFiles& files = {});
 
 }  // namespace polhode

@@ -59,7 +59,8 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (has_several(root)) {
         parse_mechanism(root, s);
     } else {
-        s.body = parse_body(root.require_member("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
+        s.body =
+            parse_body(root.require_member("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
         if (const JsonNode* pivot = root.find("pivot")) s.pivot = vector3(*pivot);
         if (const JsonNode* start = root.find("initial")) s.initial = parse_initial(*start, s.pivot.has_value());
     }

@@ -150,7 +150,9 @@ class SdfReader {
         return tree_.link_of(tree_.find(at, name, joint.scope), at);
     }
 
-    bool is_imported(std::size_t link) const { return link == SdfTree::world || link_index_[link] != RobotJoint::world; }
+    bool is_imported(std::size_t link) const {
+        return link == SdfTree::world || link_index_[link] != RobotJoint::world;
+    }
 
     void read_joint(const SdfEntity& entity) {
         const std::size_t parent = end_of(entity, "parent"), child = end_of(entity, "child");
@@ -203,7 +205,7 @@ class SdfReader {
     SdfTree tree_;
     std::size_t chosen_;                   // the selected model, or the world for all
     std::string prefix_;                   // omitted from names
-    std::set<std::string> static_models_;          // static models
+    std::set<std::string> static_models_;  // static models
     std::vector<std::size_t> link_index_;  // index in the robot of each entity
     std::set<std::string> joint_names_;
     std::vector<SdfJoint> joints_;

@@ -96,7 +96,8 @@ int create_temporary(const std::string& target, std::string& name) {
         const std::string ending = by + std::to_string(counter++) + std::string(temporary_ending);
         const std::string beginning = path.filename().string().substr(0, longest_name - ending.size());
         name = (path.parent_path() / (beginning + ending)).string();
-        const int file = retry_if_interrupted([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
+        const int file =
+            retry_if_interrupted([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
         if (file >= 0 || errno != EEXIST) return file;
     }
     return -1;
@@ -162,10 +163,12 @@ void write_atomically(const std::string& path, std::string_view text) {
         fail_of_file(path, "cannot be created", error);
     }
     int error = write_all(file, text);
-    if (error == 0 && exists && retry_if_interrupted([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
+    if (error == 0 && exists && retry_if_interrupted([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0)
+        error = errno;
     if (error == 0 && retry_if_interrupted([&] { return ::fsync(file); }) != 0) error = errno;
     if (const int fault = close_file(file); error == 0) error = fault;
-    if (error == 0 && retry_if_interrupted([&] { return ::rename(temporary.c_str(), target.c_str()); }) != 0) error = errno;
+    if (error == 0 && retry_if_interrupted([&] { return ::rename(temporary.c_str(), target.c_str()); }) != 0)
+        error = errno;
     if (error != 0) {
         ::unlink(temporary.c_str());
         if (directory >= 0) ::close(directory);

@@ -40,14 +40,16 @@ void AtomicFiles::add(const std::string& name, std::string_view text) {
     if (file < 0) fail_of_file(path, "cannot be created", errno);
     batch_.push_back(std::move(written));
     int error = write_all(file, text);
-    if (error == 0 && exists && retry_if_interrupted([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
+    if (error == 0 && exists && retry_if_interrupted([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0)
+        error = errno;
     if (const int fault = close_file(file); error == 0) error = fault;
     if (error != 0) fail_of_file(path, "cannot be written", error);
 }
 
 void AtomicFiles::commit() {
     if (batch_.empty()) return;
-    const int directory = retry_if_interrupted([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    const int directory =
+        retry_if_interrupted([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0) fail_of_file(folder_, "cannot be opened", errno);
     // syncs the whole file system and thus the batch; with fsync() each file would wait for a flush of the disk's
     // cache

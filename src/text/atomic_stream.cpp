@@ -85,12 +85,14 @@ void AtomicStream::write_over_beginning(std::string_view bytes) {
 void AtomicStream::commit() {
     int error = is_regular() && retry_if_interrupted([&] { return ::fsync(file_); }) != 0 ? errno : 0;
     if (const int fault = close_file(std::exchange(file_, -1)); error == 0) error = fault;
-    if (error == 0 && is_regular() && retry_if_interrupted([&] { return ::rename(temporary_.c_str(), target_.c_str()); }) != 0)
+    if (error == 0 && is_regular() &&
+        retry_if_interrupted([&] { return ::rename(temporary_.c_str(), target_.c_str()); }) != 0)
         error = errno;
     if (error != 0) fail("cannot be written", error);
     committed_ = true;
     if (!is_regular()) return;
-    const int directory = retry_if_interrupted([&] { return ::open(folder().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    const int directory =
+        retry_if_interrupted([&] { return ::open(folder().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0) return;  // a directory may be writable but not readable
     error = sync_folder(directory);
     ::close(directory);

@@ -21,7 +21,9 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text), file_(file) { skip_byte_order_mark(); }
+CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text), file_(file) {
+    skip_byte_order_mark();
+}
 
 CsvLines::CsvLines(Source source, const std::string& file)
     : source_(std::move(source)), held_(longest_line + 2 + block, '\0'), file_(file) {
@@ -104,8 +106,9 @@ std::vector<std::size_t> CsvLines::header(const std::vector<std::string>& names)
         const auto found = std::find(names.begin(), names.end(), cells_[i]);
         if (found == names.end()) {
             const std::string meant = did_you_mean(cells_[i], names);
-            throw InputError(file_, place, cells_[i].empty() ? "has no name" : "is named " + one_line(cells_[i], 60),
-                             fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
+            throw InputError(
+                file_, place, cells_[i].empty() ? "has no name" : "is named " + one_line(cells_[i], 60),
+                fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
         }
         const std::size_t index = static_cast<std::size_t>(found - names.begin());
         if (std::find(places.begin(), places.end(), index) != places.end())

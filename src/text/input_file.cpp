@@ -64,7 +64,8 @@ std::size_t InputFile::read(char* bytes, std::size_t count) {
 
 std::size_t InputFile::read_fully(char* bytes, std::size_t count) {
     std::size_t bytes_read = 0;
-    while (const std::size_t more = bytes_read < count ? read(bytes + bytes_read, count - bytes_read) : 0) bytes_read += more;
+    while (const std::size_t more = bytes_read < count ? read(bytes + bytes_read, count - bytes_read) : 0)
+        bytes_read += more;
     return bytes_read;
 }
 

@@ -14,7 +14,8 @@ class Interruption {
     using Callback = std::function<bool()>;
 
     /// For the thread that was asked to do the work.
-    explicit Interruption(Callback callback) : callback_(std::move(callback)), previous_(std::exchange(current_, &callback_)) {}
+    explicit Interruption(Callback callback)
+        : callback_(std::move(callback)), previous_(std::exchange(current_, &callback_)) {}
     /// For a helper thread: it uses current() of the thread that it helps, which must outlive this object.
     explicit Interruption(const Callback* inherited) : previous_(std::exchange(current_, inherited)) {}
     ~Interruption() { current_ = previous_; }

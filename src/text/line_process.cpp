@@ -73,9 +73,8 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
         if (refused != 0) {
             process_ = 0;
             fault_.not_found = refused == ENOENT;
-            fault_.fault = fault_.not_found
-                               ? name_ + " was not found"
-                               : fmt::format("{} could not be started: {}", name_, std::strerror(refused));
+            fault_.fault = fault_.not_found ? name_ + " was not found"
+                                            : fmt::format("{} could not be started: {}", name_, std::strerror(refused));
         }
     }
     for (const int end : {input[1], output[1]})
@@ -135,7 +134,8 @@ LineAnswer LineProcess::read_line(Clock::time_point until, std::chrono::duration
             return answer;
         }
         searched_size = unread_.size();
-        if (searched_size > longest_answer) return terminate(fmt::format("was stopped: it wrote more than {} bytes", searched_size));
+        if (searched_size > longest_answer)
+            return terminate(fmt::format("was stopped: it wrote more than {} bytes", searched_size));
         char buffer[65536];
         const ssize_t got = read(output_, buffer, sizeof buffer);
         if (got > 0) {
@@ -169,7 +169,8 @@ LineAnswer LineProcess::terminate(std::string what, bool out_of_time) {
                : WEXITSTATUS(status) != 0 ? fmt::format("exited with code {}", WEXITSTATUS(status))
                                           : "exited without an answer";
     fault_.fault = fmt::format("{} {}", program_name(name_), what), fault_.timed_out = out_of_time;
-    if (const std::string last_line = last_line_of(captured_output_.get()); !last_line.empty()) fault_.fault += ": " + last_line;
+    if (const std::string last_line = last_line_of(captured_output_.get()); !last_line.empty())
+        fault_.fault += ": " + last_line;
     return fault_;
 }
 

@@ -12,9 +12,9 @@ namespace polhode {
 
 /// The result of a request.
 struct LineAnswer {
-    std::string line;              ///< without its line end
-    std::string fault;             ///< why there is no line, in one line; else empty
-    bool not_found = false;    ///< the program does not exist
+    std::string line;        ///< without its line end
+    std::string fault;       ///< why there is no line, in one line; else empty
+    bool not_found = false;  ///< the program does not exist
     bool timed_out = false;  ///< no answer within the time limit
 };
 

@@ -102,7 +102,9 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     return nearest.empty() ? std::string() : fmt::format("did you mean {}?", fmt::join(nearest, " or "));
 }
 
-std::string join_with_commas(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string join_with_commas(const std::vector<std::string>& words) {
+    return fmt::format("{}", fmt::join(words, ", "));
+}
 
 InputError::InputError(const std::string& file, const std::string& place, Rest rest)
     : std::runtime_error(one_line(file, 200) + ": " + (place.empty() ? "" : one_line(place, 300) + ": ") + rest.text),

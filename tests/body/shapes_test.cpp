@@ -243,8 +243,8 @@ RC_GTEST_PROP(Composite, PartsMakeTheWhole, ()) {
     const MassProperties<double> halves =
         composite<double>({placed(box(c / 2), {0, 0, c / 2}, none), placed(box(c / 2), {0, 0, -c / 2}, about_x)});
     expect_near(halves, box(c), 1e-14);
-    const MassProperties<double> cored =
-        composite<double>({body_from_density<double>(SolidSphere{1.5}, 2), body_from_density<double>(SolidSphere{0.75}, -2)});
+    const MassProperties<double> cored = composite<double>(
+        {body_from_density<double>(SolidSphere{1.5}, 2), body_from_density<double>(SolidSphere{0.75}, -2)});
     expect_near(cored, body_from_density<double>(HollowSphere{1.5, 0.75}, 2), 1e-14);
     // rotating the whole equals rotating each part
     const Vector3<double> position = any_vector(3);

@@ -9,8 +9,8 @@
 
 #include "check/battery.h"
 #include "check/check_files.h"
-#include "check/impact_faults.h"
 #include "check/file_errors.h"
+#include "check/impact_faults.h"
 #include "check/known_update.h"
 #include "integrators/method.h"
 #include "integrators/truth/reference.h"

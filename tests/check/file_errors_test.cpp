@@ -85,7 +85,7 @@ TEST(FileErrorAccumulator, AgreesWithTheErrorsOfTheTables) {
 TEST(FileErrorAccumulator, InBinary64AndInPiecesIsTheSameToRounding) {
     const Case c(5000);
     const FileErrors wide = compute_file_errors(c.scene, c.file, c.truth),
-                    narrow = compute_file_errors(c.scene, c.file, c.truth, ErrorArithmetic::binary64);
+                     narrow = compute_file_errors(c.scene, c.file, c.truth, ErrorArithmetic::binary64);
     std::vector<FileErrorAccumulator> pieces;
     for (std::size_t i = 0; i < 7; ++i) {
         const std::size_t begin = 5001 * i / 7, end = 5001 * (i + 1) / 7;

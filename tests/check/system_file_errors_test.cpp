@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "check/foreign_table.h"
 #include "check/file_errors.h"
+#include "check/foreign_table.h"
 #include "check/limits.h"
 #include "check/report.h"
 #include "text/message.h"

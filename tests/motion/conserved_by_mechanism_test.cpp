@@ -162,7 +162,8 @@ TEST(ConservedByMechanism, InFlight) {
     expect_kept("force, body axes", flying_pair({force_at({1, 2, 0}, Frame::body)}), {});
     expect_kept("drag of turning", flying_pair({Drag{{0.5, 0.5, 0.5}, 0, {}, "base"}}), {keeps_p});
     expect_kept("drag", flying_pair({Drag{{}, 0.5, {}, "base"}}), {});
-    expect_kept("a torsional spring", flying_pair({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}), {conserves_energy, keeps_p});
+    expect_kept("a torsional spring", flying_pair({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}),
+                {conserves_energy, keeps_p});
     expect_kept("a spring between the bodies",
                 flying_pair({PointSpring{"base", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
                 {conserves_energy, keeps_L, keeps_p});
@@ -196,7 +197,8 @@ TEST(ConservedByMechanism, HungOnAPoint) {
     expect_kept("at the origin, nothing acts", hung_pair(ball, {}, {}), {conserves_energy, keeps_L});
     expect_kept("at the origin, gravity", hung_pair(ball, {}, {}, {falling}), {conserves_energy, keeps_L_along});
     expect_kept("elsewhere, nothing acts", hung_pair(ball, {0, 1, 0}, {}), {conserves_energy, keeps_L_along});
-    expect_kept("under the origin, gravity", hung_pair(ball, {0, 0, -2}, {}, {falling}), {conserves_energy, keeps_L_along});
+    expect_kept("under the origin, gravity", hung_pair(ball, {0, 0, -2}, {}, {falling}),
+                {conserves_energy, keeps_L_along});
     expect_kept("beside the origin, gravity", hung_pair(ball, {1, 0, 0}, {}, {falling}), {conserves_energy});
     expect_kept("a torque about it", hung_pair(ball, {}, {}, {Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
     expect_kept("a torque across the vertical",
@@ -216,7 +218,8 @@ TEST(ConservedByMechanism, HungOnAPoint) {
 
 TEST(ConservedByMechanism, HungOnAnAxis) {
     const auto hinge = JointType::revolute;
-    expect_kept("gravity along it", hung_pair(hinge, {0, 0, 1}, {0, 0, 1}, {falling}), {conserves_energy, keeps_L_along});
+    expect_kept("gravity along it", hung_pair(hinge, {0, 0, 1}, {0, 0, 1}, {falling}),
+                {conserves_energy, keeps_L_along});
     expect_kept("gravity across it", hung_pair(hinge, {}, {1, 0, 0}, {falling}), {conserves_energy});
     expect_kept("nothing acts", hung_pair(hinge, {}, {1, 0, 0}), {conserves_energy, keeps_L_along});
     expect_kept("beside the origin", hung_pair(hinge, {0, 1, 0}, {1, 0, 0}), {conserves_energy});

@@ -273,7 +273,8 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     keys.insert(keys.end(), e.kind->reads.begin(), e.kind->reads.end());
     root.require_known_keys(keys);
     for (const auto& [key, list] : {std::pair{"scenes", &e.scenes}, std::pair{"methods", &e.methods}})
-        if (e.kind->conclude || root.find(key)) *list = strings(root.require_member(key, fmt::format("a list of {}", key)));
+        if (e.kind->conclude || root.find(key))
+            *list = strings(root.require_member(key, fmt::format("a list of {}", key)));
     if (const JsonNode* node = root.find("settings")) {
         node->require_known_keys(keys_of(experiment_keys(), "settings"));
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");

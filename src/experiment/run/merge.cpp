@@ -55,7 +55,8 @@ Record read_record(const std::string& path) {
     root.require_known_keys({"file", "quick", "program", "text"});
     return {root.require_member("file", "the experiment's name or file").string(),
             root.require_member("text", "the experiment's text").string(),
-            root.require_member("program", "the program's key").string(), root.require_member("quick", "true or false").boolean()};
+            root.require_member("program", "the program's key").string(),
+            root.require_member("quick", "true or false").boolean()};
 }
 
 std::string cases_folder(const std::string& directory) { return (fs::path(directory) / ".cases").string(); }

@@ -723,6 +723,69 @@ void add_diagnosis(std::vector<Diagnosis>& diagnoses, const SystemExplanation& e
          e.hypothesis->convention, was, is});
 }
 
+// Tests pairs of faults and diagnoses the first pair in which both faults are needed.
+void diagnose_pair(const SystemSearch& search, const std::vector<SystemExplanation>& singles,
+                   const SystemExplanation& sound, std::vector<Diagnosis>& diagnoses) {
+    constexpr std::size_t tested_firsts = 4;
+    std::vector<SystemExplanation> firsts = singles;
+    std::ranges::stable_sort(firsts, {}, [](const SystemExplanation& e) { return e.errors.squares; });
+    for (std::size_t i = 0; i < std::min(tested_firsts, firsts.size()); ++i) {
+        const SystemExplanation& first = firsts[i];
+        if (!(first.errors.squares < sound.errors.squares)) break;
+        const std::optional<SystemExplanation> second = search.second(first);
+        if (!second || first.errors.total - second->errors.total < fitted_gain) continue;
+        // refit the first fault together with the second
+        const std::optional<SystemExplanation> again = search.refit_with(first, *second);
+        if (!again || sound.errors.total - again->errors.total < required_gain(*again) + required_gain(*second) ||
+            !search.is_distinct(*again, {*second}) || !search.is_distinct(*second, {*again}))
+            continue;
+        add_diagnosis(diagnoses, *again, sound, ""), add_diagnosis(diagnoses, *second, first, "");
+        return;
+    }
+}
+
+// Selects the accepted faults that are nearly as good as the best one, in the order of preference.
+std::vector<SystemExplanation> select_near(const std::vector<SystemExplanation>& accepted) {
+    // a fixed number is preferred to an equally good fitted one
+    const double limit = accepted.front().errors.total + alike_within;
+    std::vector<SystemExplanation> near;
+    for (const SystemExplanation& e : accepted)
+        if (e.errors.total <= limit || (!e.hypothesis->fit && e.errors.total <= limit + 0.5)) near.push_back(e);
+    // a wrong size of something in the scene is preferred to something that the scene does not have
+    std::ranges::stable_sort(near, {}, [](const SystemExplanation& e) {
+        return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0;
+    });
+    // gravity on all bodies includes gravity on the one body whose weight matters
+    const auto is_gravity = [](const SystemExplanation& e, bool of_body) {
+        return e.hypothesis->subject == Subject::gravity &&
+               e.hypothesis->fault.starts_with("gravity_on_body") == of_body;
+    };
+    if (std::ranges::any_of(near, [&](const SystemExplanation& e) { return is_gravity(e, false); }))
+        std::erase_if(near, [&](const SystemExplanation& e) { return is_gravity(e, true); });
+    return near;
+}
+
+// Diagnoses the first fault of `near`, with a second fault or with the faults that are indistinguishable from it: those
+// with a prediction error of at most `limit` decades.
+void diagnose_single(const SystemSearch& search, const std::vector<SystemExplanation>& near,
+                     const SystemExplanation& sound, double limit, std::vector<Diagnosis>& diagnoses) {
+    const SystemExplanation& best = near.front();
+    const std::optional<SystemExplanation> second = search.second(best);
+    if (second && best.errors.total - second->errors.total >= fitted_gain && search.is_distinct(*second, {best})) {
+        add_diagnosis(diagnoses, best, sound, ""), add_diagnosis(diagnoses, *second, best, "");
+        return;
+    }
+    std::string also;
+    std::vector<const SystemExplanation*> others;
+    for (const SystemExplanation& e : near)
+        if (&e != &best && e.errors.total <= limit &&
+            e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
+            others.push_back(&e), also += (also.empty() ? "" : "; or ") + describe_system_fault(e);
+    add_diagnosis(diagnoses, best, sound, also.empty() ? "" : "; in this file indistinguishable from: " + also);
+    for (const SystemExplanation* e : others)
+        add_diagnosis(diagnoses, *e, sound, "; in this file indistinguishable from the previous diagnosis");
+}
+
 }  // namespace
 
 FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bool all) {
@@ -753,57 +816,11 @@ FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bo
     std::vector<SystemExplanation> accepted;
     for (const SystemExplanation& e : singles)
         if (sound.errors.total - e.errors.total >= required_gain(e) && search.is_distinct(e, {})) accepted.push_back(e);
-    if (accepted.empty()) {
-        // test pairs if no single fault explains enough
-        constexpr std::size_t beam = 4;
-        std::vector<SystemExplanation> firsts = singles;
-        std::ranges::stable_sort(firsts, {}, [](const SystemExplanation& e) { return e.errors.squares; });
-        for (std::size_t i = 0; i < std::min(beam, firsts.size()); ++i) {
-            const SystemExplanation& first = firsts[i];
-            if (!(first.errors.squares < sound.errors.squares)) break;
-            const std::optional<SystemExplanation> second = search.second(first);
-            if (!second || first.errors.total - second->errors.total < fitted_gain) continue;
-            // refit the first fault together with the second
-            const std::optional<SystemExplanation> again = search.refit_with(first, *second);
-            if (!again || sound.errors.total - again->errors.total < required_gain(*again) + required_gain(*second) ||
-                !search.is_distinct(*again, {*second}) || !search.is_distinct(*second, {*again}))
-                continue;
-            add_diagnosis(result.faults, *again, sound, ""), add_diagnosis(result.faults, *second, first, "");
-            return result;
-        }
-        return result;
-    }
-    // a fixed number is preferred to an equally good fitted one
-    const double limit = accepted.front().errors.total + alike_within;
-    std::vector<SystemExplanation> near;
-    for (const SystemExplanation& e : accepted)
-        if (e.errors.total <= limit || (!e.hypothesis->fit && e.errors.total <= limit + 0.5)) near.push_back(e);
-    // a wrong size of something in the scene is preferred to something that the scene does not have
-    std::ranges::stable_sort(near, {}, [](const SystemExplanation& e) {
-        return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0;
-    });
-    // gravity on all bodies includes gravity on the one body whose weight matters
-    const auto is_gravity = [](const SystemExplanation& e, bool of_body) {
-        return e.hypothesis->subject == Subject::gravity &&
-               e.hypothesis->fault.starts_with("gravity_on_body") == of_body;
-    };
-    if (std::ranges::any_of(near, [&](const SystemExplanation& e) { return is_gravity(e, false); }))
-        std::erase_if(near, [&](const SystemExplanation& e) { return is_gravity(e, true); });
-    const SystemExplanation& best = near.front();
-    const std::optional<SystemExplanation> second = search.second(best);
-    if (second && best.errors.total - second->errors.total >= fitted_gain && search.is_distinct(*second, {best})) {
-        add_diagnosis(result.faults, best, sound, ""), add_diagnosis(result.faults, *second, best, "");
-        return result;
-    }
-    std::string also;
-    std::vector<const SystemExplanation*> others;
-    for (const SystemExplanation& e : near)
-        if (&e != &best && e.errors.total <= limit &&
-            e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
-            others.push_back(&e), also += (also.empty() ? "" : "; or ") + describe_system_fault(e);
-    add_diagnosis(result.faults, best, sound, also.empty() ? "" : "; in this file indistinguishable from: " + also);
-    for (const SystemExplanation* e : others)
-        add_diagnosis(result.faults, *e, sound, "; in this file indistinguishable from the previous diagnosis");
+    if (accepted.empty())
+        diagnose_pair(search, singles, sound, result.faults);
+    else
+        diagnose_single(search, select_near(accepted), sound, accepted.front().errors.total + alike_within,
+                        result.faults);
     return result;
 }
 

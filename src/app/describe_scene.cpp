@@ -27,7 +27,7 @@ using namespace description;
 
 constexpr double heavy_mesh = 1e5;  // kg
 
-std::string made_of(const BodyDefinition& source) {
+std::string describe_definition(const BodyDefinition& source) {
     struct Words {
         std::string operator()(const NumericBody&) const { return "mass and inertia"; }
         std::string operator()(const ShapedBody& b) const {
@@ -53,9 +53,9 @@ void momentum_direction(Report& report, const Problem& problem) {
 void mass_properties(Report& report, const Problem& problem) {
     const Body& body = problem.scene.body;
     report.title("Mass properties");
-    if (body.source) report.line("defined by", made_of(body.source->made_of));
+    if (body.source) report.line("defined by", describe_definition(body.source->definition));
     report.line("mass", number(body.mass) + " kg");
-    if (body.source && std::holds_alternative<MeshBody>(body.source->made_of) && body.mass > heavy_mesh)
+    if (body.source && std::holds_alternative<MeshBody>(body.source->definition) && body.mass > heavy_mesh)
         report.line("", "heavier than 1e5 kg: if the file's coordinates are in millimetres, give \"scale\": 0.001");
     report.line("centre of mass", text(body.center_of_mass) + " m, from the body's origin");
     report.line("inertia about it", text(body.inertia_B) + " kg m^2, body axes");

@@ -32,6 +32,8 @@ struct ImpactBody {
         angular_velocity_W = angular_velocity_W + inverse_inertia_W * cross(point_W - position_W, impulse_W);
     }
 };
+template <class S>
+using StruckBody [[deprecated("renamed to ImpactBody")]] = ImpactBody<S>;
 
 /// A contact of two bodies. The normal is a unit vector from the second body to the first.
 template <class S>

@@ -378,7 +378,7 @@ struct SourceWriter {
         std::string text = "\"parts\": [";
         for (const PartsBody::Part& part : b.parts) {
             text += fmt::format("{}\n      {{{}, \"position\": {}, \"orientation\": {}}}",
-                                &part == &b.parts.front() ? "" : ",", std::visit(*this, part.body->made_of),
+                                &part == &b.parts.front() ? "" : ",", std::visit(*this, part.body->definition),
                                 write_json(part.position), write_json(part.orientation));
         }
         return text + "\n    ]";
@@ -392,7 +392,7 @@ Body parse_body(const JsonNode& node, const std::string& directory) {
 }
 
 std::string write_body(const Body& body) {
-    if (body.parse_source) return std::visit(SourceWriter{}, body.parse_source->made_of);
+    if (body.parse_source) return std::visit(SourceWriter{}, body.parse_source->definition);
     return SourceWriter{}(NumericBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 

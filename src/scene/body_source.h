@@ -72,9 +72,13 @@ struct ImportedBody {
 
 using BodyDefinition = std::variant<NumericBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
 
+using GivenBody [[deprecated("renamed to NumericBody")]] = NumericBody;
+using EulerTurn [[deprecated("renamed to EulerRotation")]] = EulerRotation;
+using MadeOf [[deprecated("renamed to BodyDefinition")]] = BodyDefinition;
+
 /// The description of a body and its mass properties.
 struct BodySource {
-    BodyDefinition made_of;
+    BodyDefinition definition;
     MassProperties<Wide> wide;  ///< the resulting mass properties, to 113 bits
 };
 
@@ -142,7 +146,7 @@ MassProperties<S> mass_properties(const BodySource& source) {
     } else if constexpr (std::is_same_v<S, double>) {
         return {double(source.wide.mass), cast<double>(source.wide.center), cast<double>(source.wide.inertia)};
     } else {
-        return std::visit(MassPropertiesOf<S>{}, source.made_of);
+        return std::visit(MassPropertiesOf<S>{}, source.definition);
     }
 }
 
@@ -163,7 +167,7 @@ MassProperties<S> mass_properties(const Body& body) {
 }
 
 /// Creates a source with its mass properties.
-std::shared_ptr<const BodySource> body_source(BodyDefinition made_of);
+std::shared_ptr<const BodySource> body_source(BodyDefinition definition);
 
 /// The scene body of this source, with each number rounded once. Does not check that the numbers are physical: see
 /// validate().

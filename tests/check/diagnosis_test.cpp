@@ -62,10 +62,10 @@ TEST(Diagnosis, ALoadOfTheWrongSizeIsToldBeforeAMass) {
         std::get<Force>(given.loads[0]).vector = factor * std::get<Force>(scene.loads[0]).vector;
         const auto found =
             diagnose(scene, battery::run<double>(given, {}, EngineKind::world_rate, 1.0 / 90, 1, 180)).faults;
-        const std::vector<std::string> told = words(found);
-        ASSERT_FALSE(told.empty()) << factor;
-        EXPECT_EQ(told[0], "force_scaled") << factor;
-        EXPECT_TRUE(factor == 0.04 || std::ranges::find(told, "density_scaled") != told.end()) << factor;
+        const std::vector<std::string> found_words = words(found);
+        ASSERT_FALSE(found_words.empty()) << factor;
+        EXPECT_EQ(found_words[0], "force_scaled") << factor;
+        EXPECT_TRUE(factor == 0.04 || std::ranges::find(found_words, "density_scaled") != found_words.end()) << factor;
         EXPECT_EQ(found[0].message.find("one of 4 substeps") != std::string::npos, factor == 0.25);
     }
 }
@@ -98,11 +98,11 @@ TEST(Diagnosis, APermutationThatLaterRowsRefuteIsNotTold) {
         for (const double hertz : {90.0, 250.0}) {
             Knobs knobs;
             knobs.tensor = tensor;
-            const std::vector<std::string> told =
+            const std::vector<std::string> found_words =
                 words(diagnose(scene, battery::run<double>(scene, knobs, EngineKind::world_rate, 1 / hertz, 1,
                                                            static_cast<int>(2 * hertz)))
                           .faults);
-            EXPECT_EQ(told, std::vector<std::string>{word}) << hertz;
+            EXPECT_EQ(found_words, std::vector<std::string>{word}) << hertz;
         }
 }
 
@@ -141,10 +141,10 @@ TEST(Diagnosis, TermsThatTheOriginsAccelerationLacksAreTold) {
                     std::vector<std::string> wanted;
                     if (!centripetal) wanted.push_back("origin_without_centripetal_term");
                     if (!euler) wanted.push_back("origin_without_euler_term");
-                    std::vector<std::string> told =
+                    std::vector<std::string> found_words =
                         words(diagnose(scene, battery::run<double>(scene, knobs, kind, 1 / hertz, 1, 120)).faults);
-                    std::ranges::sort(told);
-                    EXPECT_EQ(told, wanted) << hertz << static_cast<int>(kind);
+                    std::ranges::sort(found_words);
+                    EXPECT_EQ(found_words, wanted) << hertz << static_cast<int>(kind);
                 }
 }
 
@@ -164,9 +164,9 @@ TEST(Diagnosis, VelocitiesOfTheOriginAreTold) {
                 if (named_origin) file.has_position = false, file.has_origin = true;
                 // not a known fault: ox,oy,oz hold the centre of mass, and vx,vy,vz the velocity of the origin
                 if (named_origin && !position) continue;
-                const std::vector<std::string> told = words(diagnose(scene, file).faults);
-                EXPECT_EQ(told, std::vector<std::string>{position && !named_origin ? "origin_for_center_of_mass"
-                                                                                   : "velocity_of_origin"})
+                const std::vector<std::string> found_words = words(diagnose(scene, file).faults);
+                EXPECT_EQ(found_words, std::vector<std::string>{position && !named_origin ? "origin_for_center_of_mass"
+                                                                                          : "velocity_of_origin"})
                     << has_rate << named_origin << position;
             }
 }

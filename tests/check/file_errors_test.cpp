@@ -35,11 +35,11 @@ struct Case {
             ReferenceSample s;
             const Quaternion<double> q{std::cos(t), 0, 0, std::sin(t)};
             const Vector3<double> w{0, 0, 2}, p{t, 0, 50 - 4.9 * t * t}, v{1, 0, -9.8 * t};
-            const Invariants<double> kept = invariants(scene, body, t, q, w, p, v);
-            s.t = t, s.q = {q.w, q.x, q.y, q.z}, s.energy = kept.energy;
+            const Invariants<double> exact_values = invariants(scene, body, t, q, w, p, v);
+            s.t = t, s.q = {q.w, q.x, q.y, q.z}, s.energy = exact_values.energy;
             for (int i = 0; i < 3; ++i) {
                 s.angular_velocity_B[i] = w[i], s.position_W[i] = p[i], s.velocity_W[i] = v[i];
-                s.angular_momentum_W[i] = kept.angular_momentum_W[i];
+                s.angular_momentum_W[i] = exact_values.angular_momentum_W[i];
             }
             truth.samples.push_back(s);
             const double size = 1 + off;

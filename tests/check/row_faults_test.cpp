@@ -36,7 +36,7 @@ TrajectoryFile shown(const TrajectoryFile& steps, double frames, bool interpolat
     return file;
 }
 
-std::string told(const Scene& scene, const TrajectoryFile& file) {
+std::string describe_faults(const Scene& scene, const TrajectoryFile& file) {
     std::string faults;
     for (const Diagnosis& d : diagnose(scene, file).faults) faults += d.fault + " ";
     return faults;
@@ -48,8 +48,8 @@ TEST(RowFaults, RowsBetweenStepsAreTold) {
         const TrajectoryFile steps = steps_of(scene, 60, 200);
         EXPECT_TRUE(rows_between_steps(steps).empty()) << scene.name;
         for (const double frames : {144.0, 165.0, 240.0}) {
-            EXPECT_EQ(told(scene, shown(steps, frames, false)), "rows_repeated ") << scene.name << frames;
-            EXPECT_EQ(told(scene, shown(steps, frames, true)), "rows_interpolated ") << scene.name << frames;
+            EXPECT_EQ(describe_faults(scene, shown(steps, frames, false)), "rows_repeated ") << scene.name << frames;
+            EXPECT_EQ(describe_faults(scene, shown(steps, frames, true)), "rows_interpolated ") << scene.name << frames;
             ++seen;
         }
     }

@@ -86,9 +86,9 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
     const ErrorLimits limits(h.scene);
     EXPECT_TRUE(limits.refuses(found));
     const std::string text = check_text(limits, {checked});
-    for (const char* said :
+    for (const char* message_part :
          {"joint gap", "at joint hinge", "worst body        left", "run.csv: failed: attitude error "})
-        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
+        EXPECT_NE(text.find(message_part), std::string::npos) << message_part << "\n" << text;
     const std::string json = check_json(h.scene, limits, {checked});
     for (const char* key : {"\"joint_gap_max\"", "\"worst_body\": \"left\"", "\"joint_turn_worst\": \"hinge\""})
         EXPECT_NE(json.find(key), std::string::npos) << key << "\n" << json;

@@ -208,12 +208,12 @@ TEST(BodyFile, AnglesOfMjcfAreReadByItsCompiler) {
         return body_of(body_source(parse_robot_body(text, "m.xml", "b")));
     };
     // degrees and the rotating axes x, y, z are the defaults
-    const Body told = body("<compiler angle='degree' eulerseq='xyz'/>", "30 40 50");
-    expect_same(body("", "30 40 50"), told, 0);
-    expect_same(body("<compiler angle='radian'/>", "0.5235987755982988 0.6981317007977318 0.8726646259971648"), told,
-                1e-15);
+    const Body from_degrees = body("<compiler angle='degree' eulerseq='xyz'/>", "30 40 50");
+    expect_same(body("", "30 40 50"), from_degrees, 0);
+    expect_same(body("<compiler angle='radian'/>", "0.5235987755982988 0.6981317007977318 0.8726646259971648"),
+                from_degrees, 1e-15);
     // fixed axes in the opposite order
-    expect_same(body("<compiler eulerseq='ZYX'/>", "50 40 30"), told, 1e-15);
+    expect_same(body("<compiler eulerseq='ZYX'/>", "50 40 30"), from_degrees, 1e-15);
     EXPECT_THROW(body("<compiler eulerseq='xyZ'/>", "1 2 3"), InputError);
 }
 

@@ -160,10 +160,10 @@ std::string shown_label(const std::string& label) {
 
 // Approximate memory of the meshes of a body, in bytes.
 std::size_t bytes_of_meshes(const BodySource& source) {
-    if (const auto* mesh = std::get_if<MeshBody>(&source.made_of))
+    if (const auto* mesh = std::get_if<MeshBody>(&source.definition))
         return mesh->mesh.vertices.size() * sizeof(Vector3<double>) + mesh->mesh.triangles.size() * 3 * sizeof(int);
     std::size_t bytes = 0;
-    if (const auto* parts = std::get_if<PartsBody>(&source.made_of))
+    if (const auto* parts = std::get_if<PartsBody>(&source.definition))
         for (const PartsBody::Part& part : parts->parts) bytes += bytes_of_meshes(*part.body);
     return bytes;
 }

@@ -48,7 +48,7 @@ struct Hinged {
     }
 };
 
-TEST(JudgeOfSeveralBodies, FindsTheTruthRightToRounding) {
+TEST(SystemFileErrors, FindsTheTruthRightToRounding) {
     const Hinged h;
     const FileErrors found = compute_file_errors(h.scene, h.file, h.truth);
     for (std::size_t m = 0; m < measures().size(); ++m) {
@@ -64,7 +64,7 @@ TEST(JudgeOfSeveralBodies, FindsTheTruthRightToRounding) {
     EXPECT_FALSE(ErrorLimits(h.scene).refuses(found));
 }
 
-TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
+TEST(SystemFileErrors, NamesTheWorstBodyAndTheWorstJoint) {
     Hinged h;
     TrajectoryRow& row = h.file.rows[2 * 30 + 1];
     const double t = row.t, ahead = 0.125;
@@ -94,7 +94,7 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
         EXPECT_NE(json.find(key), std::string::npos) << key << "\n" << json;
 }
 
-TEST(JudgeOfSeveralBodies, JointsHaveLimits) {
+TEST(SystemFileErrors, JointsHaveLimits) {
     Hinged h;
     h.file.rows[2 * 10].position_W[2] = 0.005;
     const FileErrors found = compute_file_errors(h.scene, h.file, h.truth);
@@ -120,7 +120,7 @@ TEST(JudgeOfSeveralBodies, JointsHaveLimits) {
     EXPECT_THROW(validate(one, "one"), InputError);
 }
 
-TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {
+TEST(SystemFileErrors, JudgesOnlyWhatTheColumnsTell) {
     Hinged h;
     h.file.has_velocity = false;
     for (TrajectoryRow& row : h.file.rows) row.velocity_W = {};

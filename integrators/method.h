@@ -92,7 +92,7 @@ struct Method {
     std::string_view conserves{};     ///< invariants that it preserves by construction: "nothing", "|q|", ..
     Control control = Control::none;  ///< which accuracy setting it takes
     bool planes = false;              ///< supports impacts on planes; otherwise scenes with planes are `unsupported`
-    /// Supports systems other than one body (motion/own_system.h); otherwise they are `unsupported`.
+    /// Supports systems other than one body (motion/user_system.h); otherwise they are `unsupported`.
     bool general_systems = false;
     int order = 0;  ///< claimed order at a fixed step; 0 = variable. Measured by tests/integrators/order_test.cpp
     /// Solves a problem. Called once per trajectory, with settings that solve() has validated.

@@ -88,7 +88,7 @@ Conditioning run(const Problem& problem, const std::vector<double>& times, const
             result.budget_spent = ++result.steps > max_steps;
             if (result.budget_spent)
                 return fail(fmt::format("stopped at the limit of {} steps, at t = {:g} s", max_steps, session.time()));
-            if (Interruption::is_wanted()) return fail("interrupted");
+            if (Interruption::is_requested()) return fail("interrupted");
             if (processor_time() > end)
                 return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
             if (const int flag = session.step(); flag < 0) return fail(session.failure(flag).message);

@@ -1,8 +1,8 @@
 // Conditioning of a mechanism by its variational equation.
 //
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
-// advances both by DOP853 with step control. Dual numbers give df/dy S, own_directions columns per evaluation. Norms
-// are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
+// advances both by DOP853 with step control. Dual numbers give df/dy S, jacobian_directions columns per evaluation.
+// Norms are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
 #include "integrators/analysis/conditioning_of_mechanism.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@
 #include "integrators/series/linear_algebra.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 #include "text/interruption.h"
 
 namespace polhode {
@@ -50,17 +50,17 @@ class Variation {
     int size() const { return model_->dimension(); }
     int columns() const { return static_cast<int>(S_.cols()); }
     bool mixed() const { return mixed_; }
-    double work_of_a_step() const { return size() * std::ceil(static_cast<double>(columns()) / own_directions); }
+    double work_of_a_step() const { return size() * std::ceil(static_cast<double>(columns()) / jacobian_directions); }
 
     // Processes an event: an impulse changes y, and S by its derivative.
     void enter(double t) {
         std::vector<double> y = y_;
-        std::shared_ptr<const ErasedModel> next = model_->entered(t, y.data());
+        std::shared_ptr<const ErasedModel> next = model_->enter_event(t, y.data());
         if (!next) return;
         if (y != y_) {
             const Matrix before = S_;
             for (int c = 0; c < columns(); ++c)
-                S_.col(c) = difference_along(before.col(c), [&](double* moved) { model_->entered(t, moved); });
+                S_.col(c) = difference_along(before.col(c), [&](double* moved) { model_->enter_event(t, moved); });
         }
         y_ = std::move(y), model_ = std::move(next);
     }
@@ -232,13 +232,13 @@ class Variation {
     }
 
     void rate(const std::vector<double>& y, const Matrix& S, std::vector<double>& dy, Matrix& dS) const {
-        using D = Dual<own_directions>;
+        using D = Dual<jacobian_directions>;
         const int n = size(), m = columns();
         dy.resize(y.size()), dS.resize(n, m);
         std::vector<D> state(y.size()), slope(y.size());
         if (m == 0) model_->derivative(y.data(), dy.data());
-        for (int first = 0; first < m; first += own_directions) {
-            const int last = std::min(m, first + own_directions);
+        for (int first = 0; first < m; first += jacobian_directions) {
+            const int last = std::min(m, first + jacobian_directions);
             for (int i = 0; i < n; ++i) {
                 D& one = state[static_cast<std::size_t>(i)];
                 one = D(y[static_cast<std::size_t>(i)]);
@@ -306,7 +306,7 @@ Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector
                 result.budget_spent = static_cast<double>(++result.steps) > most_steps;
                 if (result.budget_spent)
                     return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", most_steps, t));
-                if (Interruption::is_wanted()) return fail("interrupted");
+                if (Interruption::is_requested()) return fail("interrupted");
                 if (processor_time() > end)
                     return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
                 const double left = stop - t;

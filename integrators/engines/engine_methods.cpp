@@ -102,12 +102,12 @@ struct AskedEngine {
     }
     // Returns whether there is an answer to read; otherwise sets the trajectory's status and message.
     bool answered(const LineAnswer& said, const EngineHello& hello, Trajectory& trajectory) const {
-        if (said.was_not_found || !hello.missing.empty()) {
+        if (said.not_found || !hello.missing.empty()) {
             trajectory = unsupported(fmt::format("{} is not available: {}", entry.name,
                                                  hello.missing.empty() ? "it needs " + entry.needs : hello.missing));
             return false;
         }
-        trajectory.message = said.fault, trajectory.limit_reached = said.was_out_of_time;
+        trajectory.message = said.fault, trajectory.limit_reached = said.timed_out;
         return said.fault.empty();
     }
     void sign(Trajectory& trajectory) const {
@@ -129,16 +129,17 @@ void require_name(const JsonNode& node) {
     const bool is_name = !name.empty() && std::ranges::all_of(name, [](char c) {
         return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
     });
-    if (!is_name) node.fail(node.described(), "letters, digits and _");
+    if (!is_name) node.fail(node.describe(), "letters, digits and _");
 }
 
 EngineEntry read_entry(const JsonNode& node, const std::string& here) {
-    node.only({"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
+    node.require_known_keys(
+        {"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
     EngineEntry entry;
-    const JsonNode& name = node.required("name", "the engine's name");
+    const JsonNode& name = node.require_member("name", "the engine's name");
     require_name(name);
     entry.name = name.string();
-    entry.command = words(node.required("command", "the program and its arguments"));
+    entry.command = words(node.require_member("command", "the program and its arguments"));
     for (std::string& word : entry.command)
         for (std::size_t at = 0; (at = word.find("{here}", at)) != std::string::npos; at += here.size())
             word.replace(at, 6, here);
@@ -150,11 +151,11 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
     if (const JsonNode* by_step = node.find("by_step")) {
         entry.by_step = words(*by_step);
         if (entry.settings.size() > 1)
-            node.find("settings")->fail(node.find("settings")->described(), "give one setting only with by_step");
+            node.find("settings")->fail(node.find("settings")->describe(), "give one setting only with by_step");
     }
     if (const JsonNode* precision = node.find("precision")) {
         if (precision->string() != "binary32" && precision->string() != "binary64")
-            precision->fail(precision->described(), "\"binary32\" or \"binary64\"");
+            precision->fail(precision->describe(), "\"binary32\" or \"binary64\"");
         if (precision->string() == "binary32") entry.precision = Precision::binary32;
     }
     if (const JsonNode* planes = node.find("planes")) entry.planes = planes->boolean();
@@ -169,7 +170,7 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
 EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
     EngineReport report;
     const LineAnswer said = asked.session->greet(report.hello);
-    report.fault = said.was_not_found   ? "it needs " + asked.entry.needs
+    report.fault = said.not_found       ? "it needs " + asked.entry.needs
                    : said.fault.empty() ? report.hello.missing
                                         : said.fault;
     if (!problem || !report.fault.empty()) return report;
@@ -210,9 +211,9 @@ std::vector<EngineMethod> read_engines(const std::string& path) { return parse_e
 std::vector<EngineMethod> parse_engines(std::string_view text, const std::string& path) {
     const std::string here = std::filesystem::absolute(path).parent_path().string();
     const JsonDocument document(text, path);
-    document.root().only({"engines"});
+    document.root().require_known_keys({"engines"});
     std::vector<EngineMethod> all;
-    for (const JsonNode* node : document.root().required("engines", "a list of engines").elements()) {
+    for (const JsonNode* node : document.root().require_member("engines", "a list of engines").elements()) {
         const EngineEntry entry = read_entry(*node, here);
         const auto session = std::make_shared<EngineSession>(entry.command);
         for (const std::string& setting : entry.settings) {

@@ -36,7 +36,7 @@ LineAnswer EngineSession::take(Running& running) {
     } catch (const std::invalid_argument& error) {
         first.fault = program_name(command_.front()) + " " + error.what();
     }
-    if (first.was_not_found || !running.hello.missing.empty()) {
+    if (first.not_found || !running.hello.missing.empty()) {
         const std::scoped_lock lock(mutex_);
         absent_ = {first, running.hello};
     }
@@ -45,7 +45,7 @@ LineAnswer EngineSession::take(Running& running) {
 
 void EngineSession::give_back(Running running) {
     const std::scoped_lock lock(mutex_);
-    if (running.process && running.process->alive()) idle_.push_back(std::move(running));
+    if (running.process && running.process->is_alive()) idle_.push_back(std::move(running));
 }
 
 LineAnswer EngineSession::greet(EngineHello& hello) {
@@ -60,7 +60,7 @@ LineAnswer EngineSession::ask(const std::string& request, double seconds, Engine
     if (unanswered_ >= silences) {
         LineAnswer none;
         none.fault = program_name(command_.front()) + " received no request: its last requests timed out";
-        none.was_out_of_time = true;
+        none.timed_out = true;
         return none;
     }
     Running running;
@@ -68,7 +68,7 @@ LineAnswer EngineSession::ask(const std::string& request, double seconds, Engine
     hello = running.hello;
     if (!answer.fault.empty() || !hello.missing.empty()) return answer;
     answer = running.process->ask(request, std::chrono::duration<double>(seconds));
-    if (answer.was_out_of_time)
+    if (answer.timed_out)
         ++unanswered_;
     else
         unanswered_ = 0;

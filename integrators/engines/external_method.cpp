@@ -70,7 +70,7 @@ Trajectory run(const EngineCommand& command, const Problem& problem, const Setti
         trajectory.seconds += child.seconds;
     }
     trajectory.seconds /= settings.repetitions;
-    trajectory.message = child.fault, trajectory.limit_reached = child.was_out_of_time;
+    trajectory.message = child.fault, trajectory.limit_reached = child.timed_out;
     if (!child.fault.empty()) return trajectory;
     try {
         const std::string name = one_line(arguments.front(), 100);

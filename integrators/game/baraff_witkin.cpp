@@ -41,7 +41,7 @@ class BaraffWitkin {
         loads_.enter(segment);
         const Auxiliary now = auxiliary(y_);
         Vector3<S> L = vector_at(y_.data(), 10), v = now.v;
-        WorldLoads<S>::strike(*problem_, segment, now.R, now.x, L, v);
+        WorldLoads<S>::apply_impulses(*problem_, segment, now.R, now.x, L, v);
         if (segment.impulses.empty()) return;
         put(y_.data(), 7, mass_ * v);
         put(y_.data(), 10, L);

@@ -32,7 +32,7 @@ class EngineState {
         if (segment.impulses.empty()) return;
         const Matrix3<S> R = rotation_matrix(q_);
         Vector3<S> kick;
-        WorldLoads<S>::strike(*problem_, segment, R, x_, kick, v_);
+        WorldLoads<S>::apply_impulses(*problem_, segment, R, x_, kick, v_);
         w_ = w_ + R * (inertia_.inverse * (transposed(R) * kick));
         place_at_pivot();
     }

@@ -37,7 +37,7 @@ class TurnedMatrix {
     void start(const Quaternion<S>& q) { A_ = rotation_matrix(q); }
     void turn(const Vector3<S>& w, S h) { A_ = A_ + skew(h * w) * A_; }
     void mend() {
-        if constexpr (mended) A_ = reorthogonalised(A_);
+        if constexpr (mended) A_ = reorthogonalise(A_);
     }
     const Matrix3<S>& matrix() const { return A_; }
     Quaternion<double> quaternion() const {
@@ -86,7 +86,7 @@ class AccumulatedVertices {
     void turn(const Vector3<S>& w, S h) {
         vertices_ = rotation_matrix(quaternion_from_rotation_vector(h * w)) * vertices_;
     }
-    void mend() { A_ = reorthogonalised(vertices_); }
+    void mend() { A_ = reorthogonalise(vertices_); }
     const Matrix3<S>& matrix() const { return A_; }
     Quaternion<double> quaternion() const { return quaternion_from_rotation(cast<double>(A_)); }
     double orthogonality_defect() const { return polhode::orthogonality_defect(cast<double>(vertices_)); }
@@ -158,7 +158,7 @@ class Fleck {
     void enter(const Segment& segment) {
         loads_.enter(segment);
         if (segment.impulses.empty()) return;
-        WorldLoads<S>::strike(*problem_, segment, attitude_.matrix(), x_, L_, v_);
+        WorldLoads<S>::apply_impulses(*problem_, segment, attitude_.matrix(), x_, L_, v_);
         find_angular_velocity();
     }
     [[gnu::flatten]] void step(double t, double step) {

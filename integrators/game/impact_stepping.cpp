@@ -67,7 +67,7 @@ class ImpactStepper {
         for (int i = 7; i < 10; ++i) y_[i] += h * y_[i + 3];
     }
     void strike(double t, double tolerance) {
-        if (strike_planes(*problem_, tolerance, y_.data()).struck) times_.push_back(t);
+        if (resolve_plane_impacts(*problem_, tolerance, y_.data()).has_impact) times_.push_back(t);
     }
     double distance() const { return problem_->body.geometry->distance(placement_of(y_.data())); }
 

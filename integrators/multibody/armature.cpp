@@ -24,7 +24,7 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
         const double* const d = armature.data() + (link.rate - all.coordinates);
         if (link.kind == LinkJoint::free) {
             w.inverse_mass = inverse(I.M);
-            w.inverse = inverse(I.J - polhode::turned(I.B, w.inverse_mass));
+            w.inverse = inverse(I.J - polhode::congruence(I.B, w.inverse_mass));
             continue;
         }
         Symmetric3<double> J, M;
@@ -35,8 +35,8 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
                 inverse(Symmetric3<double>{I.J.xx + d[0], I.J.yy + d[1], I.J.zz + d[2], I.J.xy, I.J.xz, I.J.yz});
             if (link.parent < 0) continue;
             const Matrix3<double> full = full_matrix(I.J);
-            J = I.J - polhode::turned(full, w.inverse);
-            M = I.M - polhode::turned(transposed(I.B), w.inverse);
+            J = I.J - polhode::congruence(full, w.inverse);
+            M = I.M - polhode::congruence(transposed(I.B), w.inverse);
             const Matrix3<double> gives = full * full_matrix(w.inverse) * I.B;
             for (int r = 0; r < 3; ++r) B[r] = I.B[r] - gives[r];
         } else {
@@ -53,7 +53,8 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
             J = I.J - outer(N, U_n), M = I.M - outer(F, U_f);
             for (int r = 0; r < 3; ++r) B[r] = I.B[r] - N[r] * U_f;
         }
-        hang(w, J, B, M, Vector3<double>(), Vector3<double>(), links_[static_cast<std::size_t>(link.parent)].inertia);
+        add_child_inertia(w, J, B, M, Vector3<double>(), Vector3<double>(),
+                          links_[static_cast<std::size_t>(link.parent)].inertia);
     }
 }
 

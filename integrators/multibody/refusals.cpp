@@ -27,7 +27,7 @@ std::string beyond_binary32(const Problem& problem) {
     constexpr double largest = std::numeric_limits<float>::max(), smallest = std::numeric_limits<float>::min();
     const auto holds = [&](double x) { return std::abs(x) <= largest; };
     const auto holds_well = [&](double x) { return holds(x) && holds(1 / x) && std::abs(x) >= smallest; };
-    for (const Carried<double>& body : mechanism_of(problem).tree().links().bodies) {
+    for (const LinkBody<double>& body : mechanism_of(problem).tree().links().bodies) {
         if (!holds_well(body.mass)) return fmt::format("binary32 cannot represent a mass of {:.3g}", body.mass);
         const Matrix3<double> inverse_inertia = inverse(body.inertia_B);
         for (int i = 0; i < 3; ++i)

@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 

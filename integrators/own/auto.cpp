@@ -24,7 +24,7 @@ bool favors_extrapolation(const Problem& problem, double tolerance) {
     constexpr double tight = 3e-12,
                      least = 1e-14;  // below it only rounding error remains, which series sum more carefully
     if (std::holds_alternative<OneBody>(problem.system) || tolerance < least) return false;
-    OwnSystem system(problem);
+    ErasedSystem system(problem);
     Numbers<run_time> y(system.size());
     system.initial(y.data());
     if (!problem.segments.empty()) system.enter(problem.segments.front(), y.data());

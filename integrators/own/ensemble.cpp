@@ -445,7 +445,7 @@ void EnsembleSolver::solve(std::span<const EnsembleBody> bodies, std::span<Ensem
     const std::size_t size = block(), blocks = (bodies.size() + size - 1) / size;
     const auto solve_block = [&](std::size_t i) {
         const std::size_t first = i * size, count = std::min(size, bodies.size() - first);
-        if (Interruption::is_wanted()) {
+        if (Interruption::is_requested()) {
             for (EnsembleRow& row : rows.subspan(first, count))
                 row.status = Status::failed, row.message = "interrupted";
             return;

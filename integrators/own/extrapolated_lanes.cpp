@@ -239,7 +239,7 @@ void ExtrapolatedLanes::advance(std::vector<LaneMotion>& motions, double span) {
         if (until_check == 0) {
             until_check = check_interval;
             // Interrupted motions keep the state from the start of the span; waiting ones are not started.
-            if (Interruption::is_wanted()) {
+            if (Interruption::is_requested()) {
                 for (const Register& r : registers_)
                     for (LaneMotion* const motion : r.motion)
                         if (motion) motion->end = LaneMotion::End::interrupted;

@@ -84,7 +84,7 @@ class MechanismLanes {
         std::vector<double> unused(n_);
         model_.initial(unused.data());
         model_.enter(leg.begin, unused.data());
-        for (LaneMotion& motion : motions_) model_.tree().strike(scene_, leg.begin, motion.y), motion.step = 0;
+        for (LaneMotion& motion : motions_) model_.tree().apply_impulses(scene_, leg.begin, motion.y), motion.step = 0;
         struct Form {
             const MechanismModel* model;
             void derivative(const Traced<double>* y, Traced<double>* dy) const { model->derivative(y, dy); }

@@ -32,7 +32,7 @@ struct LinearSystems {
     using Type = FourSystems<SystemType::dimension, SystemType::rates>;
 };
 template <>
-struct LinearSystems<OwnSystem> {
+struct LinearSystems<ErasedSystem> {
     using Type = DenseSystems;
 };
 
@@ -66,7 +66,7 @@ template <class SystemType>
                                                        int) {
     system.derivative(t, y, dy);
 }
-[[gnu::noinline]] inline void compute_stage_rates(const OwnSystem& system, double t, const Stages* y, Stages* dy,
+[[gnu::noinline]] inline void compute_stage_rates(const ErasedSystem& system, double t, const Stages* y, Stages* dy,
                                                   int stages) {
     Numbers<run_time> at(system.size()), rate(system.size());
     for (int j = 0; j < stages; ++j) {

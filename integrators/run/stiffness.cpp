@@ -7,7 +7,7 @@
 
 #include "integrators/method.h"
 #include "integrators/run/eigenvalues.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 namespace {
@@ -36,7 +36,7 @@ Stiffness initial_stiffness(const Problem& problem) {
     const bool damped =
         std::ranges::any_of(scene.joints, [](const Joint& j) { return j.damping[0] != 0 || j.damping[1] != 0; }) ||
         std::ranges::any_of(scene.loads, [](const Load& l) { return std::holds_alternative<Drag>(l); });
-    OwnSystem system(problem);
+    ErasedSystem system(problem);
     const int n = system.size();
     if (!damped || n > max_variables) return {};
     std::vector<double> y(static_cast<std::size_t>(n)), J(y.size() * y.size());

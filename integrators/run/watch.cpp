@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "integrators/run/processor_time.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 #include "text/interruption.h"
 
 namespace polhode {
@@ -48,7 +48,7 @@ bool Budget::check_time() {
     constexpr double check_interval = 0.01;  // s
     constexpr long most_steps = 1024;
     const double now = elapsed();
-    if (Interruption::is_wanted()) {
+    if (Interruption::is_requested()) {
         until_check_ = 1;
         message_ = "interrupted";
         return false;

@@ -78,11 +78,11 @@ class ImpactSession : public CvodeSession<SystemType> {
     bool strike() {
         pending_ = false;
         times_.push_back(this->time());
-        const ImpactOutcome outcome = strike_planes(*this->problem_, touching_, this->y());
+        const ImpactOutcome outcome = resolve_plane_impacts(*this->problem_, touching_, this->y());
         const char* why = nullptr;
         if (!outcome.resolved)
             why = "no impulses were found for simultaneous contacts";
-        else if (!outcome.struck || outcome.separation <= resting_speed(speed_scale_))
+        else if (!outcome.has_impact || outcome.separation <= resting_speed(speed_scale_))
             why = "the body comes to rest on a plane, and resting contact is not supported";
         else if (times_.size() > most_impacts)
             why = "too many impacts";

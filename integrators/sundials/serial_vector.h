@@ -10,7 +10,7 @@
 
 #include "integrators/sundials/fixed_dense_solver.h"
 #include "integrators/sundials/fixed_vector.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 

@@ -18,7 +18,7 @@ class Allowance {
     Allowance(const Allowance&) = delete;
     Allowance& operator=(const Allowance&) = delete;
 
-    static bool is_spent() { return processor_time() > end_ || Interruption::is_wanted(); }
+    static bool is_spent() { return processor_time() > end_ || Interruption::is_requested(); }
     static double left() { return end_ - processor_time(); }
     /// Fault reported by a run that stops at the limit.
     static constexpr const char* fault = "the time limit is reached";

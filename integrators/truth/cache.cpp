@@ -262,7 +262,7 @@ std::optional<Truth> read_cached(const std::string& key) {
     std::ifstream file(path, std::ios::binary);
     if (path.empty() || !file) return {};
     std::optional<Truth> truth = decode(key, std::string{std::istreambuf_iterator<char>(file), {}});
-    if (!truth) tell_damaged(path);
+    if (!truth) warn_damaged(path);
     return truth;
 }
 

@@ -27,7 +27,7 @@ class EulerFormWithPlanes : public EulerForm<P> {
     P max_speed(const P& w, const P& v) const { return v + geometry_.reach * w; }
     ImpactOutcome apply_impact(const P& tolerance, P* y) const {
         const Placement<P> at = placement(y);
-        StruckBody<P> body{P(1) / this->body().mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
+        ImpactBody<P> body{P(1) / this->body().mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
                            at.angular_velocity_W};
         const ImpactOutcome outcome = resolve_impact(body, geometry_.contacts(at, tolerance));
         const Vector3<P> jump_W = body.angular_velocity_W - at.angular_velocity_W;
@@ -78,7 +78,7 @@ class MomentumFormWithPlanes : public MomentumForm<P> {
             push(y, r, n, -(P(1) + contact.restitution) * before / response);
             return {true, true, speed(y, r, n).template convert_to<double>()};
         }
-        StruckBody<P> body{P(1) / body_.mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
+        ImpactBody<P> body{P(1) / body_.mass, rotated(inverse_inertia_, at.q), at.position_W, at.velocity_W,
                            at.angular_velocity_W};
         const ImpactOutcome outcome = resolve_impact(body, touching);
         const Vector3<P> w_B = rotate_back(at.q, body.angular_velocity_W);

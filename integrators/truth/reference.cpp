@@ -181,7 +181,7 @@ Truth find_or_compute(const Scene& scene, const std::string& key, const std::vec
     const auto seconds = [&] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
-    const truth::CacheClaim claim(key, [&] { return seconds() > seconds_limit || Interruption::is_wanted(); });
+    const truth::CacheClaim claim(key, [&] { return seconds() > seconds_limit || Interruption::is_requested(); });
     if (std::optional<Truth> known = truth::read_cached(key)) return *std::move(known);
     const truth::Allowance allowance(seconds_limit);
     const truth::MpfrConstants constants;

@@ -115,7 +115,7 @@ bool apply_impact(const Form& form, const TaylorSettings& settings, const P& t, 
     const char* why = nullptr;
     if (!outcome.resolved)
         why = "no impulses were found for simultaneous contacts";
-    else if (!outcome.struck || outcome.separation <= resting)
+    else if (!outcome.has_impact || outcome.separation <= resting)
         why = "the body comes to rest on a plane, and resting contact is not supported";
     else if (run.impacts.size() > most_impacts)
         why = "too many impacts";

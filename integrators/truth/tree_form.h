@@ -25,7 +25,7 @@ class TreeForm {
     void initial(P* y) const { tree_.initial(y); }
     void enter(double begin, P* y) {
         tree_.set_loads(*scene_, begin);
-        tree_.strike(*scene_, begin, y);
+        tree_.apply_impulses(*scene_, begin, y);
     }
     template <class S>
     void derivative(const S* y, S* dy) const {

@@ -123,7 +123,7 @@ int check_command(const CheckOptions& options) {
     try {
         const Notice notice("polhode: computing the reference; it is cached, and the next check is faster\n");
         all = check_files(scene, files, convention, columns, limits, options.explain, !drawn.empty());
-    } catch (const NoTruth& fault) {
+    } catch (const TruthUnavailable& fault) {
         std::fputs(("polhode: " + one_line(fault.what(), 500) + "\n").c_str(), stderr);
         return 1;
     }
@@ -136,7 +136,7 @@ int check_command(const CheckOptions& options) {
         write_output("", check_junit(scene, limits, all));
     else
         write_output("", check_text(limits, all) + (options.explain ? explanation_text(all) : ""));
-    return std::ranges::any_of(all, [&](const CheckedFile& c) { return limits.refuses(c.judgement); }) ? 1 : 0;
+    return std::ranges::any_of(all, [&](const CheckedFile& c) { return limits.refuses(c.file_errors); }) ? 1 : 0;
 }
 
 }  // namespace
@@ -177,7 +177,7 @@ void add_check(CLI::App& program, int& exit_code) {
                      "CSV files, or directories of .csv files. Required columns: t,qw,qx,qy,qz. Optional columns: "
                      "wx,wy,wz, px,py,pz (or the body's origin ox,oy,oz), vx,vy,vz")
         ->required();
-    for (const JudgedBlock& block : judged_blocks()) {
+    for (const ErrorBlock& block : error_blocks()) {
         std::string name = "--max-" + std::string(block.name);
         std::ranges::replace(name, '_', '-');
         command->add_option(

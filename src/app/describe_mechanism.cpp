@@ -234,7 +234,8 @@ void system_of(Report& report, const Problem& problem) {
         report.line("", "loops: multipliers on accelerations; positions and rates are projected after each step");
     std::vector<std::string> events;
     for (std::size_t k = 1; k < problem.segments.size(); ++k) events.push_back(number(problem.segments[k].begin));
-    if (!events.empty()) report.line("events at", fmt::format("{} s: loads change or impulses act", listed(events)));
+    if (!events.empty())
+        report.line("events at", fmt::format("{} s: loads change or impulses act", join_with_commas(events)));
 }
 
 void left_out(Report& report, const Problem& problem) {

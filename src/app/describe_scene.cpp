@@ -27,9 +27,9 @@ using namespace description;
 
 constexpr double heavy_mesh = 1e5;  // kg
 
-std::string made_of(const MadeOf& source) {
+std::string describe_definition(const BodyDefinition& source) {
     struct Words {
-        std::string operator()(const GivenBody&) const { return "mass and inertia"; }
+        std::string operator()(const NumericBody&) const { return "mass and inertia"; }
         std::string operator()(const ShapedBody& b) const {
             return fmt::format("a {} of uniform density", name_of(b.shape));
         }
@@ -53,9 +53,9 @@ void momentum_direction(Report& report, const Problem& problem) {
 void mass_properties(Report& report, const Problem& problem) {
     const Body& body = problem.scene.body;
     report.title("Mass properties");
-    if (body.source) report.line("defined by", made_of(body.source->made_of));
+    if (body.source) report.line("defined by", describe_definition(body.source->definition));
     report.line("mass", number(body.mass) + " kg");
-    if (body.source && std::holds_alternative<MeshBody>(body.source->made_of) && body.mass > heavy_mesh)
+    if (body.source && std::holds_alternative<MeshBody>(body.source->definition) && body.mass > heavy_mesh)
         report.line("", "heavier than 1e5 kg: if the file's coordinates are in millimetres, give \"scale\": 0.001");
     report.line("centre of mass", text(body.center_of_mass) + " m, from the body's origin");
     report.line("inertia about it", text(body.inertia_B) + " kg m^2, body axes");
@@ -96,7 +96,7 @@ std::string equations(SystemKind system) {
         case SystemKind::loaded_motion:
             return "I dw/dt = tau(t, q, w, p) - w x Iw;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F(t, q, v) / m";
         case SystemKind::full_motion:
-        case SystemKind::own:
+        case SystemKind::user_defined:
         case SystemKind::mechanism:
             break;
     }
@@ -113,7 +113,7 @@ std::string torque_terms(const Forcing<double>& f) {
     if (!f.springs.empty()) terms.push_back("springs");
     if (!f.world_points.empty()) terms.push_back("forces at world points");
     if (!f.user_torques.empty()) terms.push_back("a user-defined torque");
-    return terms.empty() ? "no torque" : listed(terms);
+    return terms.empty() ? "no torque" : join_with_commas(terms);
 }
 
 void system_posed(Report& report, const Problem& problem) {
@@ -137,8 +137,8 @@ void system_posed(Report& report, const Problem& problem) {
         report.line(fmt::format("{} s to {} s", number(segment.begin), number(segment.end)), acts);
     }
     report.title("Omitted, and why");
-    if (needs.left_out.empty()) report.line("nothing");
-    for (const LeftOut& one : needs.left_out) report.line(one.what, one.why);
+    if (needs.omitted.empty()) report.line("nothing");
+    for (const Omission& one : needs.omitted) report.line(one.what, one.why);
 }
 
 void polhode_drawing(Report& report, const Problem& problem) {

@@ -243,7 +243,7 @@ class EnsembleRun {
                             in_all_);
         std::vector<std::string> ends;
         for (const auto& [status, rows] : count_) ends.push_back(fmt::format("{} {}", rows, name_of(status)));
-        text += fmt::format("status   {}\n{}", listed(ends), first_failure_);
+        text += fmt::format("status   {}\n{}", join_with_commas(ends), first_failure_);
         for (const RefusedRow& row : refusals_)
             text += fmt::format("refused  row {}: {}\n", row.row, one_line(row.fault, 500));
         if (refused_ > refusals_.size())

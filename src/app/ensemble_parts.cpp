@@ -74,7 +74,8 @@ void choose(std::vector<FoundPart>& found, const std::string& dir, const std::st
         throw InputError(dir, "", "contains no part of an ensemble", "give the directories of the parts");
     if (names.size() == 1) return;
     if (std::ranges::find(names, name) == names.end())
-        throw InputError(dir, "", "contains parts of " + one_line(listed(names), 300), "give one of these as --output");
+        throw InputError(dir, "", "contains parts of " + one_line(join_with_commas(names), 300),
+                         "give one of these as --output");
     std::erase_if(found, [&](const FoundPart& part) { return part.part.output != name; });
 }
 
@@ -172,10 +173,11 @@ std::vector<const FoundPart*> in_order(const std::vector<FoundPart>& found, bool
         }
     }
     if (count_missing > 0)
-        throw InputError(found.front().part.output, "",
-                         fmt::format("is missing part{} {}{} of {}", count_missing == 1 ? "" : "s", listed(missing),
-                                     count_missing > 10 ? fmt::format(" and {} more", count_missing - 10) : "", parts),
-                         fmt::format("solve it: --shard {}/{}", missing.front(), parts));
+        throw InputError(
+            found.front().part.output, "",
+            fmt::format("is missing part{} {}{} of {}", count_missing == 1 ? "" : "s", join_with_commas(missing),
+                        count_missing > 10 ? fmt::format(" and {} more", count_missing - 10) : "", parts),
+            fmt::format("solve it: --shard {}/{}", missing.front(), parts));
     return order;
 }
 
@@ -257,7 +259,7 @@ EnsemblePart parse_part(const std::string& text, const std::string& file) {
     const JsonDocument document(text, file);
     const JsonNode& root = document.root();
     const auto field = [](const JsonNode& node, const char* key) -> const JsonNode& {
-        return node.required(key, "the value that --shard wrote");
+        return node.require_member(key, "the value that --shard wrote");
     };
     const auto count = [&](const JsonNode& node, const char* key) {
         const long number = field(node, key).whole_number();
@@ -266,15 +268,15 @@ EnsemblePart parse_part(const std::string& text, const std::string& file) {
     };
     if (field(root, "kind").string() != kind)
         field(root, "kind").fail("is a different kind", fmt::format("give \"{}\"", kind));
-    root.only({"kind", "part", "parts", "output", "table", "scene", "program", "options", "rows", "ok", "refused",
-               "bytes", "hash"});
+    root.require_known_keys({"kind", "part", "parts", "output", "table", "scene", "program", "options", "rows", "ok",
+                             "refused", "bytes", "hash"});
     EnsemblePart p;
     p.shard = {count(root, "part"), count(root, "parts")};
     if (p.shard.part < 1 || p.shard.part > p.shard.parts || p.shard.parts > most_parts)
         field(root, "part").fail("is out of range", "give a number from 1 to parts, at most 1000000");
     p.output = field(root, "output").string();
     const JsonNode& table = field(root, "table");
-    table.only({"rows", "bytes", "hash"});
+    table.require_known_keys({"rows", "bytes", "hash"});
     p.table = {count(table, "rows"), count(table, "bytes"), field(table, "hash").string()};
     p.scene = field(root, "scene").string(), p.program = field(root, "program").string();
     p.options = field(root, "options").string();

@@ -97,7 +97,7 @@ Scene read_scene_with_notes(const std::string& name_or_path) {
     if (!kinds.empty())
         std::fputs(fmt::format("polhode: note: the robot file of {} has constructs that are not modelled: {}; "
                                "`polhode describe` lists them\n",
-                               one_line(scene.name, 60), one_line(listed(kinds), 600))
+                               one_line(scene.name, 60), one_line(join_with_commas(kinds), 600))
                        .c_str(),
                    stderr);
     return scene;

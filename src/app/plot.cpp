@@ -65,8 +65,8 @@ std::vector<PlottedFile> read_files(const PlotOptions& options, const Scene* sce
         one.name = names[i], one.path = options.files[i];
         CheckedFile checked;
         checked.path = one.path;
-        one.file = prepared_file(scene, convention, columns, read_text(one.path, largest_file, "a readable CSV file"),
-                                 checked, &one.gaps);
+        one.file = prepare_file(scene, convention, columns, read_text(one.path, largest_file, "a readable CSV file"),
+                                checked, &one.gaps);
     }
     return files;
 }
@@ -168,7 +168,7 @@ Figure figure_of_components(const std::vector<PlottedFile>& files, const std::st
     return figure;
 }
 
-// Throws NoTruth.
+// Throws TruthUnavailable.
 Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scene, const std::string& quantity,
                         std::size_t columns) {
     const Measure& measure = measures()[measure_index(quantity)];
@@ -182,7 +182,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
     for (std::size_t i = 0; i < files.size(); ++i) {
         const PlottedFile& one = files[i];
         const ErrorOverTime errors = error_over_time(scene, one.file, quantity, one.path);
-        if (!errors.fault.empty()) throw NoTruth(one.path + ": " + errors.fault);
+        if (!errors.fault.empty()) throw TruthUnavailable(one.path + ": " + errors.fault);
         Curve curve = curve_named_as(one.name, i);
         curve.x = errors.t, curve.y = errors.error;
         // there may be errors at fewer times than in the file
@@ -277,7 +277,7 @@ int plot_command(const PlotOptions& options) {
     try {
         figure = scene ? figure_of_errors(files, *scene, options.of, columns)
                        : figure_of_components(files, options.of, convention, columns);
-    } catch (const NoTruth& fault) {
+    } catch (const TruthUnavailable& fault) {
         return complain(fault.what());
     }
     if (options.output.empty()) {

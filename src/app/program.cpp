@@ -46,8 +46,8 @@ void require_command(const CLI::App& program, int argc, const char* const* argv)
     for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
     if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
     const std::string meant = did_you_mean(argv[1], names);
-    throw UsageError(
-        fmt::format("there is no command {}; {}", argv[1], meant.empty() ? "commands: " + listed(names) : meant));
+    throw UsageError(fmt::format("there is no command {}; {}", argv[1],
+                                 meant.empty() ? "commands: " + join_with_commas(names) : meant));
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ int report_command(ReportOptions options) {
             for (const std::string& remark : made.remarks) fmt::print(stderr, "{}\n", one_line(remark, 500));
             fmt::print(stderr, "{}: {:.1f} MB\n", one_line(made.path, 300), static_cast<double>(made.bytes) / 1e6);
         }
-    } catch (const NoTruth& fault) {
+    } catch (const TruthUnavailable& fault) {
         std::fputs(("polhode: " + one_line(fault.what(), 500) + "\n").c_str(), stderr);
         return 1;
     }

@@ -69,7 +69,7 @@ struct PointMass {
 /// The mass properties of point masses. The tensor is sum m_i (|r_i|^2 1 - r_i r_i^T), with r_i from their centre of
 /// mass.
 template <class S>
-MassProperties<S> of_points(const std::vector<PointMass<S>>& points) {
+MassProperties<S> body_from_points(const std::vector<PointMass<S>>& points) {
     std::vector<MassProperties<S>> parts;
     parts.reserve(points.size());
     for (const PointMass<S>& point : points) parts.push_back({point.mass, point.position, {}});

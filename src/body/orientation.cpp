@@ -159,12 +159,12 @@ Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A) {
 }
 
 template <class S>
-Matrix3<S> reorthogonalised(const Matrix3<S>& A) {
+Matrix3<S> reorthogonalise(const Matrix3<S>& A) {
     const Vector3<S> X = unit(column(A, 0)), Z = unit(cross(X, column(A, 1))), Y = unit(cross(Z, X));
     return from_columns(X, Y, Z);
 }
-template Matrix3<double> reorthogonalised(const Matrix3<double>&);
-template Matrix3<float> reorthogonalised(const Matrix3<float>&);
+template Matrix3<double> reorthogonalise(const Matrix3<double>&);
+template Matrix3<float> reorthogonalise(const Matrix3<float>&);
 
 Matrix3<double> nearest_rotation(const Matrix3<double>& A) {
     if (!finite(A)) throw std::invalid_argument("a matrix with entries that are not finite has no nearest rotation");

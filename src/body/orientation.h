@@ -81,7 +81,7 @@ Quaternion<double> quaternion_from_rotation(const Matrix3<double>& A);
 /// direction of the first column and ignores the third. NaN if the first two columns are parallel or zero. S: double
 /// or float.
 template <class S = double>
-Matrix3<S> reorthogonalised(const Matrix3<S>& A);
+Matrix3<S> reorthogonalise(const Matrix3<S>& A);
 
 /// The rotation nearest to A in the Frobenius norm: the orthogonal factor of its polar decomposition, by scaled
 /// Newton iteration (N. J. Higham 1986, SIAM J. Sci. Stat. Comput. 7, 1160). Throws std::invalid_argument unless A is

@@ -7,7 +7,7 @@ namespace polhode {
 WidePrincipalFrame wide_principal_frame(const Matrix3<Wide>& inertia) {
     Matrix3<Wide> a = inertia;
     // rotations below 1e-40 rad are below 113 bits, and the square of a larger slope might overflow
-    const Quaternion<Wide> q = turned_to_principal_axes(a, 1e40);
+    const Quaternion<Wide> q = rotate_to_principal_axes(a, 1e40);
     return {{a[0][0], a[1][1], a[2][2]}, q};
 }
 

@@ -37,7 +37,7 @@ void rotate_away(Matrix3<S>& a, Quaternion<S>& q, int p, int r, double largest_s
 /// axes. A tensor that is not symmetric is replaced by its symmetric part. Rotations by less than 1/(2 largest_slope)
 /// rad are skipped; choose largest_slope so that they are below the scalar's precision.
 template <class S>
-Quaternion<S> turned_to_principal_axes(Matrix3<S>& inertia, double largest_slope) {
+Quaternion<S> rotate_to_principal_axes(Matrix3<S>& inertia, double largest_slope) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) inertia[i][j] = inertia[j][i] = (inertia[i][j] + inertia[j][i]) / 2;
     Quaternion<S> q{S(1), S(0), S(0), S(0)};

@@ -202,12 +202,12 @@ MassProperties<S> uniform_body(const Extent<S>& e, const S& mass) {
 
 /// The mass properties of a uniform shape of this mass (kg).
 template <class S>
-MassProperties<S> of_mass(const Shape& shape, const S& mass) {
+MassProperties<S> body_from_mass(const Shape& shape, const S& mass) {
     return uniform_body(extent<S>(shape), mass);
 }
 /// Density in kg/m^3; in kg/m^2 for a disc or plate, in kg/m for a rod.
 template <class S>
-MassProperties<S> of_density(const Shape& shape, const S& density) {
+MassProperties<S> body_from_density(const Shape& shape, const S& density) {
     const Extent<S> e = extent<S>(shape);
     return uniform_body(e, S(density * e.size));
 }

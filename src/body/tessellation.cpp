@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-Mesh tessellated(const Box& box) {
+Mesh tessellate(const Box& box) {
     Mesh mesh;
     const Vector3<double>& a = box.half_extents;
     // bit k of i is the sign of corner i along axis k
@@ -22,7 +22,7 @@ Mesh tessellated(const Box& box) {
     return mesh;
 }
 
-Mesh tessellated(const SolidSphere& sphere, int subdivisions) {
+Mesh tessellate(const SolidSphere& sphere, int subdivisions) {
     const double golden = std::numbers::phi;
     const auto on_sphere = [&](const Vector3<double>& v) { return (sphere.radius / std::sqrt(dot(v, v))) * v; };
     Mesh mesh;
@@ -54,7 +54,7 @@ Mesh tessellated(const SolidSphere& sphere, int subdivisions) {
     return mesh;
 }
 
-Mesh tessellated(const Torus& torus, int n) {
+Mesh tessellate(const Torus& torus, int n) {
     Mesh mesh;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {

@@ -7,13 +7,13 @@
 namespace polhode {
 
 /// Twelve triangles; exact.
-Mesh tessellated(const Box& box);
+Mesh tessellate(const Box& box);
 
 /// An icosahedron whose triangles are split into four `subdivisions` times, with all vertices on the sphere: 20 4^s
 /// triangles, inscribed.
-Mesh tessellated(const SolidSphere& sphere, int subdivisions);
+Mesh tessellate(const SolidSphere& sphere, int subdivisions);
 
 /// 2 n n triangles with vertices on the torus, n around each circle.
-Mesh tessellated(const Torus& torus, int n);
+Mesh tessellate(const Torus& torus, int n);
 
 }  // namespace polhode

@@ -1,5 +1,5 @@
 // Files of several bodies. Blocks and bodies that a file lacks are filled in from the truth.
-#include "check/judge.h"
+#include "check/file_errors.h"
 
 namespace polhode {
 
@@ -18,22 +18,22 @@ std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile
     return missing;
 }
 
-Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
+Trajectory complete_from_truth(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
     const std::vector<std::size_t> places = bodies_of_file(scene, file);
     std::vector<Vector3<double>> centers;
     for (const std::size_t b : places) centers.push_back(scene.bodies[b].body.center_of_mass);
-    const std::vector<Sample> told = samples_of(file, centers);
+    const std::vector<Sample> file_samples = samples_of(file, centers);
     const std::size_t n = scene.bodies.size();
     Trajectory trajectory;
     trajectory.bodies = static_cast<int>(n);
     for (const ReferenceSample& sample : truth.samples) trajectory.samples.push_back(sample.rounded());
-    for (std::size_t i = 0; i < told.size(); ++i) {
-        Sample& own = trajectory.samples[i / places.size() * n + places[i % places.size()]];
-        const Sample right = own;
-        own = told[i];
-        if (!file.has_angular_velocity) own.angular_velocity_B = right.angular_velocity_B;
-        if (!file.has_position && !file.has_origin) own.position_W = right.position_W;
-        if (!file.has_velocity) own.velocity_W = right.velocity_W;
+    for (std::size_t i = 0; i < file_samples.size(); ++i) {
+        Sample& completed = trajectory.samples[i / places.size() * n + places[i % places.size()]];
+        const Sample true_sample = completed;
+        completed = file_samples[i];
+        if (!file.has_angular_velocity) completed.angular_velocity_B = true_sample.angular_velocity_B;
+        if (!file.has_position && !file.has_origin) completed.position_W = true_sample.position_W;
+        if (!file.has_velocity) completed.velocity_W = true_sample.velocity_W;
     }
     return trajectory;
 }

@@ -26,13 +26,13 @@ namespace polhode {
 namespace {
 
 // Lists the columns and blocks that a file of this scene could have but lacks.
-std::string lacking(const Scene& scene, const TrajectoryFile& file) {
+std::string list_missing_blocks(const Scene& scene, const TrajectoryFile& file) {
     std::vector<std::string> all;
     if (!file.has_angular_velocity) all.emplace_back("angular velocity (therefore also energy and angular momentum)");
     if (is_mechanism(scene)) {
         if (const std::vector<std::string> missing = missing_bodies(scene, file); !missing.empty())
             all.push_back(fmt::format("bod{} {} (therefore also energy, momentum and joints)",
-                                      missing.size() > 1 ? "ies" : "y", one_line(listed(missing), 200)));
+                                      missing.size() > 1 ? "ies" : "y", one_line(join_with_commas(missing), 200)));
         if (!file.has_position && !file.has_origin) all.emplace_back("position (therefore also joint gaps)");
         if (!file.has_velocity) all.emplace_back("velocity");
         if (file.has_angular_velocity && (!file.has_velocity || !(file.has_position || file.has_origin)))
@@ -42,39 +42,41 @@ std::string lacking(const Scene& scene, const TrajectoryFile& file) {
     if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("position");
     if (!scene.pivot && !file.has_velocity) all.emplace_back("velocity");
     if (!scene.pivot && file.has_angular_velocity && !(file.has_velocity && (file.has_position || file.has_origin)))
-        all.emplace_back(rotates_alone(scene) ? "translational energy (the rotational energy is compared)" : "energy");
+        all.emplace_back(rotation_is_independent(scene) ? "translational energy (the rotational energy is compared)"
+                                                        : "energy");
     return fmt::format("{}", fmt::join(all, "; "));
 }
 
 // Compares a file of many samples with a polynomial reference, in binary64. A million samples take about a second.
-void judge_many(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth, CheckedFile& checked) {
+void compare_in_binary64(const Scene& scene, const TrajectoryFile& file, const DenseTruth& truth,
+                         CheckedFile& checked) {
     constexpr std::size_t pieces = 16, at_once = 1024;
     const std::size_t rows = file.rows.size();
-    std::vector<Judge> judges;
-    for (std::size_t i = 0; i < pieces; ++i) judges.emplace_back(scene, file, JudgedIn::binary64);
+    std::vector<FileErrorAccumulator> accumulators;
+    for (std::size_t i = 0; i < pieces; ++i) accumulators.emplace_back(scene, file, ErrorArithmetic::binary64);
     parallel_for(pieces, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {
         std::vector<ReferenceSample> samples;
         const std::size_t end = rows * (i + 1) / pieces;
         for (std::size_t first = rows * i / pieces; first < end; first += samples.size()) {
-            if (Interruption::is_wanted()) throw NoTruth(checked.path + ": interrupted");
+            if (Interruption::is_requested()) throw TruthUnavailable(checked.path + ": interrupted");
             samples.clear();
             for (std::size_t k = first; k < std::min(first + at_once, end); ++k)
                 samples.push_back(truth.at(file.rows[k].t));
-            judges[i].add(first, samples);
+            accumulators[i].add(first, samples);
         }
     });
-    for (std::size_t i = 1; i < pieces; ++i) judges[0].append(judges[i]);
-    checked.judgement = judges[0].result();
+    for (std::size_t i = 1; i < pieces; ++i) accumulators[0].append(accumulators[i]);
+    checked.file_errors = accumulators[0].result();
     checked.truth_bound = truth.bound, checked.truth = truth.message;
     checked.remarks.emplace_back("evaluated in binary64: errors below 1e-15 are not resolved");
 }
 
 // Compares a file with the truth. Returns why there is no truth, or an empty string.
-std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& checked) {
+std::string compare_with_truth(const Scene& scene, TrajectoryFile& file, CheckedFile& checked) {
     constexpr std::size_t many = 2000;
     if (!is_mechanism(scene) && file.rows.size() > many && file.rows.back().t > 0)
         if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available) {
-            judge_many(scene, file, truth, checked);
+            compare_in_binary64(scene, file, truth, checked);
             return "";
         }
     std::vector<double> times;
@@ -100,7 +102,7 @@ std::string judge_file(const Scene& scene, TrajectoryFile& file, CheckedFile& ch
     }
     if (!truth.available) return truth.message;
     checked.truth_bound = truth.bound, checked.truth = truth.message;
-    checked.judgement = judge(scene, file, truth);
+    checked.file_errors = compute_file_errors(scene, file, truth);
     return "";
 }
 
@@ -110,7 +112,7 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     constexpr int between = 20;
     std::vector<double> times;
     double begin = 0;
-    for (const ErrorSpan& span : checked.judgement.over_time) {
+    for (const ErrorSpan& span : checked.file_errors.over_time) {
         for (int i = 1; i < between; ++i) times.push_back(begin + (span.until - begin) * i / between);
         times.push_back(begin = span.until);
     }
@@ -127,18 +129,18 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
     for (std::size_t k = 0; k < kappa.times.size(); ++k) {
         so_far.float64 = std::max(so_far.float64, kappa.floor(k, float64_roundoff));
         so_far.float32 = std::max(so_far.float32, kappa.floor(k, float32_roundoff));
-        if (so_far.float32 > allowed && !checked.float_judged_until)
-            checked.float_judged_until = k > 0 ? times[k - 1] : 0;
+        if (so_far.float32 > allowed && !checked.float32_valid_until)
+            checked.float32_valid_until = k > 0 ? times[k - 1] : 0;
         if ((k + 1) % between == 0) checked.floor_over_time.push_back(so_far);
     }
     checked.floor = so_far;
-    const double error = checked.judgement["attitude"]->max;
+    const double error = checked.file_errors["attitude"]->max;
     // the floor contains the rounding of the start only; rounding in each step raises the error to a few times the
     // floor
     constexpr double a_few = 4;
     // the remark is about the attitude, but is made only if the other blocks are equally accurate
     const auto others_within = [&](double floor) {
-        const std::vector<BlockVerdict> all = limits.verdicts(checked.judgement);
+        const std::vector<BlockVerdict> all = limits.verdicts(checked.file_errors);
         return std::all_of(all.begin(), all.end(), [&](const BlockVerdict& v) {
             return v.block->name == "attitude" || !v.relative || *v.relative <= 1e3 * std::max(floor, 1e-14);
         });
@@ -151,15 +153,15 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
              others_within(so_far.float32))
         checked.remarks.emplace_back(
             "at the float32 floor: the attitude is as accurate as binary32 allows on this scene");
-    if (checked.float_judged_until)
+    if (checked.float32_valid_until)
         checked.remarks.push_back(fmt::format(
             "beyond t = {:.4g} s a binary32 engine cannot be evaluated: rounding the initial data to binary32 alone "
             "causes an attitude error above {} rad",
-            *checked.float_judged_until, shortest_decimal(allowed)));
+            *checked.float32_valid_until, shortest_decimal(allowed)));
 }
 
 // Returns what to record if no cause was found.
-std::string no_diagnosis(const TrajectoryFile& file) {
+std::string explain_missing_diagnosis(const TrajectoryFile& file) {
     double turn = 0;
     for (std::size_t k = 1; k < file.rows.size(); ++k)
         turn = std::max(turn, rotation_angle_between(file.rows[k - 1].q, file.rows[k].q));
@@ -173,7 +175,7 @@ std::string no_diagnosis(const TrajectoryFile& file) {
 }
 
 // Returns why a file of several bodies has no diagnosis, and what to record.
-std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& file) {
+std::string explain_missing_system_diagnosis(const Scene& scene, const TrajectoryFile& file) {
     if (!missing_bodies(scene, file).empty()) return "no diagnosis: bodies are missing in the file; record all bodies";
     if (!file.has_angular_velocity || !file.has_velocity || !(file.has_position || file.has_origin))
         return "no diagnosis: no known fault predicts a row from the previous one; record w, p and v of all bodies "
@@ -182,33 +184,33 @@ std::string no_diagnosis_of_system(const Scene& scene, const TrajectoryFile& fil
 }
 
 // Compares the files that were read with the truth, one by one, and diagnoses them.
-void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
-               std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
+void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
+                    std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         CheckedFile& checked = all[i];
-        if (const std::string fault = judge_file(scene, files[i], checked); !fault.empty())
-            throw NoTruth(checked.path + ": " + fault);
-        checked.lacks = lacking(scene, files[i]);
-        const std::vector<BlockVerdict> verdicts = limits.verdicts(checked.judgement);
+        if (const std::string fault = compare_with_truth(scene, files[i], checked); !fault.empty())
+            throw TruthUnavailable(checked.path + ": " + fault);
+        checked.missing_blocks = list_missing_blocks(scene, files[i]);
+        const std::vector<BlockVerdict> verdicts = limits.verdicts(checked.file_errors);
         const auto fails = [&](auto&& is) {
             return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
         };
         if (is_mechanism(scene)) {
-            checked.diagnosed = diagnose_system(scene, files[i], explain);
+            checked.diagnosis = diagnose_system(scene, files[i], explain);
             // in a sound engine that steps bodies separately, joints drift within the limit
             if (!fails([](std::string_view name) { return is_of_joints(name); }))
-                std::erase_if(checked.diagnosed.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
-            if (fails([](std::string_view) { return true; }) && checked.diagnosed.faults.empty())
-                checked.remarks.push_back(no_diagnosis_of_system(scene, files[i]));
+                std::erase_if(checked.diagnosis.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
+            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty())
+                checked.remarks.push_back(explain_missing_system_diagnosis(scene, files[i]));
         } else {
-            checked.diagnosed = diagnose(scene, files[i], explain);
+            checked.diagnosis = diagnose(scene, files[i], explain);
             // a matched update explains errors of the rotation only
             if (fails([](std::string_view) { return true; }) &&
                 !fails([](std::string_view name) { return name == "attitude" || name == "angular_velocity"; }))
-                checked.diagnosed.update.reset();
-            if (fails([](std::string_view) { return true; }) && checked.diagnosed.faults.empty() &&
-                !checked.diagnosed.update)
-                checked.remarks.push_back(no_diagnosis(files[i]));
+                checked.diagnosis.update.reset();
+            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty() &&
+                !checked.diagnosis.update)
+                checked.remarks.push_back(explain_missing_diagnosis(files[i]));
             compare_with_floors(scene, limits, checked);
         }
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
@@ -219,14 +221,14 @@ void judge_all(const Scene& scene, const ErrorLimits& limits, bool explain, bool
 
 }  // namespace
 
-TrajectoryFile prepared_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
-                             std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
+TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
+                            std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
     ForeignTable table = find_foreign_columns(text, checked.path, columns, scene == nullptr || is_mechanism(*scene));
     const std::vector<std::string> bodies = scene != nullptr ? body_names(*scene) : std::vector<std::string>();
     TrajectoryFile file =
         parse_foreign_trajectory(text, checked.path, table.columns, convention.quaternion, bodies, gaps);
     checked.remarks = std::move(table.remarks);
-    if (!file.read_past.empty()) checked.remarks.push_back("ignored: " + file.read_past);
+    if (!file.skipped_content.empty()) checked.remarks.push_back("ignored: " + file.skipped_content);
     if (scene == nullptr) {
         convert(file, convention);
         return file;
@@ -258,10 +260,10 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<std::
     std::vector<TrajectoryFile> files;
     for (const std::string& path : paths) {
         all.emplace_back().path = path;
-        files.push_back(prepared_file(&scene, convention, columns, read_text(path, largest_file, "a readable CSV file"),
-                                      all.back()));
+        files.push_back(prepare_file(&scene, convention, columns, read_text(path, largest_file, "a readable CSV file"),
+                                     all.back()));
     }
-    judge_all(scene, limits, explain, picture, files, all);
+    evaluate_files(scene, limits, explain, picture, files, all);
     return all;
 }
 
@@ -272,9 +274,9 @@ std::vector<CheckedFile> check_files(const Scene& scene, const std::vector<Named
     std::vector<TrajectoryFile> files;
     for (const NamedText& one : texts) {
         all.emplace_back().path = one.name;
-        files.push_back(prepared_file(&scene, convention, columns, one.text, all.back()));
+        files.push_back(prepare_file(&scene, convention, columns, one.text, all.back()));
     }
-    judge_all(scene, limits, explain, picture, files, all);
+    evaluate_files(scene, limits, explain, picture, files, all);
     return all;
 }
 

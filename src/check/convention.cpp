@@ -12,7 +12,7 @@ namespace polhode {
 namespace {
 
 // Returns v in polhode's axes: v here = M v there.
-Vector3<double> turned(Axes axes, const Vector3<double>& v) {
+Vector3<double> rotate_to_z_up(Axes axes, const Vector3<double>& v) {
     switch (axes) {
         case Axes::z_up_right:
             break;
@@ -27,14 +27,14 @@ Vector3<double> turned(Axes axes, const Vector3<double>& v) {
 }
 
 // Returns v in the other axes. Mirrors are their own inverses.
-Vector3<double> turned_back(Axes axes, const Vector3<double>& v) {
+Vector3<double> rotate_from_z_up(Axes axes, const Vector3<double>& v) {
     if (axes == Axes::y_up_right) return {v[0], v[2], -v[1]};
-    return turned(axes, v);
+    return rotate_to_z_up(axes, v);
 }
 
 bool is_mirror(Axes axes) { return axes == Axes::z_up_left || axes == Axes::y_up_left; }
 
-Vector3<double> sensed(Axes axes, const Vector3<double>& v) { return is_mirror(axes) ? -v : v; }
+Vector3<double> apply_handedness(Axes axes, const Vector3<double>& v) { return is_mirror(axes) ? -v : v; }
 
 struct LengthUnit {
     std::string_view name, short_name;
@@ -46,7 +46,7 @@ constexpr LengthUnit known_lengths[] = {{"metres", "m", 1},
                                         {"inches", "in", 0.0254},
                                         {"feet", "ft", 0.3048}};
 
-const std::vector<std::string>& words() {
+const std::vector<std::string>& convention_words() {
     static const std::vector<std::string> list{
         "y-up",    "z-up",       "left-handed", "right-handed", "scalar-first", "scalar-last", "degrees",
         "radians", "body-rates", "world-rates", "metres",       "centimetres",  "millimetres", "inches",
@@ -107,10 +107,12 @@ Convention parse_convention(std::string_view text) {
         else if (word.size() > 2 && length_unit(word))
             unit.make(*length_unit(word), word);
         else
-            throw std::invalid_argument(fmt::format(
-                "unknown convention {}; {}known: {}", word.empty() ? "\"\"" : one_line(word, 60),
-                word.empty() || did_you_mean(word, words()).empty() ? "" : did_you_mean(word, words()) + " ",
-                listed(words())));
+            throw std::invalid_argument(fmt::format("unknown convention {}; {}known: {}",
+                                                    word.empty() ? "\"\"" : one_line(word, 60),
+                                                    word.empty() || did_you_mean(word, convention_words()).empty()
+                                                        ? ""
+                                                        : did_you_mean(word, convention_words()) + " ",
+                                                    join_with_commas(convention_words())));
         if (comma == text.npos) break;
         begin = comma + 1;
     }
@@ -128,22 +130,26 @@ Convention parse_convention(std::string_view text) {
 }
 
 std::string name_of(const Convention& convention) {
-    std::vector<std::string> said;
-    if (convention.axes == Axes::y_up_right || convention.axes == Axes::y_up_left) said.emplace_back("y-up");
-    if (is_mirror(convention.axes)) said.emplace_back("left-handed");
-    if (convention.quaternion == QuaternionColumns::scalar_first) said.emplace_back("scalar-first");
-    if (convention.quaternion == QuaternionColumns::scalar_last) said.emplace_back("scalar-last");
-    if (convention.degrees) said.emplace_back("degrees");
-    if (convention.body_rates) said.emplace_back("body-rates");
+    std::vector<std::string> selected;
+    if (convention.axes == Axes::y_up_right || convention.axes == Axes::y_up_left) selected.emplace_back("y-up");
+    if (is_mirror(convention.axes)) selected.emplace_back("left-handed");
+    if (convention.quaternion == QuaternionColumns::scalar_first) selected.emplace_back("scalar-first");
+    if (convention.quaternion == QuaternionColumns::scalar_last) selected.emplace_back("scalar-last");
+    if (convention.degrees) selected.emplace_back("degrees");
+    if (convention.body_rates) selected.emplace_back("body-rates");
     for (const LengthUnit& unit : known_lengths)
-        if (unit.metres == convention.length_unit && unit.metres != 1) said.emplace_back(unit.name);
-    return fmt::format("{}", fmt::join(said, ","));
+        if (unit.metres == convention.length_unit && unit.metres != 1) selected.emplace_back(unit.name);
+    return fmt::format("{}", fmt::join(selected, ","));
 }
 
-Vector3<double> vector_from(Axes axes, const Vector3<double>& v) { return turned(axes, v); }
-Vector3<double> vector_to(Axes axes, const Vector3<double>& v) { return turned_back(axes, v); }
-Vector3<double> pseudovector_from(Axes axes, const Vector3<double>& v) { return sensed(axes, turned(axes, v)); }
-Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v) { return sensed(axes, turned_back(axes, v)); }
+Vector3<double> vector_from(Axes axes, const Vector3<double>& v) { return rotate_to_z_up(axes, v); }
+Vector3<double> vector_to(Axes axes, const Vector3<double>& v) { return rotate_from_z_up(axes, v); }
+Vector3<double> pseudovector_from(Axes axes, const Vector3<double>& v) {
+    return apply_handedness(axes, rotate_to_z_up(axes, v));
+}
+Vector3<double> pseudovector_to(Axes axes, const Vector3<double>& v) {
+    return apply_handedness(axes, rotate_from_z_up(axes, v));
+}
 
 // M R(q) M^T is the rotation by the same angle about the axis, transformed as a pseudovector.
 Quaternion<double> quaternion_from(Axes axes, const Quaternion<double>& q) {

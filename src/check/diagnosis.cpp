@@ -16,20 +16,20 @@ namespace polhode {
 namespace {
 
 // a fault cannot be recognised if the file is this close to the scene's motion
-constexpr double plainly_wrong = 1e-4;
+constexpr double wrong_threshold = 1e-4;
 
-const char* name_of(Question question) {
-    constexpr const char* names[question_count] = {"the initial attitude",
-                                                   "the initial angular velocity",
-                                                   "the initial position",
-                                                   "the initial velocity",
-                                                   "the first step",
-                                                   "the attitude per step",
-                                                   "w per step",
-                                                   "the position per step",
-                                                   "the velocity per step",
-                                                   ""};
-    return names[static_cast<std::size_t>(question)];
+const char* name_of(Criterion criterion) {
+    constexpr const char* names[criterion_count] = {"the initial attitude",
+                                                    "the initial angular velocity",
+                                                    "the initial position",
+                                                    "the initial velocity",
+                                                    "the first step",
+                                                    "the attitude per step",
+                                                    "w per step",
+                                                    "the position per step",
+                                                    "the velocity per step",
+                                                    ""};
+    return names[static_cast<std::size_t>(criterion)];
 }
 
 // Describes the scene's events: "the step in which the torque ends at t = 2 s".
@@ -56,63 +56,64 @@ std::string events_of(const Scene& scene) {
     return fmt::format("the step in which {}{}", fmt::join(all, " or "),
                        more > 0 ? fmt::format(", and {} more", more) : "");
 }
-std::string said_of(Question question, const Scene& scene) {
-    return question == Question::events ? events_of(scene) : name_of(question);
+std::string describe_criterion(Criterion criterion, const Scene& scene) {
+    return criterion == Criterion::events ? events_of(scene) : name_of(criterion);
 }
 
 // Returns the question whose answer the fault improves most.
-std::size_t most_gained(const Residual& without, const Residual& with) {
+std::size_t most_improved_criterion(const Residual& without, const Residual& with) {
     std::size_t best = 0;
     double gain = -1;
-    for (std::size_t i = 0; i < question_count; ++i)
+    for (std::size_t i = 0; i < criterion_count; ++i)
         if (without.decades[i] && with.decades[i] && *without.decades[i] - *with.decades[i] > gain)
             best = i, gain = *without.decades[i] - *with.decades[i];
     return best;
 }
 
-std::string said(const Supposed& supposed) {
-    std::string what = supposed.hypothesis->what;
+std::string describe_fault(const FittedFault& fault) {
+    std::string what = fault.hypothesis->what;
     if (const std::size_t place = what.find("{}"); place != what.npos)
-        what.replace(place, 2, fmt::format("{:.4g}", supposed.x));
+        what.replace(place, 2, fmt::format("{:.4g}", fault.x));
     // a load scaled by 1/n has often acted in one of n substeps
-    const Subject about = supposed.hypothesis->subject;
-    const double parts = std::round(1 / supposed.x);
-    if (supposed.hypothesis->values && about >= Subject::gravity && about <= Subject::drag && parts >= 2 &&
-        parts <= 20 && std::abs(supposed.x * parts - 1) < 2e-3)
+    const Subject about = fault.hypothesis->subject;
+    const double parts = std::round(1 / fault.x);
+    if (fault.hypothesis->values && about >= Subject::gravity && about <= Subject::drag && parts >= 2 && parts <= 20 &&
+        std::abs(fault.x * parts - 1) < 2e-3)
         what += fmt::format(", as if it acted in one of {:.0f} substeps", parts);
     return what;
 }
 
-std::string named(const Explanation& e) {
+std::string describe_faults(const Explanation& e) {
     std::string all;
-    for (const Supposed& s : e.faults) all += (all.empty() ? "" : ", and ") + said(s);
+    for (const FittedFault& s : e.faults) all += (all.empty() ? "" : ", and ") + describe_fault(s);
     return all;
 }
 
 // Adds the faults of an explanation, each with its prediction errors.
-void tell(const Scene& scene, const Explanation& e, const FaultSearch& search, const std::string& also,
-          std::vector<Diagnosis>& told) {
-    const std::size_t question = most_gained(search.sound.residual, e.residual);
-    const double before = std::pow(10.0, search.sound.residual.decades[question].value_or(0)),
-                 after = std::pow(10.0, e.residual.decades[question].value_or(0));
-    for (const Supposed& s : e.faults) {
+void add_diagnoses(const Scene& scene, const Explanation& e, const FaultSearch& search, const std::string& also,
+                   std::vector<Diagnosis>& diagnoses) {
+    const std::size_t criterion = most_improved_criterion(search.sound.residual, e.residual);
+    const double before = std::pow(10.0, search.sound.residual.decades[criterion].value_or(0)),
+                 after = std::pow(10.0, e.residual.decades[criterion].value_or(0));
+    for (const FittedFault& s : e.faults) {
         const Hypothesis& h = *s.hypothesis;
         const auto same = [&](const Diagnosis& d) { return d.fault == h.fault; };
-        if (std::any_of(told.begin(), told.end(), same)) continue;
-        told.push_back({h.fault,
-                        fmt::format("{}; {}{} (relative prediction error of {}: {:.2g} with {}, {:.2g} without)",
-                                    said(s), h.remedy, also, said_of(static_cast<Question>(question), scene), after,
-                                    e.faults.size() > 1 ? "both faults" : "this fault", before),
-                        h.convention, before, after});
+        if (std::any_of(diagnoses.begin(), diagnoses.end(), same)) continue;
+        diagnoses.push_back({h.fault,
+                             fmt::format("{}; {}{} (relative prediction error of {}: {:.2g} with {}, {:.2g} without)",
+                                         describe_fault(s), h.remedy, also,
+                                         describe_criterion(static_cast<Criterion>(criterion), scene), after,
+                                         e.faults.size() > 1 ? "both faults" : "this fault", before),
+                             h.convention, before, after});
     }
 }
 
 }  // namespace
 
-Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
-    Diagnosed result;
+FileDiagnosis diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
+    FileDiagnosis result;
     const FileEvidence evidence(scene, file);
-    if (const std::optional<double> still = evidence.still_from())
+    if (const std::optional<double> still = evidence.rest_start())
         result.faults.push_back(
             {"motion_stopped",
              fmt::format("nothing moves from t = {:.6g} s on, although the scene's body does: the engine put it to "
@@ -122,25 +123,27 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
     const auto add = [&](const std::vector<Diagnosis>& more) {
         result.faults.insert(result.faults.end(), more.begin(), more.end());
     };
-    add(lengths_of_quaternions(file));
+    add(find_length_faults(file));
     add(impact_faults(scene, file));
     if (const std::vector<Diagnosis> between = rows_between_steps(file); !between.empty()) {
         add(between);
         return result;
     }
-    if (!evidence.enough() || (!all && evidence.plain_error() < plainly_wrong)) return result;
+    if (!evidence.has_enough_rows() || (!all && evidence.plain_error() < wrong_threshold)) return result;
     const FaultSearch search = search_faults(evidence, all);
     result.sound = search.sound.residual.total;
     const Explanation& best = search.best;
     if (best.rule) result.rule = best.rule->name;
-    for (const Explanation& e : search.tried)
-        result.tried.push_back({e.faults.front().hypothesis->fault, named(e), e.residual.total});
+    for (const Explanation& e : search.singles)
+        result.hypotheses.push_back({e.faults.front().hypothesis->fault, describe_faults(e), e.residual.total});
     if (!best.faults.empty()) {
         std::string also;
-        for (const Explanation& e : search.alike) also += (also.empty() ? "" : "; or ") + named(e);
-        tell(scene, best, search, also.empty() ? "" : "; in this file indistinguishable from: " + also, result.faults);
+        for (const Explanation& e : search.alike) also += (also.empty() ? "" : "; or ") + describe_faults(e);
+        add_diagnoses(scene, best, search, also.empty() ? "" : "; in this file indistinguishable from: " + also,
+                      result.faults);
         for (const Explanation& e : search.alike)
-            tell(scene, e, search, "; in this file indistinguishable from the previous diagnosis", result.faults);
+            add_diagnoses(scene, e, search, "; in this file indistinguishable from the previous diagnosis",
+                          result.faults);
     }
     const std::optional<FirstOrderUpdate> first_order =
         file.has_angular_velocity ? first_order_update(file) : std::nullopt;
@@ -153,8 +156,8 @@ Diagnosed diagnose(const Scene& scene, const TrajectoryFile& file, bool all) {
                  "prediction error per row from the file's w: {:.2g} rad with this update, {:.2g} rad without)",
                  first_order->step, first_order->explained, first_order->error),
              "", first_order->error, first_order->explained});
-    if (best.faults.empty() && !evidence.still_from() && evidence.plain_error() >= plainly_wrong)
-        result.update = followed_update(scene, file, best.steps, evidence.noise());
+    if (best.faults.empty() && !evidence.rest_start() && evidence.plain_error() >= wrong_threshold)
+        result.update = identify_update(scene, file, best.steps, evidence.noise());
     return result;
 }
 

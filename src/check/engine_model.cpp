@@ -37,8 +37,8 @@ constexpr UpdateRule rules[] = {
 };
 
 // largest rotation in an accurate step, rad; the error of each step is (h w)^5 / 120 = 3e-9 rad
-constexpr double most_turned = 0.05;
-constexpr int most_small_steps = 200;
+constexpr double max_rotation = 0.05;
+constexpr int max_small_steps = 200;
 
 }  // namespace
 
@@ -83,8 +83,8 @@ bool EngineModel::is_coasting(double t) const {
 }
 
 // Returns w after a time h with the engine's damping only.
-Vector EngineModel::damped(const Vector& w, double t, double h) const {
-    if (fault_.only_coasting && !is_coasting(t)) return w;
+Vector EngineModel::apply_damping(const Vector& w, double t, double h) const {
+    if (fault_.coasting_only && !is_coasting(t)) return w;
     Vector left;
     for (int i = 0; i < 3; ++i)
         left[i] = std::max(0.0, 1 - (fault_.angular_damping + fault_.axis_damping_B[i]) * h) * w[i];
@@ -94,24 +94,24 @@ Vector EngineModel::damped(const Vector& w, double t, double h) const {
 ModelState EngineModel::start() const {
     const ExactBody<double>& b = problem_.body;
     ModelState s{{b.q, b.angular_velocity_B, b.position_W, b.velocity_W}, {}};
-    strike(s, problem_.segments.front());
+    apply_impulses(s, problem_.segments.front());
     place_at_pivot(s);
     return s;
 }
 
-bool EngineModel::takes(const UpdateRule& rule, int steps) const {
+bool EngineModel::supports(const UpdateRule& rule, int steps) const {
     if (uses_row_rate() && (steps < 2 || rule.rate == RateUpdate::accurate || !rule.by_new_rate)) return false;
     if (fault_.in_place != InPlace::none && !rule.first_order) return false;
     // these rules make no difference between damping before and after the rotation
-    if (fault_.damped_last && (!rule.by_new_rate || rule.rate == RateUpdate::accurate ||
-                               rule.rate == RateUpdate::midpoint || rule.rate == RateUpdate::momentum))
+    if (fault_.damping_last && (!rule.by_new_rate || rule.rate == RateUpdate::accurate ||
+                                rule.rate == RateUpdate::midpoint || rule.rate == RateUpdate::momentum))
         return false;
     // with a tensor fixed in the world, constant L means constant w: an engine without a gyroscopic term
     if (fault_.tensor == WorldTensor::fixed && rule.rate == RateUpdate::momentum) return false;
     // a rate computed from L is not integrated in body axes
     return rule.rate != RateUpdate::momentum ||
-           (fault_.gyroscopic == 1 &&
-            (fault_.turned_by == TurnedBy::own_rate || fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world));
+           (fault_.gyroscopic == 1 && (fault_.rotation_rate == AttitudeRate::own_rate ||
+                                       fault_.rotation_rate == AttitudeRate::first_rate_of_row_w_in_world));
 }
 
 bool EngineModel::has_event(double t, double dt) const {
@@ -120,8 +120,8 @@ bool EngineModel::has_event(double t, double dt) const {
 }
 
 // Error of the torque (world axes) by torques and arms in wrong axes.
-Vector EngineModel::misdirected(const WorldLoads<double>& loads, double t, const ModelState& s,
-                                const Matrix3<double>& A) const {
+Vector EngineModel::torque_error(const WorldLoads<double>& loads, double t, const ModelState& s,
+                                 const Matrix3<double>& A) const {
     Vector more;
     if (fault_.drag_in_world && loads.forcing().has_damping) {
         const Vector& w_B = s.angular_velocity_B;
@@ -148,26 +148,26 @@ EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double 
     const Matrix3<double> A = rotation_matrix(s.q);
     const Vector torque = loads.torque_W(
         t, A, [&] { return s.q; }, A * s.angular_velocity_B, s.position_W, s.velocity_W);
-    Action a{transposed(A) * (torque + misdirected(loads, t, s, A)), {}};
+    Action a{transposed(A) * (torque + torque_error(loads, t, s, A)), {}};
     if (!problem_.body.pivoted) a.acceleration_W = loads.acceleration_W(A, s.velocity_W);
     return a;
 }
 
 void EngineModel::limit(ModelState& s, double t) const {
     const double most = fault_.speed_limit;
-    if (!std::isfinite(most) || (fault_.only_coasting && !is_coasting(t))) return;
+    if (!std::isfinite(most) || (fault_.coasting_only && !is_coasting(t))) return;
     const auto clamped = [&](const Vector& w) {
         return Vector(std::clamp(w[0], -most, most), std::clamp(w[1], -most, most), std::clamp(w[2], -most, most));
     };
     Vector& w = s.angular_velocity_B;
-    switch (fault_.limit_of) {
-        case LimitOf::length:
+    switch (fault_.limited_quantity) {
+        case LimitedQuantity::length:
             if (const double speed = length(w); speed > most) w = (most / speed) * w;
             break;
-        case LimitOf::body_axes:
+        case LimitedQuantity::body_axes:
             w = clamped(w);
             break;
-        case LimitOf::world_axes:
+        case LimitedQuantity::world_axes:
             w = rotate_back(s.q, clamped(rotate(s.q, w)));
             break;
     }
@@ -177,18 +177,18 @@ void EngineModel::place_at_pivot(ModelState& s) const {
     if (problem_.body.pivoted) pivoted_center(s.q, s.angular_velocity_B, problem_.body.arm, s.position_W, s.velocity_W);
 }
 
-void EngineModel::strike(ModelState& s, const Segment& segment) const {
+void EngineModel::apply_impulses(ModelState& s, const Segment& segment) const {
     if (segment.impulses.empty()) return;
     const Matrix3<double> A = rotation_matrix(s.q);
     Vector kick;
-    WorldLoads<double>::strike(problem_, segment, A, s.position_W, kick, s.velocity_W);
+    WorldLoads<double>::apply_impulses(problem_, segment, A, s.position_W, kick, s.velocity_W);
     s.angular_velocity_B = s.angular_velocity_B + inertia(s.q).inverse * (transposed(A) * kick);
     place_at_pivot(s);
 }
 
 // Returns w after a time h with the gyroscopic term only. A factor of the term is a factor of the time.
-Vector EngineModel::turned(const BodyInertia<double>& inertia, const Vector& w, double h,
-                           const UpdateRule& rule) const {
+Vector EngineModel::apply_gyroscopic_term(const BodyInertia<double>& inertia, const Vector& w, double h,
+                                          const UpdateRule& rule) const {
     const double time = fault_.gyroscopic * h;
     if (time == 0) return w;
     switch (rule.rate) {
@@ -202,9 +202,9 @@ Vector EngineModel::turned(const BodyInertia<double>& inertia, const Vector& w, 
 }
 
 // Rotates the attitude by a rate in body axes, with the engine's faults.
-void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first_order) const {
+void EngineModel::rotate_attitude(ModelState& s, const Vector& rate_B, double h, bool first_order) const {
     if (fault_.no_rotation) return;
-    const Vector by = (fault_.turn * h) * rate_B;
+    const Vector by = (fault_.rotation_factor * h) * rate_B;
     if (fault_.in_place != InPlace::none) {
         // half the rotation in the axes of the update, applied component by component
         const bool world = fault_.in_place == InPlace::world_rate;
@@ -222,31 +222,31 @@ void EngineModel::turn(ModelState& s, const Vector& rate_B, double h, bool first
         if (!first_order) return quaternion_from_rotation_vector(angle);
         return normalized(Quaternion<double>{1, angle[0] / 2, angle[1] / 2, angle[2] / 2});
     };
-    switch (fault_.turned_by) {
-        case TurnedBy::own_rate:
+    switch (fault_.rotation_rate) {
+        case AttitudeRate::own_rate:
             s.q = normalized(s.q * factor(by));
             break;
-        case TurnedBy::body_rate_in_world:
+        case AttitudeRate::body_rate_in_world:
             s.q = normalized(factor(by) * s.q);
             break;
-        case TurnedBy::world_rate_in_body: {
+        case AttitudeRate::world_rate_in_body: {
             // this engine integrates the rate in world axes
             const Vector w_W = rotate(s.q, s.angular_velocity_B);
             s.q = normalized(s.q * factor(rotate(s.q, by)));
             s.angular_velocity_B = rotate_back(s.q, w_W);
             break;
         }
-        case TurnedBy::world_rate_in_body_w_in_body:
+        case AttitudeRate::world_rate_in_body_w_in_body:
             s.q = normalized(s.q * factor(rotate(s.q, by)));
             break;
-        case TurnedBy::first_rate_of_row_w_in_world: {
+        case AttitudeRate::first_rate_of_row_w_in_world: {
             const Vector w_W = rotate(s.q, s.angular_velocity_B);
-            s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
+            s.q = normalized(factor((fault_.rotation_factor * h) * s.row_rate_W) * s.q);
             s.angular_velocity_B = rotate_back(s.q, w_W);
             break;
         }
-        case TurnedBy::first_rate_of_row_w_in_body:
-            s.q = normalized(factor((fault_.turn * h) * s.row_rate_W) * s.q);
+        case AttitudeRate::first_rate_of_row_w_in_body:
+            s.q = normalized(factor((fault_.rotation_factor * h) * s.row_rate_W) * s.q);
             break;
     }
 }
@@ -263,9 +263,9 @@ Vector EngineModel::origin_error(const ModelState& s, const Vector& w_B, const V
 // Advances the translation in a semi-implicit step, after w and the attitude. Returns the difference between the
 // positions by the new and the old velocity.
 Vector EngineModel::translate(ModelState& s, const ModelState& old, const Vector& acceleration_W, double h) const {
-    const double kept = std::max(0.0, 1 - fault_.linear_damping * h);
+    const double velocity_factor = std::max(0.0, 1 - fault_.linear_damping * h);
     if (!fault_.origin.is_integrated) {
-        s.velocity_W = kept * (old.velocity_W + h * acceleration_W);
+        s.velocity_W = velocity_factor * (old.velocity_W + h * acceleration_W);
         if (fault_.no_translation) return {};
         s.position_W = old.position_W + h * s.velocity_W;
         return h * (s.velocity_W - old.velocity_W);
@@ -275,7 +275,7 @@ Vector EngineModel::translate(ModelState& s, const ModelState& old, const Vector
     Vector a = acceleration_W;
     if (fault_.origin.has_centripetal) a = a - cross(w, cross(w, r));
     if (fault_.origin.has_euler) a = a - cross((1 / h) * (new_w - w), r);
-    const Vector v = old.velocity_W - cross(w, r), new_v = kept * (v + h * a);
+    const Vector v = old.velocity_W - cross(w, r), new_v = velocity_factor * (v + h * a);
     s.velocity_W = new_v + cross(new_w, new_r);
     if (fault_.no_translation) return {};
     s.position_W = old.position_W - r + h * new_v + new_r;
@@ -292,10 +292,11 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
         const Vector dw = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
         const Vector v = from.velocity_W;
         ModelState next = old;
-        turn(next, fault_.turned_by == TurnedBy::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w, dt,
-             false);
+        rotate_attitude(
+            next, fault_.rotation_rate == AttitudeRate::world_rate_in_body ? rotate_back(old.q, rotate(from.q, w)) : w,
+            dt, false);
         // an engine with its tensor in world axes also integrates the rate there
-        if (fault_.tensor == WorldTensor::turned && fault_.turned_by != TurnedBy::first_rate_of_row_w_in_world)
+        if (fault_.tensor == WorldTensor::turned && fault_.rotation_rate != AttitudeRate::first_rate_of_row_w_in_world)
             next.angular_velocity_B = next.angular_velocity_B + dt * dw;
         else
             next.angular_velocity_B =
@@ -307,7 +308,7 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
         return next;
     };
     s = go(t + h / 2, go(t, old, h / 2), h);
-    s.angular_velocity_B = damped(s.angular_velocity_B, t, h);
+    s.angular_velocity_B = apply_damping(s.angular_velocity_B, t, h);
     s.velocity_W = std::max(0.0, 1 - fault_.linear_damping * h) * s.velocity_W;
     limit(s, t);
     place_at_pivot(s);
@@ -325,7 +326,7 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
     Vector w = old_w, momentum_W;
     switch (rule.rate) {
         case RateUpdate::together:
-            w = old_w + by_loads + (turned(I, old_w, h, rule) - old_w);
+            w = old_w + by_loads + (apply_gyroscopic_term(I, old_w, h, rule) - old_w);
             break;
         case RateUpdate::momentum:
             // an engine that integrates L computes w by its inverse tensor only
@@ -335,25 +336,25 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
             w = old_w + by_loads;
             break;
         default:
-            w = turned(I, old_w + by_loads, h, rule);
+            w = apply_gyroscopic_term(I, old_w + by_loads, h, rule);
     }
-    s.angular_velocity_B = fault_.damped_last ? w : damped(w, t, h);
-    if (!fault_.damped_last) limit(s, t);
-    turn(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
+    s.angular_velocity_B = fault_.damping_last ? w : apply_damping(w, t, h);
+    if (!fault_.damping_last) limit(s, t);
+    rotate_attitude(s, rule.by_new_rate ? s.angular_velocity_B : old_w, h, rule.first_order);
     if (rule.rate == RateUpdate::momentum) {
-        s.angular_velocity_B = damped(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
+        s.angular_velocity_B = apply_damping(inertia(s.q).inverse * rotate_back(s.q, momentum_W), t, h);
         limit(s, t);
     } else if (fault_.tensor != WorldTensor::turned && !rule.by_new_rate) {
         // the rate is integrated in world axes
         s.angular_velocity_B = rotate_back(s.q, rotate(old.q, s.angular_velocity_B));
     }
-    if (fault_.damped_last) {
-        s.angular_velocity_B = damped(s.angular_velocity_B, t, h);
+    if (fault_.damping_last) {
+        s.angular_velocity_B = apply_damping(s.angular_velocity_B, t, h);
         limit(s, t);
     }
-    const Vector further = translate(s, old, a.acceleration_W, h);
+    const Vector position_difference = translate(s, old, a.acceleration_W, h);
     place_at_pivot(s);
-    return further;
+    return position_difference;
 }
 
 // Advances (q, w, p, v) by the classical Runge-Kutta method.
@@ -371,59 +372,59 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
         Rate r;
         const BodyInertia<double> I = inertia(unit.q);
         r.w = I.inverse * (a.torque_B + fault_.gyroscopic * cross(I.tensor * w, w));
-        if (!fault_.only_coasting || is_coasting(t))
+        if (!fault_.coasting_only || is_coasting(t))
             for (int i = 0; i < 3; ++i) r.w[i] -= (fault_.angular_damping + fault_.axis_damping_B[i]) * w[i];
         const Vector error = fault_.origin.is_integrated ? origin_error(unit, w, r.w) : Vector();
-        Vector turning = fault_.turn * w;
-        if (fault_.turned_by == TurnedBy::body_rate_in_world) turning = rotate_back(unit.q, turning);
-        if (fault_.turned_by == TurnedBy::world_rate_in_body) {
+        Vector turning = fault_.rotation_factor * w;
+        if (fault_.rotation_rate == AttitudeRate::body_rate_in_world) turning = rotate_back(unit.q, turning);
+        if (fault_.rotation_rate == AttitudeRate::world_rate_in_body) {
             turning = rotate(unit.q, turning);
             // only torques change w_W
             r.w = r.w - cross(turning, w);
         }
-        if (fault_.turned_by == TurnedBy::world_rate_in_body_w_in_body) turning = rotate(unit.q, turning);
+        if (fault_.rotation_rate == AttitudeRate::world_rate_in_body_w_in_body) turning = rotate(unit.q, turning);
         if (fault_.no_rotation) turning = {};
         r.q = attitude_rate(0.5, y.q, turning);
         r.p = fault_.no_translation ? Vector() : y.velocity_W;
         r.v = a.acceleration_W + error - fault_.linear_damping * y.velocity_W;
         return r;
     };
-    const auto moved = [&](const Rate& r, double by) {
+    const auto advanced = [&](const Rate& r, double by) {
         ModelState y = s;
         y.q = {s.q.w + by * r.q.w, s.q.x + by * r.q.x, s.q.y + by * r.q.y, s.q.z + by * r.q.z};
         y.angular_velocity_B = s.angular_velocity_B + by * r.w;
         y.position_W = s.position_W + by * r.p, y.velocity_W = s.velocity_W + by * r.v;
         return y;
     };
-    const Rate a = rate(t, s), b = rate(t + h / 2, moved(a, h / 2)), c = rate(t + h / 2, moved(b, h / 2)),
-               d = rate(t + h, moved(c, h));
+    const Rate a = rate(t, s), b = rate(t + h / 2, advanced(a, h / 2)), c = rate(t + h / 2, advanced(b, h / 2)),
+               d = rate(t + h, advanced(c, h));
     const auto mean = [](const auto& k1, const auto& k2, const auto& k3, const auto& k4) {
         return (1.0 / 6) * (k1 + 2.0 * (k2 + k3) + k4);
     };
     const Quaternion<double> q{(a.q.w + 2 * (b.q.w + c.q.w) + d.q.w) / 6, (a.q.x + 2 * (b.q.x + c.q.x) + d.q.x) / 6,
                                (a.q.y + 2 * (b.q.y + c.q.y) + d.q.y) / 6, (a.q.z + 2 * (b.q.z + c.q.z) + d.q.z) / 6};
-    s = moved({q, mean(a.w, b.w, c.w, d.w), mean(a.p, b.p, c.p, d.p), mean(a.v, b.v, c.v, d.v)}, h);
+    s = advanced({q, mean(a.w, b.w, c.w, d.w), mean(a.p, b.p, c.p, d.p), mean(a.v, b.v, c.v, d.v)}, h);
     s.q = normalized(s.q);
     limit(s, t);
     place_at_pivot(s);
 }
 
-void EngineModel::go_on(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule,
-                        int steps, Vector& further) const {
+void EngineModel::advance_segment(ModelState& s, const WorldLoads<double>& loads, double t, double dt,
+                                  const UpdateRule& rule, int steps, Vector& position_difference) const {
     if (!(dt > 0)) return;
     if (rule.rate == RateUpdate::accurate) {
-        const double turned_by =
+        const double rotation =
             dt * fault_.time * std::max(length(s.angular_velocity_B), problem_.scales.angular_velocity);
         // a state that is not finite takes the largest number of steps
-        const double wanted = std::ceil(turned_by / most_turned);
-        steps = wanted < most_small_steps ? std::max(2, static_cast<int>(wanted)) : most_small_steps;
+        const double wanted = std::ceil(rotation / max_rotation);
+        steps = wanted < max_small_steps ? std::max(2, static_cast<int>(wanted)) : max_small_steps;
     }
     const double part = dt / steps, h = part * fault_.time;
     for (int i = 0; i < steps; ++i) {
         if (rule.rate == RateUpdate::accurate)
             small_step(s, loads, t + i * part, h);
         else
-            further = further + step(s, loads, t + i * part, h, rule);
+            position_difference = position_difference + step(s, loads, t + i * part, h, rule);
     }
 }
 
@@ -432,17 +433,17 @@ Vector EngineModel::advance(ModelState& s, double t, double dt, const UpdateRule
     if (uses_row_rate()) s.row_rate_W = rotate(s.q, s.angular_velocity_B);
     const std::size_t first = segment_at(problem_, t);
     loads.enter(problem_.segments[first]);
-    Vector further;
+    Vector position_difference;
     const double end = t + dt;
     for (std::size_t k = first + 1; k < problem_.segments.size() && problem_.segments[k].begin <= end; ++k) {
         const Segment& next = problem_.segments[k];
-        go_on(s, loads, t, next.begin - t, rule, steps, further);
+        advance_segment(s, loads, t, next.begin - t, rule, steps, position_difference);
         t = std::max(t, next.begin);
         loads.enter(next);
-        strike(s, next);
+        apply_impulses(s, next);
     }
-    go_on(s, loads, t, end - t, rule, steps, further);
-    return further;
+    advance_segment(s, loads, t, end - t, rule, steps, position_difference);
+    return position_difference;
 }
 
 }  // namespace polhode

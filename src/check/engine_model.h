@@ -57,11 +57,11 @@ class EngineModel {
 
     /// Whether the engine can use a rule with this number of steps per row. For example, RateUpdate::momentum has no
     /// gyroscopic term that could be missing, and with one step per row the row's first rate is the rate of the step.
-    bool takes(const UpdateRule& rule, int steps) const;
+    bool supports(const UpdateRule& rule, int steps) const;
     /// Whether the attitude is rotated by the rate at the start of the row.
     bool uses_row_rate() const {
-        return fault_.turned_by == TurnedBy::first_rate_of_row_w_in_world ||
-               fault_.turned_by == TurnedBy::first_rate_of_row_w_in_body;
+        return fault_.rotation_rate == AttitudeRate::first_rate_of_row_w_in_world ||
+               fault_.rotation_rate == AttitudeRate::first_rate_of_row_w_in_body;
     }
     /// Whether an event of the scene falls in t < event <= t + dt.
     bool has_event(double t, double dt) const;
@@ -82,23 +82,23 @@ class EngineModel {
     // the tensor that the engine uses at an attitude, converted to body axes
     BodyInertia<double> inertia(const Quaternion<double>& q) const;
     bool is_coasting(double t) const;
-    Vector3<double> misdirected(const WorldLoads<double>& loads, double t, const ModelState& s,
-                                const Matrix3<double>& A) const;
-    Vector3<double> damped(const Vector3<double>& w, double t, double h) const;
+    Vector3<double> torque_error(const WorldLoads<double>& loads, double t, const ModelState& s,
+                                 const Matrix3<double>& A) const;
+    Vector3<double> apply_damping(const Vector3<double>& w, double t, double h) const;
     Action action(const WorldLoads<double>& loads, double t, const ModelState& s) const;
     Vector3<double> step(ModelState& s, const WorldLoads<double>& loads, double t, double h,
                          const UpdateRule& rule) const;
     Vector3<double> midpoint_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
     void small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
-    void go_on(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule, int steps,
-               Vector3<double>& further) const;
-    Vector3<double> turned(const BodyInertia<double>& inertia, const Vector3<double>& w, double h,
-                           const UpdateRule& rule) const;
-    void turn(ModelState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
+    void advance_segment(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule,
+                         int steps, Vector3<double>& position_difference) const;
+    Vector3<double> apply_gyroscopic_term(const BodyInertia<double>& inertia, const Vector3<double>& w, double h,
+                                          const UpdateRule& rule) const;
+    void rotate_attitude(ModelState& s, const Vector3<double>& rate_B, double h, bool first_order) const;
     Vector3<double> origin_error(const ModelState& s, const Vector3<double>& w_B, const Vector3<double>& dw_B) const;
     Vector3<double> translate(ModelState& s, const ModelState& old, const Vector3<double>& acceleration_W,
                               double h) const;
-    void strike(ModelState& s, const Segment& segment) const;
+    void apply_impulses(ModelState& s, const Segment& segment) const;
     void place_at_pivot(ModelState& s) const;
 };
 

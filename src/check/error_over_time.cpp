@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "check/judge.h"
+#include "check/file_errors.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
 #include "text/parallel.h"
@@ -34,10 +34,10 @@ ErrorOverTime by_polynomials(const Scene& scene, const TrajectoryFile& file, std
                              const DenseTruth& truth) {
     constexpr std::size_t pieces = 16, at_once = 1024;
     const std::size_t rows = file.rows.size();
-    std::vector<Judge> judges;
+    std::vector<FileErrorAccumulator> accumulators;
     for (std::size_t i = 0; i < pieces; ++i) {
-        judges.emplace_back(scene, file, JudgedIn::binary64);
-        judges.back().keep(measure);
+        accumulators.emplace_back(scene, file, ErrorArithmetic::binary64);
+        accumulators.back().keep_row_errors(measure);
     }
     parallel_for(pieces, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {
         std::vector<ReferenceSample> samples;
@@ -46,13 +46,13 @@ ErrorOverTime by_polynomials(const Scene& scene, const TrajectoryFile& file, std
             samples.clear();
             for (std::size_t k = first; k < std::min(first + at_once, end); ++k)
                 samples.push_back(truth.at(file.rows[k].t));
-            judges[i].add(first, samples);
+            accumulators[i].add(first, samples);
         }
     });
-    for (std::size_t i = 1; i < pieces; ++i) judges[0].append(judges[i]);
+    for (std::size_t i = 1; i < pieces; ++i) accumulators[0].append(accumulators[i]);
     ErrorOverTime result;
     for (const TrajectoryRow& row : file.rows) result.t.push_back(row.t);
-    result.error = judges[0].kept();
+    result.error = accumulators[0].row_errors();
     return result;
 }
 
@@ -83,10 +83,10 @@ ErrorOverTime error_over_time(const Scene& scene, const TrajectoryFile& file, st
         result.fault = truth.message;
         return result;
     }
-    Judge judge(scene, picked, JudgedIn::binary128);
-    judge.keep(index);
-    judge.add(0, truth.samples);
-    result.error = judge.kept();
+    FileErrorAccumulator accumulator(scene, picked, ErrorArithmetic::binary128);
+    accumulator.keep_row_errors(index);
+    accumulator.add(0, truth.samples);
+    result.error = accumulator.row_errors();
     return result;
 }
 

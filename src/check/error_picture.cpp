@@ -31,7 +31,7 @@ Companion companion(const Scene& scene, const TrajectoryFile& file, const std::v
     const double last = file.rows.back().t, row = last / static_cast<double>(file.rows.size() - 1);
     for (std::size_t k = 0; k < file.rows.size(); ++k)
         if (!(std::abs(file.rows[k].t - static_cast<double>(k) * row) <= 1e-3 * row)) return {};
-    const std::optional<FollowedUpdate>& followed = checked.diagnosed.update;
+    const std::optional<UpdateMatch>& followed = checked.diagnosis.update;
     const Method* const method = find_method(followed ? followed->method : "gyroscopic_explicit");
     Scene timed = scene;
     timed.duration = last;
@@ -72,7 +72,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
 
     Trajectory of_file;
     if (several)
-        of_file = completed_by(truth, scene, picked);
+        of_file = complete_from_truth(truth, scene, picked);
     else
         of_file.samples = samples_of(picked, scene.body.center_of_mass);
     const ErrorSeries own = error_series(scene, of_file, truth);
@@ -82,7 +82,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
     Figure figure;
     figure.title = fmt::format("{} on {}", one_line(checked.path, 80), scene.name);
     figure.columns = 2;
-    for (const BlockVerdict& verdict : limits.verdicts(checked.judgement)) {
+    for (const BlockVerdict& verdict : limits.verdicts(checked.file_errors)) {
         if (!verdict.error) continue;
         const Measure& measure = measures()[measure_index(verdict.block->measure)];
         Panel panel;
@@ -101,7 +101,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         add("the file", {file_color, 0}, 0, own[verdict.block->measure]);
         if (!beside.label.empty())
             add(beside.label, method_style(*beside.method), 1, beside.errors[verdict.block->measure]);
-        const double size = checked.judgement.size[measure_index(verdict.block->measure)];
+        const double size = checked.file_errors.size[measure_index(verdict.block->measure)];
         // converts the limit to the unit of the measure
         const double of_size = measure.is_relative() || !verdict.limit.relative ? 1 : size;
         const double per_size =

@@ -16,21 +16,21 @@ namespace {
 using Vector = Vector3<double>;
 
 // largest number of steps, of steps with events, and of rows of a run
-constexpr std::size_t most_windows = 32, most_event_windows = 6, most_rows_of_a_run = 48;
+constexpr std::size_t max_windows = 32, most_event_windows = 6, most_rows_of_a_run = 48;
 // smallest relative prediction error: the error of accurate steps
 constexpr double finest = 1e-9;
 
 // Returns |a - b| relative to the larger change, at most 2.
-double relative(double difference, double moved, double also_moved) {
-    const double scale = std::max(moved, also_moved);
+double relative(double difference, double total_change, double other_change) {
+    const double scale = std::max(total_change, other_change);
     return difference == 0 ? 0 : scale > 0 && std::isfinite(difference) ? std::min(difference / scale, 2.0) : 2.0;
 }
 
 // An answer and its value for a perfect prediction, decades.
-struct Answer {
+struct PredictionError {
     double value = 0, least = 0;
 };
-Answer answer(double error, double noise) {
+PredictionError answer(double error, double noise) {
     const double floor = std::max(finest, 3 * noise);
     const double least = std::log10(std::min(floor, 2.0));
     return {error > floor ? std::log10(error) : least, least};
@@ -38,20 +38,20 @@ Answer answer(double error, double noise) {
 
 // Mean of answers.
 struct Mean {
-    Answer sum;
+    PredictionError sum;
     int count = 0;
 
-    void add(const Answer& a) { sum.value += a.value, sum.least += a.least, ++count; }
-    void give(Residual& r, Question question) const {
+    void add(const PredictionError& a) { sum.value += a.value, sum.least += a.least, ++count; }
+    void store(Residual& r, Criterion criterion) const {
         if (count == 0) return;
-        r[question] = sum.value / count, r.least += sum.least / count;
+        r[criterion] = sum.value / count, r.least += sum.least / count;
         r.worst = std::max(r.worst, (sum.value - sum.least) / count);
     }
 };
 
 // Difference of two vectors relative to their length, or to their change from `base`.
-double apart(const Vector& a, const Vector& b) { return relative(length(a - b), length(a), length(b)); }
-double apart(const Vector& a, const Vector& b, const Vector& base) {
+double relative_difference(const Vector& a, const Vector& b) { return relative(length(a - b), length(a), length(b)); }
+double relative_difference(const Vector& a, const Vector& b, const Vector& base) {
     return relative(length(a - b), length(a - base), length(b - base));
 }
 
@@ -110,11 +110,11 @@ FileEvidence::FileEvidence(const Scene& scene, const TrajectoryFile& file) : sce
                 : (1 / (row.t - before.t)) * rotation_vector_from_quaternion(conjugate(normalized(before.q)) * q);
         const Vector w_W = rotate(q, w_B);
         for (int i = 0; i < 3; ++i) {
-            facts_.most_in_world_axes[i] = std::max(facts_.most_in_world_axes[i], std::abs(w_W[i]));
-            facts_.most_in_body_axes[i] = std::max(facts_.most_in_body_axes[i], std::abs(w_B[i]));
+            facts_.largest_rates_W[i] = std::max(facts_.largest_rates_W[i], std::abs(w_W[i]));
+            facts_.largest_rates_B[i] = std::max(facts_.largest_rates_B[i], std::abs(w_B[i]));
         }
     }
-    compare_plainly();
+    compare_with_scene();
     choose_windows();
 }
 
@@ -141,21 +141,21 @@ void FileEvidence::find_noise() {
 
 // Computes the scene's motion at some rows, as far as this is fast. Finds the error of the file, the first contact
 // with a plane, and whether a body that rests in the file should move.
-void FileEvidence::compare_plainly() {
+void FileEvidence::compare_with_scene() {
     const EngineModel model(sound_);
     const UpdateRule& accurate = update_rules().front();
     const std::shared_ptr<const ContactGeometry<double>> geometry = pose(*scene_, Formulation::full).body.geometry;
     const double rate = std::max(model.problem().scales.angular_velocity, 1e-3);
-    const double affordable = 2000 / rate;  // s: 40,000 small steps
+    const double longest_time = 2000 / rate;  // s: 40,000 small steps
     std::size_t rows = last_ + 1;
-    while (rows > 3 && file_->rows[rows - 1].t > std::max(affordable, file_->rows[2].t)) --rows;
+    while (rows > 3 && file_->rows[rows - 1].t > std::max(longest_time, file_->rows[2].t)) --rows;
     const std::size_t stride = geometry->any() ? 1 : std::max<std::size_t>(1, rows / 200);
     // the file does not change from row `still` on
     std::size_t still = last_;
     while (still > 0 && same(still - 1, last_)) --still;
     ModelState s = model.start();
     double t = 0, scale_w = 0, scale_p = 0, scale_v = 0, worst_w = 0, worst_p = 0, worst_v = 0, worst_q = 0;
-    bool judged_still = false;
+    bool has_rest_check = false;
     for (std::size_t k = 0; k < rows && facts_.duration > 0; k += stride) {
         const double next = file_->rows[k].t;
         if (next > t) model.advance(s, t, next - t, accurate, 1);
@@ -166,10 +166,10 @@ void FileEvidence::compare_plainly() {
             last_ = k > 0 ? k - 1 : 0;
             break;
         }
-        if (k >= still && !judged_still) {
-            judged_still = true;
+        if (k >= still && !has_rest_check) {
+            has_rest_check = true;
             const double left = file_->rows.back().t - t;
-            if (last_ - still >= 3 && length(s.angular_velocity_B) * left > 0.05) still_from_ = file_->rows[still].t;
+            if (last_ - still >= 3 && length(s.angular_velocity_B) * left > 0.05) rest_start_ = file_->rows[still].t;
         }
         const ModelState f = state(sound_, k);
         scale_w = std::max(scale_w, length(s.angular_velocity_B)), scale_p = std::max(scale_p, length(s.position_W));
@@ -182,7 +182,7 @@ void FileEvidence::compare_plainly() {
     }
     const auto over = [](double worst, double scale) { return worst == 0 ? 0.0 : scale > 0 ? worst / scale : 1.0; };
     plain_error_ = std::max({worst_q, over(worst_w, scale_w), over(worst_p, scale_p), over(worst_v, scale_v)});
-    if (still_from_) last_ = std::min(last_, still);
+    if (rest_start_) last_ = std::min(last_, still);
 }
 
 bool FileEvidence::same(std::size_t a, std::size_t b) const {
@@ -198,7 +198,7 @@ void FileEvidence::choose_windows() {
     for (std::size_t k = 0; k < last_; ++k)
         if (events < most_event_windows && model.has_event(file_->rows[k].t, file_->rows[k + 1].t - file_->rows[k].t))
             windows_.push_back(k), ++events;
-    const std::size_t count = std::min(most_windows, last_);
+    const std::size_t count = std::min(max_windows, last_);
     for (std::size_t i = 0; i < count; ++i) {
         const double x = static_cast<double>(i) / static_cast<double>(count);
         const std::size_t spread = static_cast<std::size_t>(x * x * static_cast<double>(last_));
@@ -221,7 +221,7 @@ ModelState FileEvidence::state(const Cause& cause, std::size_t k) const {
     s.position_W = (read.length_unit * read.position_unit) * vector_from(read.axes, row.position_W);
     s.velocity_W = (read.length_unit * read.velocity_unit) * vector_from(read.axes, row.velocity_W);
     if (read.origin) s.position_W = s.position_W + rotate(s.q, sound_.scene.body.center_of_mass);
-    if (file_->has_angular_velocity) use_center(cause, s.angular_velocity_B, s);
+    if (file_->has_angular_velocity) convert_origin_velocity(cause, s.angular_velocity_B, s);
     return s;
 }
 
@@ -232,13 +232,13 @@ double FileEvidence::position_noise(const Cause& cause, const ModelState& s) con
 }
 
 // Converts the velocity of the body's origin to that of its centre of mass, if the cause reads the former.
-void FileEvidence::use_center(const Cause& cause, const Vector& w_B, ModelState& s) const {
+void FileEvidence::convert_origin_velocity(const Cause& cause, const Vector& w_B, ModelState& s) const {
     if (cause.reading.velocity_of_origin && file_->has_velocity)
         s.velocity_W = s.velocity_W + rotate(s.q, cross(w_B, sound_.scene.body.center_of_mass));
 }
 
-void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
-                             Residual& r) const {
+void FileEvidence::compare_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                                 Residual& r) const {
     const int late = cause.reading.rows_late;
     const std::size_t row = static_cast<std::size_t>(std::max(late, 0));
     ModelState start = model.start();
@@ -250,31 +250,31 @@ void FileEvidence::ask_start(const Cause& cause, const EngineModel& model, const
         model.advance(start, t, until - t, rule, count * steps);
     }
     ModelState f = state(cause, row);
-    if (!file_->has_angular_velocity) use_center(cause, start.angular_velocity_B, f);
-    const auto tell = [&](Question question, double error) {
+    if (!file_->has_angular_velocity) convert_origin_velocity(cause, start.angular_velocity_B, f);
+    const auto store_error = [&](Criterion criterion, double error) {
         Mean one;
         one.add(answer(error, noise_));
-        one.give(r, question);
+        one.store(r, criterion);
     };
-    tell(Question::start_attitude, std::min(chord(start.q, f.q), 2.0));
-    const auto ask = [&](Question question, const Vector& a, const Vector& b) {
-        if (!(length(a) == 0 && length(b) == 0)) tell(question, apart(a, b));
+    store_error(Criterion::start_attitude, std::min(chord(start.q, f.q), 2.0));
+    const auto compare = [&](Criterion criterion, const Vector& a, const Vector& b) {
+        if (!(length(a) == 0 && length(b) == 0)) store_error(criterion, relative_difference(a, b));
     };
     if (file_->has_angular_velocity) {
         // a limit may act at the start or from the first step on
         ModelState limited = start;
         model.limit(limited, 0);
         const Vector &w = f.angular_velocity_B, &given = start.angular_velocity_B, &cut = limited.angular_velocity_B;
-        ask(Question::start_rate, apart(cut, w) < apart(given, w) ? cut : given, w);
+        compare(Criterion::start_rate, relative_difference(cut, w) < relative_difference(given, w) ? cut : given, w);
     }
     const double blur = 3 * position_noise(cause, f);
     if ((file_->has_position || file_->has_origin) && (length(start.position_W) > blur || length(f.position_W) > blur))
-        ask(Question::start_position, start.position_W, f.position_W);
-    if (file_->has_velocity) ask(Question::start_velocity, start.velocity_W, f.velocity_W);
+        compare(Criterion::start_position, start.position_W, f.position_W);
+    if (file_->has_velocity) compare(Criterion::start_velocity, start.velocity_W, f.velocity_W);
 }
 
-void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
-                             Residual& r, std::vector<double>* by_step) const {
+void FileEvidence::compare_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                                 Residual& r, std::vector<double>* by_step) const {
     const bool position = file_->has_position || file_->has_origin;
     const std::size_t late = static_cast<std::size_t>(std::max(cause.reading.rows_late, 0));
     Mean attitude, rate, velocity, first, events;
@@ -296,19 +296,20 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
             base.velocity_W = (1 / (time(from) - time(from - 1))) * (base.position_W - before.position_W);
         }
         ModelState next = base;
-        Vector further;
+        Vector position_difference;
         for (std::size_t row = from; row < to; ++row)
-            further = further + model.advance(next, time(row), time(row + 1) - time(row), rule, steps);
+            position_difference =
+                position_difference + model.advance(next, time(row), time(row + 1) - time(row), rule, steps);
         if (!file_->has_velocity && position && !model.body().pivoted)
-            next.position_W = base.position_W + (time(to) - time(from)) * next.velocity_W, further = {};
+            next.position_W = base.position_W + (time(to) - time(from)) * next.velocity_W, position_difference = {};
         const ModelState f = state(cause, to);
         const double turned =
                          std::max(chord(f.q, base.q), 0.1 * std::min(1.0, length(f.angular_velocity_B) * facts_.row)),
-                     moved = length(f.position_W - base.position_W);
-        const Answer q = answer(relative(chord(next.q, f.q), chord(next.q, base.q), chord(f.q, base.q)),
-                                noise_ / std::max(turned, 1e-12)),
-                     w = answer(apart(next.angular_velocity_B, f.angular_velocity_B), noise_),
-                     v = answer(apart(next.velocity_W, f.velocity_W), noise_);
+                     total_change = length(f.position_W - base.position_W);
+        const PredictionError q = answer(relative(chord(next.q, f.q), chord(next.q, base.q), chord(f.q, base.q)),
+                                         noise_ / std::max(turned, 1e-12)),
+                              w = answer(relative_difference(next.angular_velocity_B, f.angular_velocity_B), noise_),
+                              v = answer(relative_difference(next.velocity_W, f.velocity_W), noise_);
         if (event) {
             events.add({(q.value + w.value) / 2, (q.least + w.least) / 2});
             if (file_->has_velocity) events.add(v);
@@ -320,23 +321,23 @@ void FileEvidence::ask_steps(const Cause& cause, const EngineModel& model, const
         if (file_->has_velocity) velocity.add(v);
         if (!position) continue;
         for (int i = 0; i < 3; ++i)
-            places[static_cast<std::size_t>(i)].add(
-                answer(apart(next.position_W - (0.5 * i) * further, f.position_W, base.position_W),
-                       position_noise(cause, f) / std::max(moved, 1e-300)));
+            places[static_cast<std::size_t>(i)].add(answer(
+                relative_difference(next.position_W - (0.5 * i) * position_difference, f.position_W, base.position_W),
+                position_noise(cause, f) / std::max(total_change, 1e-300)));
     }
-    attitude.give(r, Question::attitude), rate.give(r, Question::rate), velocity.give(r, Question::velocity);
+    attitude.store(r, Criterion::attitude), rate.store(r, Criterion::rate), velocity.store(r, Criterion::velocity);
     // a first step that happens to be better than the others gives no advantage
     if (first.count > 0 && attitude.count > 0) {
         const double others = (attitude.sum.value + rate.sum.value) / (2 * attitude.count);
         first.sum.value = std::max(first.sum.value, others * first.count);
     }
-    first.give(r, Question::first_step), events.give(r, Question::events);
-    nearest(places).give(r, Question::position);
+    first.store(r, Criterion::first_step), events.store(r, Criterion::events);
+    nearest(places).store(r, Criterion::position);
 }
 
 // For files without w: runs the engine from its start, row by row.
-void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
-                           Residual& r) const {
+void FileEvidence::compare_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                               Residual& r) const {
     const bool position = file_->has_position || file_->has_origin;
     const std::size_t late = static_cast<std::size_t>(std::max(cause.reading.rows_late, 0));
     ModelState s = model.start();
@@ -344,54 +345,54 @@ void FileEvidence::ask_run(const Cause& cause, const EngineModel& model, const U
     const ModelState start = s;
     Mean attitude, velocity, events;
     std::array<Mean, 3> places;
-    Vector further;
+    Vector position_difference;
     // up to a dozen rows after the last event, if this is not too far
     std::size_t end = std::min(last_, late + most_rows_of_a_run);
     std::size_t first_event = last_;
     for (const std::size_t k : windows_)
         if (model.has_event(file_->rows[k].t, file_->rows[k + 1].t - file_->rows[k].t) && k < 10 * most_rows_of_a_run)
             first_event = std::min(first_event, k + 1), end = std::max(end, std::min(last_, k + 12));
-    double t = 0, turned = 0, went = 0, change = 0;
+    double t = 0, turned = 0, traveled = 0, change = 0;
     for (std::size_t k = late; k <= end; ++k) {
         const double next = file_->rows[k - late].t;
         const ModelState before = s;
-        if (next > t) further = further + model.advance(s, t, next - t, rule, steps);
+        if (next > t) position_difference = position_difference + model.advance(s, t, next - t, rule, steps);
         t = std::max(t, next);
         ModelState f = state(cause, k);
-        use_center(cause, s.angular_velocity_B, f);
-        turned += chord(before.q, s.q), went += length(s.position_W - before.position_W);
+        convert_origin_velocity(cause, s.angular_velocity_B, f);
+        turned += chord(before.q, s.q), traveled += length(s.position_W - before.position_W);
         change = std::max({change, length(s.velocity_W), length(f.velocity_W)});
         if (k == late) continue;
-        const Answer q =
+        const PredictionError q =
             answer(relative(chord(s.q, f.q), turned, chord(f.q, start.q)), noise_ / std::max(turned, 1e-12));
         (k > first_event ? events : attitude).add(q);
         for (int i = 0; position && i < 3; ++i)
             places[static_cast<std::size_t>(i)].add(
-                answer(relative(length(s.position_W - (0.5 * i) * further - f.position_W), went,
+                answer(relative(length(s.position_W - (0.5 * i) * position_difference - f.position_W), traveled,
                                 length(f.position_W - start.position_W)),
-                       position_noise(cause, f) / std::max(went, 1e-300)));
+                       position_noise(cause, f) / std::max(traveled, 1e-300)));
         if (file_->has_velocity) velocity.add(answer(relative(length(s.velocity_W - f.velocity_W), change, 0), noise_));
         if (turned > 20 && (k > first_event || first_event == last_)) break;
     }
-    attitude.give(r, Question::attitude), velocity.give(r, Question::velocity), events.give(r, Question::events);
-    nearest(places).give(r, Question::position);
+    attitude.store(r, Criterion::attitude), velocity.store(r, Criterion::velocity), events.store(r, Criterion::events);
+    nearest(places).store(r, Criterion::position);
 }
 
 std::vector<double> FileEvidence::by_step(const Cause& cause, const EngineModel& model, const UpdateRule& rule,
                                           int steps) const {
     std::vector<double> decades;
     Residual r;
-    if (file_->has_angular_velocity) ask_steps(cause, model, rule, steps, r, &decades);
+    if (file_->has_angular_velocity) compare_steps(cause, model, rule, steps, r, &decades);
     return decades;
 }
 
 Residual FileEvidence::residual(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps) const {
     Residual r;
-    ask_start(cause, model, rule, steps, r);
+    compare_start(cause, model, rule, steps, r);
     if (file_->has_angular_velocity)
-        ask_steps(cause, model, rule, steps, r);
+        compare_steps(cause, model, rule, steps, r);
     else
-        ask_run(cause, model, rule, steps, r);
+        compare_run(cause, model, rule, steps, r);
     for (const std::optional<double>& value : r.decades) r.total += value.value_or(0);
     return r;
 }

@@ -20,7 +20,7 @@ namespace polhode {
 
 /// The parts of a file that are predicted. The answer to each question is the mean over the rows of
 /// log10(prediction error / change of the predicted quantity), in decades.
-enum class Question {
+enum class Criterion {
     start_attitude,
     start_rate,
     start_position,
@@ -32,17 +32,17 @@ enum class Question {
     velocity,
     events,  ///< steps in which a load starts or ends or an impulse acts: all blocks
 };
-inline constexpr std::size_t question_count = 10;
+inline constexpr std::size_t criterion_count = 10;
 
 /// The answers under one cause and one rule.
 struct Residual {
-    std::array<std::optional<double>, question_count> decades;  ///< 0: the prediction fails; empty: not asked
-    double total = 0;                                           ///< sum of the decades
-    double least = 0;                                           ///< the sum for perfect predictions
+    std::array<std::optional<double>, criterion_count> decades;  ///< 0: the prediction fails; empty: not asked
+    double total = 0;                                            ///< sum of the decades
+    double least = 0;                                            ///< the sum for perfect predictions
     double worst = 0;  ///< largest excess of a question over its value for perfect predictions
 
-    std::optional<double>& operator[](Question q) { return decades[static_cast<std::size_t>(q)]; }
-    const std::optional<double>& operator[](Question q) const { return decades[static_cast<std::size_t>(q)]; }
+    std::optional<double>& operator[](Criterion q) { return decades[static_cast<std::size_t>(q)]; }
+    const std::optional<double>& operator[](Criterion q) const { return decades[static_cast<std::size_t>(q)]; }
 };
 
 /// A trajectory file, represented by a few dozen of its steps.
@@ -52,13 +52,13 @@ class FileEvidence {
     FileEvidence(const Scene& scene, const TrajectoryFile& file);
 
     /// False if fewer than three rows can be compared.
-    bool enough() const { return windows_.size() >= 2; }
+    bool has_enough_rows() const { return windows_.size() >= 2; }
     /// The cause without a fault: this scene, and columns as they are named.
     const Cause& sound() const { return sound_; }
     const FileFacts& facts() const { return facts_; }
     bool has_angular_velocity() const { return file_->has_angular_velocity; }
     /// Time from which nothing moves in the file although the scene's body does, s.
-    std::optional<double> still_from() const { return still_from_; }
+    std::optional<double> rest_start() const { return rest_start_; }
     /// Relative rounding error of the file's numbers.
     double noise() const { return noise_; }
 
@@ -79,21 +79,23 @@ class FileEvidence {
     FileFacts facts_;
     std::vector<std::size_t> windows_;  ///< rows from which the next row is predicted, including those with an event
     std::size_t last_ = 0;              ///< the last row before an impact or the end, which causes do not describe
-    std::optional<double> still_from_;
+    std::optional<double> rest_start_;
     double noise_ = 1e-15;
     double plain_error_ = 0;
 
     void find_noise();
     void choose_windows();
-    void compare_plainly();
+    void compare_with_scene();
     ModelState state(const Cause& cause, std::size_t row) const;
     double position_noise(const Cause& cause, const ModelState& s) const;
-    void use_center(const Cause& cause, const Vector3<double>& angular_velocity_B, ModelState& s) const;
+    void convert_origin_velocity(const Cause& cause, const Vector3<double>& angular_velocity_B, ModelState& s) const;
     bool same(std::size_t a, std::size_t b) const;
-    void ask_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
-    void ask_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r,
-                   std::vector<double>* by_step = nullptr) const;
-    void ask_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r) const;
+    void compare_start(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                       Residual& r) const;
+    void compare_steps(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps, Residual& r,
+                       std::vector<double>* by_step = nullptr) const;
+    void compare_run(const Cause& cause, const EngineModel& model, const UpdateRule& rule, int steps,
+                     Residual& r) const;
 };
 
 }  // namespace polhode

@@ -14,13 +14,13 @@
 
 namespace polhode::fault_effects {
 
-inline auto read_as(void (*change)(Reading&)) {
+inline auto change_reading(void (*change)(Reading&)) {
     return [change](Cause& c, double) {
         change(c.reading);
         return true;
     };
 }
-inline auto engine_does(void (*change)(EngineFault&, double)) {
+inline auto change_engine(void (*change)(EngineFault&, double)) {
     return [change](Cause& c, double x) {
         change(c.engine, x);
         return true;
@@ -36,7 +36,7 @@ inline bool same_tensor(const Matrix3<double>& a, const Matrix3<double>& b) {
     return change <= 1e-6 * scale;
 }
 
-inline bool give_tensor(Cause& c, const Matrix3<double>& tensor) {
+inline bool set_tensor(Cause& c, const Matrix3<double>& tensor) {
     if (same_tensor(c.scene.body.inertia_B, tensor)) return false;
     // the tensor is not validated: changed products of inertia can make it invalid for any body
     c.scene.body.inertia_B = tensor;
@@ -52,7 +52,7 @@ bool permute_axes(Cause& cause, double) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             permuted[i][j] = I[order[static_cast<std::size_t>(i)]][order[static_cast<std::size_t>(j)]];
-    return give_tensor(cause, permuted);
+    return set_tensor(cause, permuted);
 }
 
 inline bool scale_products(Cause& c, double factor) {
@@ -60,25 +60,25 @@ inline bool scale_products(Cause& c, double factor) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (i != j) I[i][j] *= factor;
-    return give_tensor(c, I);
+    return set_tensor(c, I);
 }
 
 // Uses R^T D R instead of R D R^T, where R maps principal axes to body axes.
 inline bool transpose_principal_frame(Cause& c, double) {
     const PrincipalFrame frame = fast_principal_frame(c.scene.body.inertia_B);
     const Matrix3<double> R = rotation_matrix(frame.q_BP);
-    return give_tensor(c, transposed(R) * diagonal(frame.moments) * R);
+    return set_tensor(c, transposed(R) * diagonal(frame.moments) * R);
 }
 
 // Uses the principal moments about the body axes.
-inline bool forget_principal_frame(Cause& c, double) {
-    return give_tensor(c, diagonal(fast_principal_frame(c.scene.body.inertia_B).moments));
+inline bool drop_principal_frame(Cause& c, double) {
+    return set_tensor(c, diagonal(fast_principal_frame(c.scene.body.inertia_B).moments));
 }
 
 inline bool mean_moment(Cause& c, double) {
     const Matrix3<double>& I = c.scene.body.inertia_B;
     const double mean = (I[0][0] + I[1][1] + I[2][2]) / 3;
-    return give_tensor(c, diagonal(Vector3<double>(mean, mean, mean)));
+    return set_tensor(c, diagonal(Vector3<double>(mean, mean, mean)));
 }
 
 inline bool has_load(const Scene& scene, auto&& is) { return std::any_of(scene.loads.begin(), scene.loads.end(), is); }
@@ -185,7 +185,7 @@ inline bool start_scalar_last(Cause& c, double) {
     c.scene.initial.orientation = {q.z, q.w, q.x, q.y};
     return true;
 }
-inline bool start_without_turn(Cause& c, double) {
+inline bool start_without_orientation(Cause& c, double) {
     if (length(vector_part(c.scene.initial.orientation)) < 1e-6) return false;
     c.scene.initial.orientation = {};
     return true;

@@ -14,8 +14,8 @@
 namespace polhode {
 namespace {
 
-constexpr std::array own_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px",
-                               "py", "pz", "ox", "oy", "oz", "vx", "vy", "vz", "bound"};
+constexpr std::array native_names{"t",  "qw", "qx", "qy", "qz", "wx", "wy", "wz", "px",
+                                  "py", "pz", "ox", "oy", "oz", "vx", "vy", "vz", "bound"};
 
 std::string matrix_entry(int i) { return fmt::format("r{}{}", i / 3 + 1, i % 3 + 1); }
 
@@ -30,7 +30,7 @@ std::string plain_name(std::string_view name) {
 
 // Names that other programs use for a block, as plain names without the component's letter.
 struct KnownNames {
-    char own;  // polhode's letter for the block
+    char native;  // polhode's letter for the block
     std::vector<std::string_view> names;
 };
 const std::vector<KnownNames>& known_names() {
@@ -44,7 +44,7 @@ const std::vector<KnownNames>& known_names() {
 }
 
 // Returns polhode's name for a column of another program, if it is known.
-std::optional<std::string> recognised(std::string_view name) {
+std::optional<std::string> recognise(std::string_view name) {
     const std::string plain = plain_name(name);
     for (const char* time : {"t", "time", "times", "timestamp", "seconds", "sec", "simtime"})
         if (plain == time) return "t";
@@ -53,8 +53,8 @@ std::optional<std::string> recognised(std::string_view name) {
     const std::string stem = plain.substr(0, plain.size() - 1);
     if (component != 'w' && component != 'x' && component != 'y' && component != 'z') return {};
     for (const KnownNames& block : known_names())
-        if (std::ranges::find(block.names, stem) != block.names.end() && (block.own == 'q' || component != 'w'))
-            return std::string{block.own, component};
+        if (std::ranges::find(block.names, stem) != block.names.end() && (block.native == 'q' || component != 'w'))
+            return std::string{block.native, component};
     return {};
 }
 
@@ -76,17 +76,17 @@ std::vector<std::string> split(std::string_view text, char at) {
 }
 
 // Returns the place in the header of each of polhode's columns; empty if the table's names are polhode's.
-std::map<std::string, std::size_t> recognised_places(const std::vector<std::string>& header, bool several) {
-    const auto is_ours = [several](const std::string& name) {
-        return std::ranges::find(own_names, name) != own_names.end() || (several && name == "body");
+std::map<std::string, std::size_t> recognise_columns(const std::vector<std::string>& header, bool several) {
+    const auto is_native = [several](const std::string& name) {
+        return std::ranges::find(native_names, name) != native_names.end() || (several && name == "body");
     };
     const auto is_empty = [](const std::string& name) { return plain_name(name).empty(); };
-    if (std::ranges::all_of(header, is_ours) || std::ranges::any_of(header, is_empty)) return {};
+    if (std::ranges::all_of(header, is_native) || std::ranges::any_of(header, is_empty)) return {};
     std::map<std::string, std::size_t> places;
     for (std::size_t i = 0; i < header.size(); ++i) {
-        std::optional<std::string> own = is_ours(header[i]) ? header[i] : recognised(header[i]);
-        if (!own && several && names_a_body(header[i])) own = "body";
-        if (own && !places.emplace(*own, i).second) return {};
+        std::optional<std::string> native = is_native(header[i]) ? header[i] : recognise(header[i]);
+        if (!native && several && names_a_body(header[i])) native = "body";
+        if (native && !places.emplace(*native, i).second) return {};
     }
     for (const char* needed : {"t", "qw", "qx", "qy", "qz"})
         if (!places.contains(needed)) return {};
@@ -96,12 +96,12 @@ std::map<std::string, std::size_t> recognised_places(const std::vector<std::stri
 std::map<std::string, std::size_t> named_places(const std::vector<std::string>& header, const ColumnNames& names,
                                                 const std::string& file, long line) {
     std::map<std::string, std::size_t> places;
-    for (const auto& [own, name] : names.theirs) {
+    for (const auto& [native, name] : names.theirs) {
         const auto place = std::ranges::find(header, name);
         if (place == header.end())
             throw InputError(file, fmt::format("line {}", line), fmt::format("has no column {}", one_line(name, 60)),
-                             fmt::format("its columns are {}", one_line(listed(header), 300)));
-        places.emplace(own, static_cast<std::size_t>(place - header.begin()));
+                             fmt::format("its columns are {}", one_line(join_with_commas(header), 300)));
+        places.emplace(native, static_cast<std::size_t>(place - header.begin()));
     }
     return places;
 }
@@ -121,26 +121,26 @@ ColumnNames parse_columns(std::string_view text) {
         const std::string block = part.substr(0, equals);
         const std::vector<std::string> given =
             equals == part.npos ? std::vector<std::string>() : split(std::string_view(part).substr(equals + 1), ':');
-        std::vector<std::string> ours;
-        if (block == "time") ours = {"t"};
-        if (block == "body") ours = {"body"};
-        if (block == "rotation" && given.size() != 9) ours = {"qx", "qy", "qz", "qw"};
+        std::vector<std::string> native_columns;
+        if (block == "time") native_columns = {"t"};
+        if (block == "body") native_columns = {"body"};
+        if (block == "rotation" && given.size() != 9) native_columns = {"qx", "qy", "qz", "qw"};
         if (block == "rotation" && given.size() == 9)
-            for (int i = 0; i < 9; ++i) ours.push_back(matrix_entry(i));
+            for (int i = 0; i < 9; ++i) native_columns.push_back(matrix_entry(i));
         if (block == "matrix_by_columns")
-            for (int i = 0; i < 9; ++i) ours.push_back(matrix_entry(i % 3 * 3 + i / 3));
+            for (int i = 0; i < 9; ++i) native_columns.push_back(matrix_entry(i % 3 * 3 + i / 3));
         for (const EulerSequence sequence : euler_sequences)
             if (block == fmt::format("euler_{}", name_of(sequence)))
-                ours = {"e1", "e2", "e3"}, names.sequence = sequence;
+                native_columns = {"e1", "e2", "e3"}, names.sequence = sequence;
         for (const auto& [word, letter] :
              {std::pair{"angular_velocity", "w"}, {"position", "p"}, {"origin", "o"}, {"velocity", "v"}})
             if (block == word)
-                for (const char* axis : {"x", "y", "z"}) ours.push_back(std::string(letter) + axis);
-        if (ours.empty()) refuse(fmt::format("{} is not a block of a trajectory", one_line(part, 60)));
-        if (given.size() != ours.size())
-            refuse(fmt::format("{} has {} columns instead of {}", block, given.size(), ours.size()));
-        for (std::size_t i = 0; i < ours.size(); ++i)
-            if (given[i].empty() || !names.theirs.emplace(ours[i], given[i]).second)
+                for (const char* axis : {"x", "y", "z"}) native_columns.push_back(std::string(letter) + axis);
+        if (native_columns.empty()) refuse(fmt::format("{} is not a block of a trajectory", one_line(part, 60)));
+        if (given.size() != native_columns.size())
+            refuse(fmt::format("{} has {} columns instead of {}", block, given.size(), native_columns.size()));
+        for (std::size_t i = 0; i < native_columns.size(); ++i)
+            if (given[i].empty() || !names.theirs.emplace(native_columns[i], given[i]).second)
                 refuse(fmt::format("{} is given twice or has an empty column name", block));
     }
     return names;
@@ -152,18 +152,18 @@ ForeignTable find_foreign_columns(std::string_view text, const std::string& file
     if (!lines.next()) return {};
     const std::vector<std::string> header(lines.cells().begin(), lines.cells().end());
     ForeignColumns columns{
-        names.theirs.empty() ? recognised_places(header, several) : named_places(header, names, file, lines.number()),
+        names.theirs.empty() ? recognise_columns(header, several) : named_places(header, names, file, lines.number()),
         names.sequence, names.degrees};
     if (columns.places.empty()) return {};
     std::vector<std::string> taken, ignored;
-    for (const auto& [own, place] : columns.places)
-        if (own != header[place]) taken.push_back(fmt::format("{} as {}", header[place], own));
+    for (const auto& [native, place] : columns.places)
+        if (native != header[place]) taken.push_back(fmt::format("{} as {}", header[place], native));
     for (std::size_t i = 0; i < header.size(); ++i)
         if (std::ranges::none_of(columns.places, [&](const auto& p) { return p.second == i; }))
             ignored.push_back(header[i]);
     ForeignTable table{std::move(columns), {}};
-    if (!taken.empty()) table.remarks.push_back("columns used: " + one_line(listed(taken), 400));
-    if (!ignored.empty()) table.remarks.push_back("columns ignored: " + one_line(listed(ignored), 400));
+    if (!taken.empty()) table.remarks.push_back("columns used: " + one_line(join_with_commas(taken), 400));
+    if (!ignored.empty()) table.remarks.push_back("columns ignored: " + one_line(join_with_commas(ignored), 400));
     return table;
 }
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "body/orientation.h"
-#include "check/judge.h"
+#include "check/file_errors.h"
 #include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
 #include "motion/mechanism_motion.h"
@@ -20,21 +20,22 @@ namespace {
 Vector3<double> rounded(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
 
 // Converts numbers to a convention's axes and unit of length.
-class Way {
+class ConventionConverter {
   public:
-    explicit Way(const Convention& convention) : axes_(convention.axes), unit_(convention.length_unit) {}
+    explicit ConventionConverter(const Convention& convention)
+        : axes_(convention.axes), unit_(convention.length_unit) {}
 
     // x in m^power
-    double scaled(double x, int power) const {
+    double scale(double x, int power) const {
         for (int i = 0; i < power; ++i) x /= unit_;
         return x;
     }
-    Vector3<double> scaled(const Vector3<double>& v, int power) const {
-        return {scaled(v[0], power), scaled(v[1], power), scaled(v[2], power)};
+    Vector3<double> scale(const Vector3<double>& v, int power) const {
+        return {scale(v[0], power), scale(v[1], power), scale(v[2], power)};
     }
-    Vector3<double> vector(const Vector3<double>& v, int power) const { return scaled(vector_to(axes_, v), power); }
+    Vector3<double> vector(const Vector3<double>& v, int power) const { return scale(vector_to(axes_, v), power); }
     Vector3<double> pseudovector(const Vector3<double>& v, int power) const {
-        return scaled(pseudovector_to(axes_, v), power);
+        return scale(pseudovector_to(axes_, v), power);
     }
     // M T M^T: transforms the columns of T, then the rows
     Matrix3<double> tensor(const Matrix3<double>& T, int power) const {
@@ -56,18 +57,18 @@ class Way {
         d.rotational = {T[0][0], T[1][1], T[2][2]};
     }
     void operator()(Spring& s) const {
-        s.stiffness = scaled(s.stiffness, 2), s.rest_orientation = attitude(s.rest_orientation);
+        s.stiffness = scale(s.stiffness, 2), s.rest_orientation = attitude(s.rest_orientation);
     }
     void operator()(UserTorque&) const {}
     void operator()(Motor&) const {}
     void operator()(PointSpring& s) const {
         s.first_point = vector(s.first_point, 1), s.second_point = vector(s.second_point, 1);
-        s.rest_length = scaled(s.rest_length, 1);
+        s.rest_length = scale(s.rest_length, 1);
     }
 
     // force along a joint's coordinate: kg m/s^2 for prismatic joints, else kg m^2/s^2
     double generalized(const Joint& joint, double force) const {
-        return scaled(force, joint.type == JointType::prismatic ? 1 : 2);
+        return scale(force, joint.type == JointType::prismatic ? 1 : 2);
     }
     void operator()(Joint& j) const {
         const bool slides = j.type == JointType::prismatic;
@@ -77,14 +78,14 @@ class Way {
         j.angular_velocity = pseudovector(j.angular_velocity, 0);
         for (std::size_t i = 0; i < 2; ++i) {
             j.axes[i] = slides ? vector(j.axes[i], 0) : pseudovector(j.axes[i], 0);
-            for (double* x : {&j.stiffness[i], &j.damping[i]}) *x = scaled(*x, slides ? 0 : 2);
-            for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scaled(*x, slides ? 1 : 0);
+            for (double* x : {&j.stiffness[i], &j.damping[i]}) *x = scale(*x, slides ? 0 : 2);
+            for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scale(*x, slides ? 1 : 0);
         }
     }
     void operator()(Loop& l) const {
         l.first_point = vector(l.first_point, 1), l.second_point = vector(l.second_point, 1);
         l.first_axis = pseudovector(l.first_axis, 0), l.second_axis = pseudovector(l.second_axis, 0);
-        l.length = scaled(l.length, 1);
+        l.length = scale(l.length, 1);
     }
     void operator()(Body& body) const {
         body.source = nullptr;
@@ -102,10 +103,10 @@ class Way {
     double unit_;
 };
 
-SupportPiece<double> piece_to(const Way& way, SupportPiece<double> piece) {
-    piece.center = way.vector(piece.center, 1), piece.radius = way.scaled(piece.radius, 1);
+SupportPiece<double> convert_piece(const ConventionConverter& converter, SupportPiece<double> piece) {
+    piece.center = converter.vector(piece.center, 1), piece.radius = converter.scale(piece.radius, 1);
     Matrix3<double> columns = transposed(piece.semi_axes);
-    for (int i = 0; i < 3; ++i) columns[i] = way.vector(columns[i], 1);
+    for (int i = 0; i < 3; ++i) columns[i] = converter.vector(columns[i], 1);
     piece.semi_axes = transposed(columns);
     return piece;
 }
@@ -160,12 +161,12 @@ PerMeasure<double> sizes_of(const Scene& scene, const Reference& truth) {
     file.has_angular_velocity = file.has_position = file.has_velocity = true;
     file.bodies = body_names(scene);
     for (const ReferenceSample& s : truth.samples) file.rows.push_back({s.t, s.rounded().q, {}, {}, {}});
-    return judge(scene, file, truth, JudgedIn::binary64).size;
+    return compute_file_errors(scene, file, truth, ErrorArithmetic::binary64).size;
 }
 
 void set_tolerances(const Scene& scene, const PerMeasure<double>& sizes, const Convention& convention, Golden& g) {
     const ErrorLimits limits(scene);
-    for (const JudgedBlock& block : judged_blocks()) {
+    for (const ErrorBlock& block : error_blocks()) {
         // an engine's test compares the states of bodies
         if (is_of_joints(block.name)) continue;
         const ErrorLimit& limit = limits[block.name];
@@ -185,37 +186,39 @@ void set_tolerances(const Scene& scene, const PerMeasure<double>& sizes, const C
 
 }  // namespace
 
-Scene scene_to(const Convention& convention, const Scene& scene) {
-    const Way way(convention);
+Scene convert_scene(const Convention& convention, const Scene& scene) {
+    const ConventionConverter converter(convention);
     Scene there = scene;
-    way(there.body);
-    if (scene.pivot) there.pivot = way.vector(*scene.pivot, 1);
-    way(there.initial);
-    for (NamedBody& body : there.bodies) way(body.body), way(body.initial);
-    for (Joint& joint : there.joints) way(joint);
-    for (Loop& loop : there.loops) way(loop);
+    converter(there.body);
+    if (scene.pivot) there.pivot = converter.vector(*scene.pivot, 1);
+    converter(there.initial);
+    for (NamedBody& body : there.bodies) converter(body.body), converter(body.initial);
+    for (Joint& joint : there.joints) converter(joint);
+    for (Loop& loop : there.loops) converter(loop);
     for (Load& load : there.loads) {
-        std::visit(way, load);
+        std::visit(converter, load);
         if (auto* motor = std::get_if<Motor>(&load))
-            motor->force = way.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
+            motor->force =
+                converter.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
     }
     for (Plane& plane : there.planes) {
         // the offset refers to the unit normal
         const double size = length(plane.normal_W);
-        plane.offset = way.scaled(plane.offset, 1) / size, plane.normal_W = way.vector((1 / size) * plane.normal_W, 0);
+        plane.offset = converter.scale(plane.offset, 1) / size,
+        plane.normal_W = converter.vector((1 / size) * plane.normal_W, 0);
     }
     return there;
 }
 
 Golden golden(const Scene& scene, const Reference& truth, const Convention& convention) {
     if (!truth.available || truth.samples.empty()) throw std::invalid_argument("no truth available to export");
-    const Way way(convention);
+    const ConventionConverter converter(convention);
     Golden g;
     g.scene_hash = content_hash(write_scene(scene)), g.truth = truth.message, g.convention = convention;
-    g.scene = scene_to(convention, scene);
+    g.scene = convert_scene(convention, scene);
     if (scene.body.source)
         for (const SupportPiece<double>& piece : hull<double>(*scene.body.source))
-            g.shape.push_back(piece_to(way, piece));
+            g.shape.push_back(convert_piece(converter, piece));
     // rounding to binary64 rotates a quaternion by at most 4 2^-53 rad; the relative change of a vector is less
     g.bound = truth.bound + 0x1p-51;
     g.motion.has_angular_velocity = g.motion.has_position = g.motion.has_velocity = true;
@@ -227,17 +230,17 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
         for (int i = 0; i < 3; ++i) w[i] = Wide(s.angular_velocity_B[i].high) + s.angular_velocity_B[i].low;
         const Wide unit = convention.degrees ? Wide(180) / Wide(std::numbers::pi) : Wide(1);
         g.motion.rows.push_back(
-            {s.t, way.attitude(s.rounded().q),
-             way.pseudovector(cast<double>(unit * (convention.body_rates ? w : rotate(exact, w))), 0),
-             way.vector(rounded(s.position_W), 1), way.vector(rounded(s.velocity_W), 1)});
+            {s.t, converter.attitude(s.rounded().q),
+             converter.pseudovector(cast<double>(unit * (convention.body_rates ? w : rotate(exact, w))), 0),
+             converter.vector(rounded(s.position_W), 1), converter.vector(rounded(s.velocity_W), 1)});
         if (is_mechanism(scene)) continue;
-        g.energy.push_back(way.scaled(s.energy.high, 2));
-        g.momentum.push_back(way.pseudovector(rounded(s.angular_momentum_W), 2));
+        g.energy.push_back(converter.scale(s.energy.high, 2));
+        g.momentum.push_back(converter.pseudovector(rounded(s.angular_momentum_W), 2));
     }
     g.motion.bodies = body_names(scene);
     for (const ReferenceSystem& system : truth.system) {
-        g.energy.push_back(way.scaled(system.energy.high, 2));
-        g.momentum.push_back(way.pseudovector(rounded(system.angular_momentum_W), 2));
+        g.energy.push_back(converter.scale(system.energy.high, 2));
+        g.momentum.push_back(converter.pseudovector(rounded(system.angular_momentum_W), 2));
     }
     const auto is_known = [](const Reaction<Pair>& r) {
         return !std::isnan(length(rounded(r.force_W)) + length(rounded(r.torque_W)));
@@ -245,12 +248,12 @@ Golden golden(const Scene& scene, const Reference& truth, const Convention& conv
     // reactions of redundant constraints are not determined
     if (std::ranges::all_of(truth.reactions, is_known))
         for (const Reaction<Pair>& reaction : truth.reactions) {
-            g.forces.push_back(way.vector(rounded(reaction.force_W), 1));
-            g.torques.push_back(way.pseudovector(rounded(reaction.torque_W), 2));
+            g.forces.push_back(converter.vector(rounded(reaction.force_W), 1));
+            g.torques.push_back(converter.pseudovector(rounded(reaction.torque_W), 2));
         }
     const PerMeasure<double> sizes = sizes_of(scene, truth);
-    if (sizes["energy"] > 0) g.energy_scale = way.scaled(sizes["energy"], 2);
-    if (sizes["momentum"] > 0) g.momentum_scale = way.scaled(sizes["momentum"], 2);
+    if (sizes["energy"] > 0) g.energy_scale = converter.scale(sizes["energy"], 2);
+    if (sizes["momentum"] > 0) g.momentum_scale = converter.scale(sizes["momentum"], 2);
     find_floors(scene, truth, g);
     set_tolerances(scene, sizes, convention, g);
     return g;

@@ -41,7 +41,7 @@ struct Golden {
 
 /// Converts all numbers of a scene to the convention's axes and unit of length; kg and s stay. Bodies keep their
 /// mass, tensor and centre of mass, but not the shapes they are made of.
-Scene scene_to(const Convention& convention, const Scene& scene);
+Scene convert_scene(const Convention& convention, const Scene& scene);
 
 /// Collects the golden data of a scene. Throws std::invalid_argument if its truth is not available.
 ///

@@ -133,7 +133,7 @@ struct Language {
     }
 };
 
-inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+inline std::string replace_all(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + by.size()))
         text.replace(at, what.size(), by);
     return text;

@@ -375,16 +375,16 @@ std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
     for (const Field& field : fields_of(g, number)) text += language.constant(c ? name + "_" : "", field);
     std::string compare = csharp ? compare_csharp : compare_c;
     if (format == GoldenFormat::cpp)
-        compare = names_of_cpp + replaced(compare, "static inline", "inline") + compare_cpp;
+        compare = names_of_cpp + replace_all(compare, "static inline", "inline") + compare_cpp;
     for (const auto& [what, of_one, of_several] : marks_of_bodies)
-        compare = replaced(std::move(compare), what, is_mechanism(g.scene) ? of_several : of_one);
+        compare = replace_all(std::move(compare), what, is_mechanism(g.scene) ? of_several : of_one);
     // the name comes last: it may contain any word
     for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
                                    {"SCALAR", scalar_last(g) ? "3" : "0"},
                                    {"VECTOR", scalar_last(g) ? "0" : "1"},
                                    {"DATA", c ? "" : ".data()"},
                                    {"NAME_", c ? name + "_" : ""}})
-        compare = replaced(std::move(compare), what, by);
+        compare = replace_all(std::move(compare), what, by);
     text += compare;
     if (csharp) return text + "}\n";
     return text + (c ? "" : fmt::format("\n}}  // namespace {}\n", name)) + fmt::format("\n#endif /* {} */\n", guard);

@@ -28,7 +28,7 @@ struct Reading {
 };
 
 /// Which rate rotates the attitude.
-enum class TurnedBy {
+enum class AttitudeRate {
     own_rate,            ///< dq/dt = 1/2 q w_B, correct
     body_rate_in_world,  ///< dq/dt = 1/2 w_B q: the rate in body axes, multiplied on the left
     world_rate_in_body,  ///< dq/dt = 1/2 q w_W: the rate in world axes, multiplied on the right
@@ -74,7 +74,7 @@ enum class TorqueAxes {
 };
 
 /// The quantity that a limit on the angular velocity clamps.
-enum class LimitOf {
+enum class LimitedQuantity {
     length,      ///< |w|
     body_axes,   ///< each component in body axes
     world_axes,  ///< each component in world axes
@@ -91,17 +91,17 @@ struct EngineFault {
     Vector3<double> axis_damping_B;       ///< 1/s, of each component of w_B, in addition
     double linear_damping = 0;            ///< 1/s
     double speed_limit = std::numeric_limits<double>::infinity();  ///< rad/s
-    LimitOf limit_of = LimitOf::length;                            ///< what the limit clamps
-    bool only_coasting = false;                ///< damping and limit act only without torque or force
-    bool damped_last = false;                  ///< damping and limit act after the attitude has been rotated
-    WorldTensor tensor = WorldTensor::turned;  ///< the inertia tensor in world axes
-    double turn = 1;                           ///< factor of the rate that rotates the attitude
-    TurnedBy turned_by = TurnedBy::own_rate;   ///< which rate rotates the attitude
-    double time = 1;                           ///< simulated seconds per second of the rows
-    InPlace in_place = InPlace::none;          ///< how the quaternion is overwritten
-    OriginTerms origin;                        ///< how the origin's acceleration is computed
-    bool no_rotation = false;                  ///< the attitude stays constant
-    bool no_translation = false;               ///< the position stays constant
+    LimitedQuantity limited_quantity = LimitedQuantity::length;    ///< what the limit clamps
+    bool coasting_only = false;                           ///< damping and limit act only without torque or force
+    bool damping_last = false;                            ///< damping and limit act after the attitude has been rotated
+    WorldTensor tensor = WorldTensor::turned;             ///< the inertia tensor in world axes
+    double rotation_factor = 1;                           ///< factor of the rate that rotates the attitude
+    AttitudeRate rotation_rate = AttitudeRate::own_rate;  ///< which rate rotates the attitude
+    double time = 1;                                      ///< simulated seconds per second of the rows
+    InPlace in_place = InPlace::none;                     ///< how the quaternion is overwritten
+    OriginTerms origin;                                   ///< how the origin's acceleration is computed
+    bool no_rotation = false;                             ///< the attitude stays constant
+    bool no_translation = false;                          ///< the position stays constant
 };
 
 /// The cause of a file: how to read it, the scene that its engine ran, and the engine's faults.
@@ -118,7 +118,7 @@ struct FileFacts {
     double largest_rate = 0;  ///< rad/s, from w or, without w, from the attitudes
     double usual_rate = 0;    ///< rad/s, the median instead of the largest
     /// The largest |component| of w in the file or, without w, from its attitudes, rad/s.
-    Vector3<double> most_in_body_axes, most_in_world_axes;
+    Vector3<double> largest_rates_B, largest_rates_W;
 };
 
 /// The subject of a hypothesis. Two hypotheses with the same subject are not combined.

@@ -120,10 +120,10 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
                                       double gravity, double restitution, std::size_t plane) {
     constexpr double most = 0.7;
     if (bounces.size() < 2) return {};
-    const auto comes_back_with = [](const Bounce& b, double speed) {
+    const auto has_rebound_speed = [](const Bounce& b, double speed) {
         return std::abs(b.after - speed) < 1e-6 * (b.before + speed);
     };
-    const auto slowest_back = [&] {
+    const auto slowest_rebound = [&] {
         double slowest = HUGE_VAL;
         for (const Bounce& b : bounces)
             if (b.after > 1e-9 * b.before) slowest = std::min(slowest, b.before);
@@ -135,7 +135,7 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
     if (gravity > 0 && restitution > 0) {
         // if the engine leaves the body inside the plane, the potential energy loses what the speed gains
         const auto by_whole_step = [&](const Bounce& b) {
-            return comes_back_with(b, restitution * (b.before + gravity * b.h)) &&
+            return has_rebound_speed(b, restitution * (b.before + gravity * b.h)) &&
                    energy_gained(b, gravity, restitution) > 0.2 * restitution * restitution * gravity * b.h * b.before;
         };
         if (fast.size() >= 2 && share(fast, by_whole_step) >= most)
@@ -165,7 +165,7 @@ std::optional<Diagnosis> bounce_fault(const std::vector<Bounce>& bounces, const 
     // the body rests although its rebound would be fast compared with the speed gained in a step
     for (const Bounce& b : bounces)
         if (restitution > 0.05 && b.after <= 1e-9 * b.before && b.before > 4 * gravity * b.h &&
-            restitution * b.before > 2 * gravity * b.h && b.before < slowest_back)
+            restitution * b.before > 2 * gravity * b.h && b.before < slowest_rebound)
             return Diagnosis{
                 "bounce_dies_below_threshold",
                 fmt::format("a bounce on plane {} at {:.3g} m/s returns no speed, but faster ones do: the engine has a "
@@ -188,20 +188,20 @@ class Impacts {
         const double t = file.rows[k].t, h = file.rows[k + 1].t - t;
         const ModelState from = state_of(rows[k]);
         double open = 0, closed = h;
-        if (geometry.distance(plane, placed(flown(from, t, h))) > 0) return {};
+        if (geometry.distance(plane, placement_of(propagate(from, t, h))) > 0) return {};
         if (geometry.distance(plane, rows[k]) > 0)
             for (int i = 0; i < 40; ++i) {
                 const double middle = (open + closed) / 2;
-                (geometry.distance(plane, placed(flown(from, t, middle))) > 0 ? open : closed) = middle;
+                (geometry.distance(plane, placement_of(propagate(from, t, middle))) > 0 ? open : closed) = middle;
             }
-        const Placement<double> before = placed(flown(from, t, open));
-        ModelState later = reversed(state_of(rows[k + 1]));
-        const Placement<double> after = placed(reversed(flown(later, t, h - open)));
+        const Placement<double> before = placement_of(propagate(from, t, open));
+        ModelState later = reverse(state_of(rows[k + 1]));
+        const Placement<double> after = placement_of(reverse(propagate(later, t, h - open)));
         const Approach contact = approach(geometry, plane, before);
         const std::size_t pair = plane * geometry.pieces.size() + contact.piece;
-        const double way = std::abs(contact.rate) * h;
-        if (length(before.position_W - after.position_W) > most_apart * way + geometry.reach * 1e-3 ||
-            rotation_angle_between(before.q, after.q) * geometry.reach > most_apart * way + geometry.reach * 1e-3)
+        const double travel = std::abs(contact.rate) * h;
+        if (length(before.position_W - after.position_W) > most_apart * travel + geometry.reach * 1e-3 ||
+            rotation_angle_between(before.q, after.q) * geometry.reach > most_apart * travel + geometry.reach * 1e-3)
             return {};
         if (!(contact.rate < 0)) return {};
         // a single impulse J acts at the contact: I dw = r x J, with J = m dv
@@ -231,14 +231,14 @@ class Impacts {
     static ModelState state_of(const Placement<double>& at) {
         return {{at.q, rotate_back(at.q, at.angular_velocity_W), at.position_W, at.velocity_W}, {}};
     }
-    static Placement<double> placed(const ModelState& s) {
+    static Placement<double> placement_of(const ModelState& s) {
         return {s.q, s.position_W, s.velocity_W, rotate(s.q, s.angular_velocity_B)};
     }
-    static ModelState reversed(ModelState s) {
+    static ModelState reverse(ModelState s) {
         s.velocity_W = -s.velocity_W, s.angular_velocity_B = -s.angular_velocity_B;
         return s;
     }
-    ModelState flown(ModelState s, double t, double time) const {
+    ModelState propagate(ModelState s, double t, double time) const {
         model_.advance(s, t, time, update_rules().front(), 1);
         return s;
     }
@@ -257,25 +257,26 @@ class Penetration {
   public:
     // `change`: largest change of the normal speed within a row, m/s; `reach`: of the body, m
     void add(double t, double dt, const Approach& now, double change, double reach) {
-        const double way = (std::abs(now.rate) + change) * dt;
-        const bool stays = now.distance < 0 && -now.distance > way + slop * reach && now.rate >= -change;
+        const double travel = (std::abs(now.rate) + change) * dt;
+        const bool stays = now.distance < 0 && -now.distance > travel + slop * reach && now.rate >= -change;
         if (!stays) {
             rows_ = 0;
             return;
         }
         if (rows_++ == 0) from_ = t, depth_ = 0;
         depth_ = std::max(depth_, -now.distance);
-        if (rows_ >= least_rows && t - from_ >= least_time && rows_ > kept_.rows) kept_ = {rows_, from_, t, depth_};
+        if (rows_ >= least_rows && t - from_ >= least_time && rows_ > longest_.rows)
+            longest_ = {rows_, from_, t, depth_};
     }
     std::optional<Diagnosis> diagnosis(std::size_t plane, double end, double reach) const {
-        if (kept_.rows == 0) return {};
-        const bool to_end = kept_.until >= end;
+        if (longest_.rows == 0) return {};
+        const bool to_end = longest_.until >= end;
         return Diagnosis{"penetration_kept",
                          fmt::format("the body stays up to {:.3g} m inside plane {} from t = {:.6g} s {}; correct the "
                                      "penetration depth",
-                                     kept_.depth, plane, kept_.from,
-                                     to_end ? "to the end" : fmt::format("to {:.6g} s", kept_.until)),
-                         "", kept_.depth / reach, 0};
+                                     longest_.depth, plane, longest_.from,
+                                     to_end ? "to the end" : fmt::format("to {:.6g} s", longest_.until)),
+                         "", longest_.depth / reach, 0};
     }
 
   private:
@@ -286,13 +287,13 @@ class Penetration {
     static constexpr double least_time = 0.1;
     static constexpr int least_rows = 6;
 
-    struct Kept {
+    struct Stay {
         int rows = 0;
         double from = 0, until = 0, depth = 0;
     };
     int rows_ = 0;
     double from_ = 0, depth_ = 0;
-    Kept kept_;  // the longest penetration
+    Stay longest_;  // the longest penetration
 };
 
 }  // namespace
@@ -316,7 +317,7 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
     }
     std::optional<Impacts> impacts;
     if (is_in_constant_field(scene)) impacts.emplace(scene);
-    std::vector<Diagnosis> told;
+    std::vector<Diagnosis> diagnoses;
     for (std::size_t plane = 0; plane < geometry.planes.size(); ++plane) {
         std::vector<double> returned;
         double deepest = 0, deepest_at = 0, entered_at = 0;
@@ -326,8 +327,9 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
             const Approach now = approach(geometry, plane, rows[k]);
             // deeper than the travel of a step: there was no contact
             const double dt = k > 0 ? file.rows[k].t - file.rows[k - 1].t : 0;
-            const double way = (length(rows[k].velocity_W) + length(rows[k].angular_velocity_W) * geometry.reach) * dt;
-            if (-now.distance > 2 * way + 0.02 * geometry.reach) {
+            const double travel =
+                (length(rows[k].velocity_W) + length(rows[k].angular_velocity_W) * geometry.reach) * dt;
+            if (-now.distance > 2 * travel + 0.02 * geometry.reach) {
                 if (inside++ == 0) entered_at = file.rows[k].t;
                 longest_inside = std::max(longest_inside, inside);
                 if (-now.distance > deepest) deepest = -now.distance, deepest_at = file.rows[k].t;
@@ -353,26 +355,27 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
         }
         // a resting body may sink a little; a body beyond its reach has passed through
         if (longest_inside >= 3 && deepest > geometry.reach) {
-            told.push_back({"impact_missed",
-                            fmt::format("the body passes through plane {} at t = {:.6g} s and is {:.3g} m behind it at "
-                                        "t = {:.6g} s; make the body collide with the plane, and if it is fast, use "
-                                        "shorter steps or continuous detection",
-                                        plane, entered_at, deepest, deepest_at),
-                            "", 1, 0});
+            diagnoses.push_back(
+                {"impact_missed",
+                 fmt::format("the body passes through plane {} at t = {:.6g} s and is {:.3g} m behind it at "
+                             "t = {:.6g} s; make the body collide with the plane, and if it is fast, use "
+                             "shorter steps or continuous detection",
+                             plane, entered_at, deepest, deepest_at),
+                 "", 1, 0});
             continue;
         }
-        if (std::optional<Diagnosis> kept = penetration.diagnosis(plane, file.rows.back().t, geometry.reach))
-            told.push_back(*std::move(kept));
+        if (std::optional<Diagnosis> stay = penetration.diagnosis(plane, file.rows.back().t, geometry.reach))
+            diagnoses.push_back(*std::move(stay));
         if (const std::optional<double> fall = fall_towards(scene, scene.planes[plane].normal_W))
             if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows, *fall), returned,
                                                               *fall, scene.planes[plane].restitution, plane)) {
-                told.push_back(*std::move(fault));
+                diagnoses.push_back(*std::move(fault));
                 continue;
             }
         if (returned.empty()) continue;
         const double found = median(returned), wanted = geometry.planes[plane].restitution;
         if (std::abs(found - wanted) > 0.08)
-            told.push_back(
+            diagnoses.push_back(
                 {"restitution_wrong",
                  fmt::format("impacts on plane {} return {:.3g} of the normal speed (median of {} impacts), but "
                              "its restitution is {:.3g}; give the engine the scene's restitution, and check "
@@ -380,7 +383,7 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
                              plane, found, returned.size(), wanted),
                  "", std::abs(found - wanted), 0});
     }
-    return told;
+    return diagnoses;
 }
 
 }  // namespace polhode

@@ -248,8 +248,8 @@ std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& row
         }
         const Quaternion<double> turn = conjugate(rows.from[k].q * link.orientation) * rows.to[k].q;
         const double whole = 2 * std::acos(-1.0),
-                     told = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w);
-        x.push_back(x.empty() ? told : told + whole * std::round((x.back() - told) / whole));
+                     diagnoses = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w);
+        x.push_back(x.empty() ? diagnoses : diagnoses + whole * std::round((x.back() - diagnoses) / whole));
     }
     if (x.size() < 12) return {};
     std::vector<double> rate, changes;
@@ -315,7 +315,7 @@ std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& fi
                                     const std::function<bool(std::size_t)>& predicts) {
     const maximal::Mechanism<double> mechanism(scene);
     const FilePoses poses(mechanism, file);
-    std::vector<Diagnosis> told;
+    std::vector<Diagnosis> diagnoses;
     const bool has_place = file.has_position || file.has_origin;
     const double as_named = has_place ? worst_gap(mechanism, poses, 1, file.has_origin) : 0;
     // a wrong reading of positions opens all joints at once
@@ -349,23 +349,23 @@ std::vector<Diagnosis> joint_faults(const Scene& scene, const TrajectoryFile& fi
         const std::optional<JointRows> rows = poses.of(link, 1, file.has_origin);
         if (!rows || rows->t.size() < 4) continue;
         const std::string name = one_line(link.name, 40);
-        if (std::optional<Diagnosis> axis = axis_fault(link, *rows, name)) told.push_back(*std::move(axis));
+        if (std::optional<Diagnosis> axis = axis_fault(link, *rows, name)) diagnoses.push_back(*std::move(axis));
         if (has_place && as_named > 0) {
             std::optional<Diagnosis> gap =
                 anchor_fault(link, *rows, name, body_name(link.from.body), body_name(link.to.body));
             if (!gap) gap = drift_fault(link, *rows, name, file.has_angular_velocity && file.has_velocity);
-            if (gap) told.push_back(*std::move(gap));
+            if (gap) diagnoses.push_back(*std::move(gap));
         }
         // loops pass dead centres, which look like limits
         if (!scene.loops.empty()) continue;
         if (std::optional<Diagnosis> limit = limit_fault(link, *rows, name, predicts))
-            told.push_back(*std::move(limit));
+            diagnoses.push_back(*std::move(limit));
     }
     // a displaced anchor or axis also separates other joints
     const auto is_off = [](const Diagnosis& d) { return d.fault == "joint_anchor_off" || d.fault == "joint_axis_off"; };
-    if (std::ranges::any_of(told, is_off))
-        std::erase_if(told, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
-    return told;
+    if (std::ranges::any_of(diagnoses, is_off))
+        std::erase_if(diagnoses, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
+    return diagnoses;
 }
 
 }  // namespace polhode

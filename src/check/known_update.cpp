@@ -76,7 +76,7 @@ std::string hertz(double step) { return fmt::format("{:.4g} Hz", 1 / step); }
 
 }  // namespace
 
-std::optional<FollowedUpdate> followed_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise) {
+std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise) {
     const std::size_t all_rows = std::min(file.rows.size(), rows_to_follow), rows = std::min(all_rows, rows_to_choose);
     if (rows < least_rows) return {};
     const double row = file.rows[rows - 1].t / static_cast<double>(rows - 1);
@@ -131,7 +131,7 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
         if (steps == 1) break;
     }
     if (!nearest.method) return {};
-    FollowedUpdate best;
+    UpdateMatch best;
     best.method = nearest.method->name, best.step = row / nearest.steps;
     // rows that the scene's motion also matches are not evidence
     best.matches = nearest.matching >= least_rows && nearest.matching > rows_that_match(errors, noise) + least_rows / 2;
@@ -153,7 +153,7 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
     best.distance = largest_of(off, std::min(matching, off.size()));
     best.error = largest_of(angles(truth, matching, of_file), matching);
     const bool leaves = matching < all_rows;
-    if (leaves) best.left_at = file.rows[matching].t;
+    if (leaves) best.departure_time = file.rows[matching].t;
     const auto error_of = [&](const Method& method, double h) {
         const double value = largest_of(angles(run(method, h, matching), matching, of_truth), matching);
         return std::isfinite(value) ? fmt::format("{:.2g} rad", value) : std::string("no result");
@@ -168,7 +168,7 @@ std::optional<FollowedUpdate> followed_update(const Scene& scene, const Trajecto
         leaves ? fmt::format(
                      " and departs from it at t = {:.6g} s{}; until then its error of {:.2g} rad is the truncation "
                      "error at this step",
-                     *best.left_at, jump_at(file, matching), best.error)
+                     *best.departure_time, jump_at(file, matching), best.error)
                : fmt::format(" over {} rows; its error of {:.2g} rad is the truncation error at this step", matching,
                              best.error);
     best.message += fmt::format(". Error with half the step: {}, with an eighth: {}{}",

@@ -12,6 +12,6 @@ namespace polhode {
 /// file resembles an update if it is ten times closer to it than to the scene's motion over its first 240 rows.
 /// Returns nothing if the attitude is correct, or if rows do not start at 0 or are not evenly spaced. `noise`:
 /// relative rounding error of the file's numbers.
-std::optional<FollowedUpdate> followed_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise);
+std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise);
 
 }  // namespace polhode

@@ -12,7 +12,7 @@
 namespace polhode {
 namespace {
 
-constexpr JudgedBlock blocks[] = {
+constexpr ErrorBlock blocks[] = {
     {"attitude", "attitude", "attitude", "rad", 0, 0.05},
     {"angular_velocity", "angular velocity", "omega", "rad/s", 0.05, 0.01},
     {"position", "position", "position", "m", 0.05, 0.01},
@@ -24,18 +24,18 @@ constexpr JudgedBlock blocks[] = {
 };
 
 std::size_t index_of(std::string_view name) {
-    const auto found = std::ranges::find(blocks, name, &JudgedBlock::name);
+    const auto found = std::ranges::find(blocks, name, &ErrorBlock::name);
     if (found == std::end(blocks)) throw std::invalid_argument(fmt::format("unknown block {}", name));
     return static_cast<std::size_t>(found - std::begin(blocks));
 }
 
 }  // namespace
 
-std::span<const JudgedBlock> judged_blocks() { return blocks; }
+std::span<const ErrorBlock> error_blocks() { return blocks; }
 
 ErrorLimits::ErrorLimits(const Scene& scene) {
     for (std::size_t i = 0; i < limits_.size(); ++i) {
-        const JudgedBlock& block = blocks[i];
+        const ErrorBlock& block = blocks[i];
         limits_[i] = {block.relative > 0 ? block.relative : block.absolute, block.relative > 0, "by default"};
         if (const std::optional<double> error = tolerated_error(scene, block.name))
             limits_[i] = {*error, block.unit.empty(), "tolerated by the scene"};
@@ -44,7 +44,7 @@ ErrorLimits::ErrorLimits(const Scene& scene) {
 
 void ErrorLimits::set(std::string_view name, std::string_view text) {
     const std::size_t i = index_of(name);
-    const JudgedBlock& block = blocks[i];
+    const ErrorBlock& block = blocks[i];
     std::string option = "--max-" + std::string(name);
     std::ranges::replace(option, '_', '-');
     const bool percent = text.ends_with('%');
@@ -60,16 +60,16 @@ void ErrorLimits::set(std::string_view name, std::string_view text) {
 
 const ErrorLimit& ErrorLimits::operator[](std::string_view block) const { return limits_[index_of(block)]; }
 
-std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) const {
+std::vector<BlockVerdict> ErrorLimits::verdicts(const FileErrors& file_errors) const {
     std::vector<BlockVerdict> all;
     for (std::size_t i = 0; i < limits_.size(); ++i) {
-        const JudgedBlock& block = blocks[i];
+        const ErrorBlock& block = blocks[i];
         const std::size_t m = measure_index(block.measure);
-        if (is_of_joints(block.name) && !judgement[m]) continue;
+        if (is_of_joints(block.name) && !file_errors[m]) continue;
         BlockVerdict v{&block, {}, {}, limits_[i], false};
-        if (const std::optional<ErrorSummary>& error = judgement[m]) {
+        if (const std::optional<ErrorSummary>& error = file_errors[m]) {
             const bool is_relative = measures()[m].is_relative();
-            const double size = judgement.size[m];
+            const double size = file_errors.size[m];
             // energy and momentum are reported as relative errors
             v.error = is_relative && !block.unit.empty() && size > 0 ? error->max * size : error->max;
             if (is_relative)
@@ -86,8 +86,8 @@ std::vector<BlockVerdict> ErrorLimits::verdicts(const Judgement& judgement) cons
     return all;
 }
 
-bool ErrorLimits::refuses(const Judgement& judgement) const {
-    return !report_only && std::ranges::any_of(verdicts(judgement), &BlockVerdict::failed);
+bool ErrorLimits::refuses(const FileErrors& file_errors) const {
+    return !report_only && std::ranges::any_of(verdicts(file_errors), &BlockVerdict::failed);
 }
 
 }  // namespace polhode

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <vector>
 
-#include "check/judge.h"
+#include "check/file_errors.h"
 #include "scene/scene.h"
 
 namespace polhode {
 
 /// A part of the motion with its own error limit. Its name is one of tolerated_blocks.
-struct JudgedBlock {
+struct ErrorBlock {
     std::string_view name;     ///< "angular_velocity": --max-angular-velocity, and a key of the scene's `tolerated`
     std::string_view title;    ///< for users
     std::string_view measure;  ///< the measure of the error
@@ -27,7 +27,7 @@ struct JudgedBlock {
 /// All blocks in the order of reports. The default limits are acceptable for games: 0.05 rad (3 degrees) for the
 /// attitude; 5 % of the largest value over the run for angular velocity, distance from the start, speed, energy and
 /// angular momentum; 0.01 m for joint gaps and 0.05 rad for joint misalignment.
-std::span<const JudgedBlock> judged_blocks();
+std::span<const ErrorBlock> error_blocks();
 
 /// The limit of one block.
 struct ErrorLimit {
@@ -38,7 +38,7 @@ struct ErrorLimit {
 
 /// The verdict on one block of a file.
 struct BlockVerdict {
-    const JudgedBlock* block = nullptr;
+    const ErrorBlock* block = nullptr;
     std::optional<double> error;     ///< largest error in SI (relative for energy and momentum); empty: not in the file
     std::optional<double> relative;  ///< largest error relative to the motion's size, if this is not 0
     ErrorLimit limit;
@@ -56,9 +56,9 @@ class ErrorLimits {
     const ErrorLimit& operator[](std::string_view block) const;
 
     /// The verdicts on all blocks of a file.
-    std::vector<BlockVerdict> verdicts(const Judgement& judgement) const;
+    std::vector<BlockVerdict> verdicts(const FileErrors& file_errors) const;
     /// Whether a block of the file exceeds its limit. Always false with report_only.
-    bool refuses(const Judgement& judgement) const;
+    bool refuses(const FileErrors& file_errors) const;
 
     bool report_only = false;  ///< report errors without failing
 

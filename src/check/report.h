@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "check/diagnosis.h"
-#include "check/judge.h"
+#include "check/file_errors.h"
 #include "check/limits.h"
 #include "figure/figure.h"
 #include "motion/trajectory_csv.h"
@@ -24,15 +24,15 @@ struct CheckedFile {
     std::string path;
     std::size_t samples = 0;
     double from = 0, until = 0;  ///< times of the first and last sample, s
-    Judgement judgement;
+    FileErrors file_errors;
     double truth_bound = 0;
     std::string truth;                           ///< how the truth was computed
     std::optional<RoundingFloor> floor;          ///< largest up to the end of the file; empty if not available
-    std::vector<RoundingFloor> floor_over_time;  ///< up to the end of each span of `judgement`, or empty
-    std::optional<double> float_judged_until;    ///< last time with the float32 floor within the limit, s
+    std::vector<RoundingFloor> floor_over_time;  ///< up to the end of each span of `file_errors`, or empty
+    std::optional<double> float32_valid_until;   ///< last time with the float32 floor within the limit, s
     std::vector<std::string> remarks;            ///< remarks, one line each
-    std::string lacks;                           ///< blocks that the file lacks: "position; velocity"
-    Diagnosed diagnosed;
+    std::string missing_blocks;                  ///< blocks that the file lacks: "position; velocity"
+    FileDiagnosis diagnosis;
     std::optional<Figure> picture;       ///< errors over time, if requested
     std::optional<TrajectoryFile> file;  ///< rows in polhode's conventions, if requested
 };

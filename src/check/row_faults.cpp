@@ -143,7 +143,7 @@ std::optional<Diagnosis> seldom_normalised(const std::vector<TrajectoryRow>& row
 
 }  // namespace
 
-std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file) {
+std::vector<Diagnosis> find_length_faults(const TrajectoryFile& file) {
     const std::vector<TrajectoryRow>& rows = file.rows;
     if (rows.size() < 12) return {};
     if (std::optional<Diagnosis> seldom = seldom_normalised(rows)) return {*std::move(seldom)};

@@ -16,6 +16,6 @@ std::vector<Diagnosis> rows_between_steps(const TrajectoryFile& file);
 /// 1e-3 and grows as in first-order updates without normalisation. "quaternion_seldom_normalised": the length grows
 /// by this law and returns to 1 in every n-th row, for at least three periods, and the growth in all other rows
 /// agrees within 20 %. Any deviation above rounding is sufficient.
-std::vector<Diagnosis> lengths_of_quaternions(const TrajectoryFile& file);
+std::vector<Diagnosis> find_length_faults(const TrajectoryFile& file);
 
 }  // namespace polhode

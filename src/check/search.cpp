@@ -16,24 +16,24 @@ namespace {
 
 // number of the best single faults that are combined into pairs
 constexpr std::size_t beam = 10;
-constexpr std::size_t most_alike = 3;
+constexpr std::size_t max_alike = 3;
 // Pairs are tested if a question is this many decades above its perfect value. A smaller excess is truncation error.
-constexpr double plainly_left = 3.5;
+constexpr double pair_threshold = 3.5;
 
 // Rounds x to significant digits.
-double rounded_to(int digits, double x) {
+double round_to_digits(int digits, double x) {
     if (!(std::abs(x) > 0) || !std::isfinite(x)) return x;
     const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) - (digits - 1));
     return std::round(x / unit) * unit;
 }
 
-double needed_gain(const Hypothesis& h) { return h.values ? gain_of_fitted : gain_of_fixed; }
+double needed_gain(const Hypothesis& h) { return h.values ? fitted_gain : fixed_gain; }
 
 class Searcher {
   public:
     Searcher(const FileEvidence& evidence, bool all) : evidence_(evidence), all_(all) {}
 
-    FaultSearch run();
+    FaultSearch search();
 
   private:
     const FileEvidence& evidence_;
@@ -47,17 +47,21 @@ class Searcher {
         int steps;
     };
 
-    Update usual_{nullptr, 1};  // the best update without a fault
+    Update best_sound_update_{nullptr, 1};  // the best update without a fault
 
     std::vector<Update> all_updates() const;
-    Explanation explained(std::vector<Supposed> faults, const std::vector<Update>& updates) const;
-    std::optional<Explanation> supposed(const std::vector<Supposed>& others, const Hypothesis& h,
-                                        const std::vector<Update>& updates, double hopeless) const;
+    Explanation explain(std::vector<FittedFault> faults, const std::vector<Update>& updates) const;
+    std::optional<Explanation> fit_fault(const std::vector<FittedFault>& others, const Hypothesis& h,
+                                         const std::vector<Update>& updates, double hopeless) const;
     void find_steps();
-    std::vector<Update> usual_updates(const Explanation& first) const;
+    std::vector<Update> common_updates(const Explanation& first) const;
     Explanation without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const;
     std::vector<double> by_step(const Explanation& e) const;
     bool is_refuted(const Explanation& e, const Explanation& sound) const;
+    std::vector<Explanation> test_singles(const Explanation& sound, const std::vector<Update>& updates) const;
+    std::vector<Explanation> test_pairs(const std::vector<Explanation>& singles, const Explanation& best, double sound,
+                                        const std::vector<Update>& updates) const;
+    void select_explanations(const std::vector<Explanation>& candidates, FaultSearch& found) const;
 };
 
 // Returns every rule with each possible number of steps per row.
@@ -72,24 +76,24 @@ std::vector<Searcher::Update> Searcher::all_updates() const {
     return updates;
 }
 
-bool applied(Cause& cause, const std::vector<Supposed>& faults) {
+bool apply_faults(Cause& cause, const std::vector<FittedFault>& faults) {
     return std::all_of(faults.begin(), faults.end(),
-                       [&](const Supposed& s) { return s.hypothesis->apply(cause, s.x); });
+                       [&](const FittedFault& s) { return s.hypothesis->apply(cause, s.x); });
 }
 
-Explanation Searcher::explained(std::vector<Supposed> faults, const std::vector<Update>& updates) const {
+Explanation Searcher::explain(std::vector<FittedFault> faults, const std::vector<Update>& updates) const {
     Explanation best;
     best.residual.total = std::numeric_limits<double>::infinity();
     Cause cause = evidence_.sound();
-    if (!applied(cause, faults)) return best;
+    if (!apply_faults(cause, faults)) return best;
     best.faults = std::move(faults);
     const EngineModel model(cause);
     for (const Update& update : updates) {
-        if (!model.takes(*update.rule, update.steps)) continue;
+        if (!model.supports(*update.rule, update.steps)) continue;
         const Residual r = evidence_.residual(cause, model, *update.rule, update.steps);
         if (!(r.total < best.residual.total)) continue;
         // without substeps, rotating by the row's first rate is the same as explicit Euler
-        const std::optional<double>& rate = r[Question::rate];
+        const std::optional<double>& rate = r[Criterion::rate];
         if (model.uses_row_rate() && rate && *rate > one_step_rate_ - 0.5) continue;
         best.rule = update.rule, best.steps = update.steps, best.residual = r;
     }
@@ -97,12 +101,12 @@ Explanation Searcher::explained(std::vector<Supposed> faults, const std::vector<
 }
 
 // Adds a fault to others. A fitted number is the best on a grid, refined between its neighbours by golden section.
-std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& others, const Hypothesis& h,
-                                              const std::vector<Update>& updates, double hopeless) const {
+std::optional<Explanation> Searcher::fit_fault(const std::vector<FittedFault>& others, const Hypothesis& h,
+                                               const std::vector<Update>& updates, double hopeless) const {
     const auto at = [&](double x, const std::vector<Update>& by) {
-        std::vector<Supposed> faults = others;
+        std::vector<FittedFault> faults = others;
         faults.push_back({&h, x});
-        return explained(std::move(faults), by);
+        return explain(std::move(faults), by);
     };
     if (!h.values) {
         Explanation e = at(1, updates);
@@ -112,7 +116,7 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
     std::vector<Update> few;
     for (const Update& u : updates)
         if (u.rule->rate == RateUpdate::accurate || updates.size() <= 5 ||
-            (u.rule == usual_.rule && u.steps == usual_.steps) ||
+            (u.rule == best_sound_update_.rule && u.steps == best_sound_update_.steps) ||
             (u.rule->rate == RateUpdate::after_loads && u.rule->by_new_rate && !u.rule->first_order))
             few.push_back(u);
     const std::vector<double> values = h.values(evidence_.facts());
@@ -146,7 +150,7 @@ std::optional<Explanation> Searcher::supposed(const std::vector<Supposed>& other
                 a = x, x = y, fx = fy, y = a + ratio * (b - a), fy = keep(y);
         }
         // use a number of few digits if it fits as well: 0.1 instead of 0.100003
-        keep(rounded_to(4, result.faults.back().x));
+        keep(round_to_digits(4, result.faults.back().x));
     };
     for (int round = 0; round < 2; ++round) {
         const UpdateRule* const by = result.rule;
@@ -178,14 +182,14 @@ void Searcher::find_steps() {
                 change(cause.engine);
                 const EngineModel model(cause);
                 for (const UpdateRule& rule : update_rules())
-                    if (rule.rate != RateUpdate::accurate && model.takes(rule, steps) &&
+                    if (rule.rate != RateUpdate::accurate && model.supports(rule, steps) &&
                         (first_order || !rule.first_order)) {
                         const Residual r = evidence_.residual(cause, model, rule, steps);
                         least = std::min(least, r.total), possible = std::min(possible, r.least);
-                        if (steps == 1) one_step_rate_ = std::min(one_step_rate_, r[Question::rate].value_or(0));
+                        if (steps == 1) one_step_rate_ = std::min(one_step_rate_, r[Criterion::rate].value_or(0));
                         if (steps > 1 || rule.rate == RateUpdate::momentum || cause.engine.gyroscopic != 1) continue;
                         double& attitude = rule.by_new_rate ? by_new_rate : by_first_rate;
-                        attitude = std::min(attitude, r[Question::attitude].value_or(0));
+                        attitude = std::min(attitude, r[Criterion::attitude].value_or(0));
                     }
             }
             scores.emplace_back(least, steps);
@@ -199,14 +203,14 @@ void Searcher::find_steps() {
     // Substeps that rotate by the row's first rate give the attitude of one explicit step per row. Only w shows the
     // substeps.
     const bool shows_rate = evidence_.has_angular_velocity();
-    if ((shows_rate && by_first_rate > by_new_rate - 0.3) || least_of_all - possible < gain_of_fixed) return;
-    scan({[](EngineFault& e) { e.turned_by = TurnedBy::first_rate_of_row_w_in_world; },
-          [](EngineFault& e) { e.turned_by = TurnedBy::first_rate_of_row_w_in_body; }},
+    if ((shows_rate && by_first_rate > by_new_rate - 0.3) || least_of_all - possible < fixed_gain) return;
+    scan({[](EngineFault& e) { e.rotation_rate = AttitudeRate::first_rate_of_row_w_in_world; },
+          [](EngineFault& e) { e.rotation_rate = AttitudeRate::first_rate_of_row_w_in_body; }},
          false);
 }
 
 // Returns a few representative updates: those of common engines, and the one that fits best with one fault.
-std::vector<Searcher::Update> Searcher::usual_updates(const Explanation& first) const {
+std::vector<Searcher::Update> Searcher::common_updates(const Explanation& first) const {
     std::vector<Update> few{{first.rule, first.steps}};
     for (const UpdateRule& rule : update_rules())
         if (&rule != first.rule && !rule.first_order && rule.by_new_rate &&
@@ -217,14 +221,14 @@ std::vector<Searcher::Update> Searcher::usual_updates(const Explanation& first) 
 }
 
 Explanation Searcher::without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const {
-    std::vector<Supposed> rest = e.faults;
+    std::vector<FittedFault> rest = e.faults;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fault));
-    return explained(std::move(rest), updates);
+    return explain(std::move(rest), updates);
 }
 
 std::vector<double> Searcher::by_step(const Explanation& e) const {
     Cause cause = evidence_.sound();
-    applied(cause, e.faults);
+    apply_faults(cause, e.faults);
     return evidence_.by_step(cause, EngineModel(cause), *e.rule, e.steps);
 }
 
@@ -232,7 +236,7 @@ std::vector<double> Searcher::by_step(const Explanation& e) const {
 // many others no better than no fault.
 bool Searcher::is_refuted(const Explanation& e, const Explanation& sound) const {
     // faults of the start do not affect steps
-    if (std::ranges::any_of(e.faults, [](const Supposed& s) {
+    if (std::ranges::any_of(e.faults, [](const FittedFault& s) {
             const Subject about = s.hypothesis->subject;
             return about == Subject::start_rate || about == Subject::start_attitude ||
                    about == Subject::start_position || about == Subject::rows;
@@ -251,7 +255,7 @@ bool Searcher::is_refuted(const Explanation& e, const Explanation& sound) const 
 }
 
 bool is_of_load(const Explanation& e) {
-    return std::all_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) {
+    return std::all_of(e.faults.begin(), e.faults.end(), [](const FittedFault& s) {
         const Subject about = s.hypothesis->subject;
         return about >= Subject::gravity && about <= Subject::drag;
     });
@@ -259,99 +263,113 @@ bool is_of_load(const Explanation& e) {
 
 // Whether all fitted numbers have two digits. Numbers set by hand often do, fitted ones rarely.
 bool is_round(const Explanation& e) {
-    return std::all_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) {
-        return !s.hypothesis->values || std::abs(s.x - rounded_to(2, s.x)) < 1e-3 * std::abs(s.x);
+    return std::all_of(e.faults.begin(), e.faults.end(), [](const FittedFault& s) {
+        return !s.hypothesis->values || std::abs(s.x - round_to_digits(2, s.x)) < 1e-3 * std::abs(s.x);
     });
 }
 
-bool better(const Explanation& a, const Explanation& b) { return a.residual.total < b.residual.total; }
+bool is_better(const Explanation& a, const Explanation& b) { return a.residual.total < b.residual.total; }
 
-FaultSearch Searcher::run() {
-    FaultSearch found;
-    find_steps();
-    const std::vector<Update> updates = all_updates();
-    found.sound = found.best = explained({}, updates);
-    usual_ = {found.sound.rule, found.sound.steps};
-    // no fault can gain enough
-    if (!all_ && found.sound.residual.total - found.sound.residual.least < gain_of_fixed) return found;
+bool has_fitted_number(const Explanation& e) {
+    return std::any_of(e.faults.begin(), e.faults.end(), [](const FittedFault& s) { return !!s.hypothesis->values; });
+}
+
+// Tests all known faults singly. Returns the explanations, the best first.
+std::vector<Explanation> Searcher::test_singles(const Explanation& sound, const std::vector<Update>& updates) const {
     std::vector<Explanation> singles;
     for (const Hypothesis& h : known_faults())
-        if (std::optional<Explanation> e = supposed({}, h, updates, found.sound.residual.total - 0.2))
+        if (std::optional<Explanation> e = fit_fault({}, h, updates, sound.residual.total - 0.2))
             singles.push_back(std::move(*e));
-    std::stable_sort(singles.begin(), singles.end(), better);
-    found.tried = singles;
-    const double sound = found.sound.residual.total;
-    const auto gains = [&](const Explanation& e) {
-        return sound - e.residual.total >= needed_gain(*e.faults.front().hypothesis);
-    };
-    std::vector<Explanation> accepted;
-    for (const Explanation& e : singles)
-        if (gains(e)) accepted.push_back(e);
-    // pairs of the best faults with any other, if both are needed
+    std::stable_sort(singles.begin(), singles.end(), is_better);
+    return singles;
+}
+
+// Tests pairs of the best single faults with any other. Returns those in which both faults are needed, the best first.
+// `best`: the best accepted single fault, or the explanation without a fault if none is accepted.
+std::vector<Explanation> Searcher::test_pairs(const std::vector<Explanation>& singles, const Explanation& best,
+                                              double sound, const std::vector<Update>& updates) const {
     std::vector<Explanation> pairs;
-    const double single = accepted.empty() ? sound : accepted.front().residual.total,
-                 left = (accepted.empty() ? found.sound : accepted.front()).residual.worst;
     std::size_t taken = 0;
-    for (std::size_t i = 0; i < singles.size() && taken < beam && left > plainly_left; ++i) {
+    for (std::size_t i = 0; i < singles.size() && taken < beam && best.residual.worst > pair_threshold; ++i) {
         const Explanation& first = singles[i];
         // engines without a gyroscopic term usually have another fault
         const bool usual = first.faults.front().hypothesis->subject == Subject::gyroscopic;
         if (first.residual.total > sound - 0.3 && !usual) continue;
         ++taken;
-        const std::vector<Update> few = usual_updates(first);
+        const std::vector<Update> few = common_updates(first);
         for (const Hypothesis& h : known_faults()) {
             if (h.subject == first.faults.front().hypothesis->subject) continue;
             // two fitted numbers can explain any file
             if (h.values && first.faults.front().hypothesis->values) continue;
-            std::optional<Explanation> e = supposed(first.faults, h, few, first.residual.total - 0.2);
-            if (!e || single - e->residual.total < gain_of_fitted) continue;
+            std::optional<Explanation> e = fit_fault(first.faults, h, few, first.residual.total - 0.2);
+            if (!e || best.residual.total - e->residual.total < fitted_gain) continue;
             const double total = e->residual.total;
             const bool needs_first =
                            without(*e, 0, updates).residual.total - total >= needed_gain(*e->faults[0].hypothesis),
                        needs_second = first.residual.total - total >= needed_gain(h);
-            if (needs_first && needs_second) pairs.push_back(explained(e->faults, updates));
+            if (needs_first && needs_second) pairs.push_back(explain(e->faults, updates));
         }
     }
-    std::stable_sort(pairs.begin(), pairs.end(), better);
-    std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
-    // test one candidate after the other: only the best ones are reported
-    while (!candidates.empty() && is_refuted(candidates.front(), found.sound)) candidates.erase(candidates.begin());
-    if (candidates.empty()) return found;
-    found.best = candidates.front();
+    std::stable_sort(pairs.begin(), pairs.end(), is_better);
+    return pairs;
+}
+
+// Selects the explanations that are as good as the best candidate. Prefers loads and fixed numbers.
+void Searcher::select_explanations(const std::vector<Explanation>& candidates, FaultSearch& found) const {
     // among equally good explanations, those without a fitted number come first
     const double limit = found.best.residual.total + alike_within;
-    const auto fitted = [](const Explanation& e) {
-        return std::any_of(e.faults.begin(), e.faults.end(), [](const Supposed& s) { return !!s.hypothesis->values; });
-    };
     std::vector<Explanation> near;
     for (const Explanation& e : candidates)
         if (e.residual.total <= limit && !is_refuted(e, found.sound)) near.push_back(e);
     // a load of the wrong size is more frequent than a wrong mass
     std::stable_partition(near.begin(), near.end(), is_of_load);
     // fitting alone gains about half a decade: also accept explanations with fixed numbers within this margin
-    if (!near.empty() && fitted(near.front()))
+    if (!near.empty() && has_fitted_number(near.front()))
         for (const Explanation& e : candidates)
-            if (!fitted(e) && e.residual.total > limit && e.residual.total <= limit + 0.5 &&
+            if (!has_fitted_number(e) && e.residual.total > limit && e.residual.total <= limit + 0.5 &&
                 e.faults.size() == near.front().faults.size() &&
                 e.faults.back().hypothesis->subject == near.front().faults.back().hypothesis->subject)
                 near.push_back(e);
     bool first = true;
     for (const Explanation& e : near) {
         const auto needs_no_fit = [&](const Explanation& other) {
-            return !fitted(other) && other.faults.size() == e.faults.size() &&
+            return !has_fitted_number(other) && other.faults.size() == e.faults.size() &&
                    (!is_round(e) || other.faults.back().hypothesis->subject == e.faults.back().hypothesis->subject);
         };
-        if (fitted(e) && std::any_of(near.begin(), near.end(), needs_no_fit)) continue;
+        if (has_fitted_number(e) && std::any_of(near.begin(), near.end(), needs_no_fit)) continue;
         if (first)
             found.best = e, first = false;
-        else if (found.alike.size() < most_alike)
+        else if (found.alike.size() < max_alike)
             found.alike.push_back(e);
     }
+}
+
+FaultSearch Searcher::search() {
+    FaultSearch found;
+    find_steps();
+    const std::vector<Update> updates = all_updates();
+    found.sound = found.best = explain({}, updates);
+    best_sound_update_ = {found.sound.rule, found.sound.steps};
+    // no fault can gain enough
+    if (!all_ && found.sound.residual.total - found.sound.residual.least < fixed_gain) return found;
+    found.singles = test_singles(found.sound, updates);
+    const double sound = found.sound.residual.total;
+    std::vector<Explanation> accepted;
+    for (const Explanation& e : found.singles)
+        if (sound - e.residual.total >= needed_gain(*e.faults.front().hypothesis)) accepted.push_back(e);
+    std::vector<Explanation> pairs =
+        test_pairs(found.singles, accepted.empty() ? found.sound : accepted.front(), sound, updates);
+    std::vector<Explanation>& candidates = pairs.empty() ? accepted : pairs;
+    // test one candidate after the other: only the best ones are reported
+    while (!candidates.empty() && is_refuted(candidates.front(), found.sound)) candidates.erase(candidates.begin());
+    if (candidates.empty()) return found;
+    found.best = candidates.front();
+    select_explanations(candidates, found);
     return found;
 }
 
 }  // namespace
 
-FaultSearch search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).run(); }
+FaultSearch search_faults(const FileEvidence& evidence, bool all) { return Searcher(evidence, all).search(); }
 
 }  // namespace polhode

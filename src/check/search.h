@@ -9,17 +9,17 @@ namespace polhode {
 
 /// Decades over all questions: required gain of a fault without and with a fitted number, and the largest difference
 /// between indistinguishable explanations.
-inline constexpr double gain_of_fixed = 0.9, gain_of_fitted = 1.1, alike_within = 0.15;
+inline constexpr double fixed_gain = 0.9, fitted_gain = 1.1, alike_within = 0.15;
 
 /// A fault with the number fitted to it.
-struct Supposed {
+struct FittedFault {
     const Hypothesis* hypothesis = nullptr;
     double x = 1;
 };
 
 /// A set of faults, possibly empty, with the update that fits the file best.
 struct Explanation {
-    std::vector<Supposed> faults;
+    std::vector<FittedFault> faults;
     const UpdateRule* rule = nullptr;
     int steps = 1;  ///< steps of the rule per row
     Residual residual;
@@ -27,10 +27,10 @@ struct Explanation {
 
 /// The result of a search.
 struct FaultSearch {
-    Explanation sound;               ///< no fault, best update
-    Explanation best;                ///< each of its faults is needed; no faults if nothing explains the file
-    std::vector<Explanation> alike;  ///< other explanations that are indistinguishable from the best
-    std::vector<Explanation> tried;  ///< all single faults, the best first
+    Explanation sound;                 ///< no fault, best update
+    Explanation best;                  ///< each of its faults is needed; no faults if nothing explains the file
+    std::vector<Explanation> alike;    ///< other explanations that are indistinguishable from the best
+    std::vector<Explanation> singles;  ///< all single faults, the best first
 };
 
 /// Tests all known faults on the file. A fault is needed if omitting it makes the prediction about ten times worse,

@@ -13,7 +13,7 @@ namespace polhode {
 namespace {
 
 // Whether a fault of one body applies to several: faults of loads, of the file's columns, and of damping.
-bool holds_for_several(const Hypothesis& h) {
+bool applies_to_several_bodies(const Hypothesis& h) {
     static constexpr std::array of_one_body{
         "gravity_in_body_axes", "force_at_center_of_mass", "force_at_wrong_point",   "impulse_at_wrong_point",
         "drag_per_step",        "drag_applied_to_w",       "damping_while_coasting", "loads_missing"};
@@ -55,10 +55,10 @@ SystemHypothesis of_several(const Hypothesis& h) {
 void add_factor(std::vector<SystemHypothesis>& all, const std::string& word, Subject subject, const std::string& what,
                 const std::string& remedy, const std::function<bool(SystemCause&, double)>& apply,
                 bool has_sign = false) {
-    const auto fixed = [&](const char* ending, const char* said, double x) {
+    const auto fixed = [&](const char* ending, const char* description, double x) {
         all.push_back({.fault = word + ending,
                        .subject = subject,
-                       .what = what + said,
+                       .what = what + description,
                        .remedy = remedy,
                        .apply = [apply, x](SystemCause& c, double) { return apply(c, x); }});
     };
@@ -172,7 +172,7 @@ void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_
     scaled("body_mass_scaled", "mass", 1, 0);
     scaled("body_inertia_scaled", "inertia tensor", 0, 1);
     scaled("body_density_scaled", "density", 1, 1);
-    const auto exchanged = [&](const char* axes, std::array<std::size_t, 3> order) {
+    const auto swapped = [&](const char* axes, std::array<std::size_t, 3> order) {
         all.push_back({.fault = "body_inertia_axes_permuted",
                        .subject = Subject::inertia,
                        .what = fmt::format("the moments of inertia of body \"{}\" about {} are exchanged", name, axes),
@@ -187,7 +187,7 @@ void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_
                            return true;
                        }});
     };
-    exchanged("x and y", {1, 0, 2}), exchanged("y and z", {0, 2, 1}), exchanged("x and z", {2, 1, 0});
+    swapped("x and y", {1, 0, 2}), swapped("y and z", {0, 2, 1}), swapped("x and z", {2, 1, 0});
 }
 
 }  // namespace
@@ -195,7 +195,7 @@ void add_body(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_
 std::vector<SystemHypothesis> system_faults(const Scene& scene) {
     std::vector<SystemHypothesis> all;
     for (const Hypothesis& h : known_faults())
-        if (holds_for_several(h)) all.push_back(of_several(h));
+        if (applies_to_several_bodies(h)) all.push_back(of_several(h));
     if (fault_effects::has<PointSpring>(scene))
         add_factor(all, "point_spring", Subject::spring, "the force of the point springs",
                    "check the stiffness of these springs", [](SystemCause& c, double x) {

@@ -3,7 +3,7 @@
 // SystemEvidence chooses some rows and measures how well a cause predicts the next rows. It compares the velocities
 // that the joints allow, relative to their typical changes. SystemSearch tests each hypothesis of system_faults()
 // with the update rules of SystemRule and fits numbers by least squares. diagnose_system() accepts single faults that
-// gain enough and whose effect is_seen(), and otherwise tests pairs.
+// gain enough and whose effect is_distinct(), and otherwise tests pairs.
 #include "check/system_search.h"
 
 #include <fmt/format.h>
@@ -48,7 +48,7 @@ double decades(double error, double scale, double noise) {
 }
 
 // Converts the bodies of a scene to numeric mass properties, which faults can change.
-Scene by_numbers(const Scene& scene) {
+Scene with_numeric_bodies(const Scene& scene) {
     Scene plain = scene;
     for (NamedBody& named : plain.bodies) {
         const MassProperties<double> m = mass_properties<double>(named.body);
@@ -59,7 +59,7 @@ Scene by_numbers(const Scene& scene) {
 }
 
 // Prediction errors under a cause: velocities that the joints allow, attitudes and positions, start.
-struct Answers {
+struct PredictionErrors {
     double total = std::numeric_limits<double>::infinity();
     double velocities = 0;  // mean over the velocities that were tested, decades
     double largest = 0;     // largest error relative to the typical change
@@ -68,18 +68,18 @@ struct Answers {
     double kinematics = 0, start = 0;
 };
 
-struct Explained {
+struct SystemExplanation {
     const SystemHypothesis* hypothesis = nullptr;  // null: no fault
     double x = 1;
     SystemRule rule = SystemRule::accurate;
     int steps = 1;
-    Answers answers;
+    PredictionErrors errors;
 };
 
 class SystemEvidence {
   public:
     SystemEvidence(const Scene& scene, const TrajectoryFile& file) : file_(file) {
-        sound_.scene = by_numbers(scene);
+        sound_.scene = with_numeric_bodies(scene);
         sound_.reading.origin = file.has_origin;
         moments_ = file.rows.size() / file.bodies_at_once();
         const SystemEngine model(sound_);
@@ -88,7 +88,7 @@ class SystemEvidence {
         if (determined_) choose_windows(scene), include_predicted_changes(model);
     }
 
-    bool enough() const { return determined_ && windows_.size() >= 3; }
+    bool has_enough_rows() const { return determined_ && windows_.size() >= 3; }
     const SystemCause& sound() const { return sound_; }
 
     // Prediction errors for each window and velocity, relative to the typical changes of that velocity.
@@ -98,28 +98,30 @@ class SystemEvidence {
         for (const std::size_t k : windows_) {
             const SystemState next = state(cause, model, k + 1);
             const std::vector<double> is = model.velocities(next),
-                                      said = model.predicted(state(cause, model, k), next, time(k),
-                                                             time(k + 1) - time(k), rule, steps);
-            for (std::size_t i = 0; i < is.size(); ++i) all.push_back((said[i] - is[i]) / scales_[i]);
+                                      predictions = model.predicted(state(cause, model, k), next, time(k),
+                                                                    time(k + 1) - time(k), rule, steps);
+            for (std::size_t i = 0; i < is.size(); ++i) all.push_back((predictions[i] - is[i]) / scales_[i]);
         }
         return all;
     }
 
-    Answers answers(const SystemCause& cause, const SystemEngine& model, SystemRule rule, int steps) const {
-        Answers a;
+    PredictionErrors prediction_errors(const SystemCause& cause, const SystemEngine& model, SystemRule rule,
+                                       int steps) const {
+        PredictionErrors a;
         const std::size_t n = scales_.size();
         // for each velocity: squared changes in the file and predicted, largest value; all prediction errors
         std::vector<double> in_file(n, 0), predicted(n, 0), sizes(n, 0), errors;
         for (const std::size_t k : windows_) {
             const SystemState from = state(cause, model, k), next = state(cause, model, k + 1);
             const std::vector<double> was = model.velocities(from), is = model.velocities(next),
-                                      said = model.predicted(from, next, time(k), time(k + 1) - time(k), rule, steps);
+                                      predictions =
+                                          model.predicted(from, next, time(k), time(k + 1) - time(k), rule, steps);
             for (std::size_t i = 0; i < n; ++i) {
                 const std::size_t of = model.vector_of_velocity()[i];
                 in_file[of] += (is[i] - was[i]) * (is[i] - was[i]);
-                predicted[of] += (said[i] - was[i]) * (said[i] - was[i]);
+                predicted[of] += (predictions[i] - was[i]) * (predictions[i] - was[i]);
                 sizes[of] = std::max(sizes[of], std::abs(is[i]));
-                errors.push_back(std::abs(said[i] - is[i]));
+                errors.push_back(std::abs(predictions[i] - is[i]));
             }
         }
         const double count = static_cast<double>(windows_.size());
@@ -160,10 +162,11 @@ class SystemEvidence {
         const SystemEngine model(sound_);
         const SystemState from = state(sound_, model, k), to = state(sound_, model, k + 2);
         const std::vector<double> was = model.velocities(from), is = model.velocities(to),
-                                  said = model.predicted(from, to, time(k), time(k + 2) - time(k), SystemRule::accurate,
-                                                         2 * accurate_steps());
+                                  predictions = model.predicted(from, to, time(k), time(k + 2) - time(k),
+                                                                SystemRule::accurate, 2 * accurate_steps());
         for (std::size_t i = 0; i < is.size(); ++i)
-            if (std::abs(said[i] - is[i]) > 0.3 * std::abs(is[i] - was[i]) && std::abs(is[i] - was[i]) > 5 * scales_[i])
+            if (std::abs(predictions[i] - is[i]) > 0.3 * std::abs(is[i] - was[i]) &&
+                std::abs(is[i] - was[i]) > 5 * scales_[i])
                 return false;
         return true;
     }
@@ -328,10 +331,10 @@ class SystemEvidence {
                 if (link.kind != maximal::Kind::revolute) continue;
                 // the attitudes determine the angle up to whole turns
                 const Quaternion<double> turn = conjugate(a.q * link.orientation) * b.q;
-                const double told = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w),
+                const double diagnoses = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w),
                              whole = 2 * std::acos(-1.0);
                 double& value = angle[static_cast<std::size_t>(link.angles)];
-                value = told + whole * std::round((value - told) / whole);
+                value = diagnoses + whole * std::round((value - diagnoses) / whole);
             }
             angles_.push_back(angle);
         }
@@ -343,10 +346,10 @@ class SystemEvidence {
         for (const std::size_t k : windows_) {
             const SystemState from = state(sound_, model, k), next = state(sound_, model, k + 1);
             const std::vector<double> was = model.velocities(from),
-                                      said = model.predicted(from, next, time(k), time(k + 1) - time(k),
-                                                             SystemRule::accurate, accurate_steps());
+                                      predictions = model.predicted(from, next, time(k), time(k + 1) - time(k),
+                                                                    SystemRule::accurate, accurate_steps());
             for (std::size_t i = 0; i < was.size(); ++i) {
-                const double change = said[i] - was[i];
+                const double change = predictions[i] - was[i];
                 if (std::isfinite(change)) squares[model.vector_of_velocity()[i]] += change * change;
             }
         }
@@ -458,55 +461,56 @@ class SystemSearch {
     SystemSearch(const SystemEvidence& evidence, const Scene& scene)
         : evidence_(evidence), hypotheses_(system_faults(scene)), has_loops_(!scene.loops.empty()) {}
 
-    Explained sound() {
+    SystemExplanation sound() {
         const SystemEngine model(evidence_.sound());
         // find the number of steps per row for each coarse rule
         updates_ = {{SystemRule::accurate, evidence_.accurate_steps()}};
         for (const SystemRule rule :
              {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates}) {
-            std::optional<Explained> nearest;
+            std::optional<SystemExplanation> nearest;
             for (const int steps : {1, 2, 4, 8, 10}) {
-                const Explained e{nullptr, 1, rule, steps, evidence_.answers(evidence_.sound(), model, rule, steps)};
-                if (!nearest || e.answers.total < nearest->answers.total - 0.3) nearest = e;
+                const SystemExplanation e{nullptr, 1, rule, steps,
+                                          evidence_.prediction_errors(evidence_.sound(), model, rule, steps)};
+                if (!nearest || e.errors.total < nearest->errors.total - 0.3) nearest = e;
             }
             updates_.push_back({rule, nearest->steps});
             if (nearest->steps > 1) updates_.push_back({rule, 1});
         }
-        return explained({});
+        return explain({});
     }
 
     // Tests all faults. Returns them, the best first.
-    std::vector<Explained> singles(const Explained& sound) const {
-        std::vector<Explained> all;
+    std::vector<SystemExplanation> singles(const SystemExplanation& sound) const {
+        std::vector<SystemExplanation> all;
         for (const SystemHypothesis& h : hypotheses_)
-            if (std::optional<Explained> e = supposed({}, h, sound)) all.push_back(*e);
-        std::stable_sort(all.begin(), all.end(), nearer);
+            if (std::optional<SystemExplanation> e = fit_fault({}, h, sound)) all.push_back(*e);
+        std::stable_sort(all.begin(), all.end(), is_better);
         return all;
     }
     // Returns the best second fault together with `first`.
-    std::optional<Explained> second(const Explained& first) const {
-        std::optional<Explained> best;
+    std::optional<SystemExplanation> second(const SystemExplanation& first) const {
+        std::optional<SystemExplanation> best;
         for (const SystemHypothesis& h : hypotheses_) {
             if (&h == first.hypothesis || (h.fit && first.hypothesis->fit && h.fault == first.hypothesis->fault))
                 continue;
-            const std::optional<Explained> e = supposed({first}, h, first);
-            if (e && (!best || e->answers.total < best->answers.total)) best = e;
+            const std::optional<SystemExplanation> e = fit_fault({first}, h, first);
+            if (e && (!best || e->errors.total < best->errors.total)) best = e;
         }
         return best;
     }
     // Refits a fault with other rules and numbers of steps: a faulty file does not show the number of steps.
-    Explained refined(const Explained& fault) const {
-        Explained best = fault;
+    SystemExplanation refit_update(const SystemExplanation& fault) const {
+        SystemExplanation best = fault;
         SystemCause cause = evidence_.sound();
         if (!apply(cause, fault)) return best;
-        const std::optional<SystemEngine> model = modelled(cause);
+        const std::optional<SystemEngine> model = make_engine(cause);
         for (const SystemRule rule :
              {SystemRule::joint_impulses, SystemRule::joint_impulses_implicit, SystemRule::joint_rates})
             for (const int steps : {2, 3, 4, 5, 6, 8, 10}) {
-                Answers answers = evidence_.answers(cause, *model, rule, steps);
-                if (answers.total < best.answers.total) best.rule = rule, best.steps = steps, best.answers = answers;
+                PredictionErrors errors = evidence_.prediction_errors(cause, *model, rule, steps);
+                if (errors.total < best.errors.total) best.rule = rule, best.steps = steps, best.errors = errors;
             }
-        if (!fault.hypothesis->fit || best.answers.velocities < nearly_exact) return best;
+        if (!fault.hypothesis->fit || best.errors.velocities < nearly_exact) return best;
         for (const SystemRule rule : {SystemRule::joint_impulses, SystemRule::joint_rates})
             for (const int steps : {2, 3, 4, 5, 6, 8, 10}) {
                 const std::optional<double> x = fitted({}, *fault.hypothesis, {rule, steps});
@@ -514,25 +518,25 @@ class SystemSearch {
                 for (const double number : {*x, rounded(*x)}) {
                     SystemCause again = evidence_.sound();
                     if (!fault.hypothesis->apply(again, number)) continue;
-                    const std::optional<SystemEngine> engine = modelled(again);
+                    const std::optional<SystemEngine> engine = make_engine(again);
                     if (!engine) continue;
-                    Answers answers = evidence_.answers(again, *engine, rule, steps);
+                    PredictionErrors errors = evidence_.prediction_errors(again, *engine, rule, steps);
                     // prefer a number of few digits if it is as good
-                    if (!(answers.total < best.answers.total + (number == *x ? 0 : 1e-3))) continue;
-                    best.x = number, best.rule = rule, best.steps = steps, best.answers = answers;
+                    if (!(errors.total < best.errors.total + (number == *x ? 0 : 1e-3))) continue;
+                    best.x = number, best.rule = rule, best.steps = steps, best.errors = errors;
                 }
-                if (best.answers.velocities < nearly_exact) return best;
+                if (best.errors.velocities < nearly_exact) return best;
             }
         return best;
     }
     // Refits the number of a fault together with another fault.
-    std::optional<Explained> fitted_beside(const Explained& fault, const Explained& other) const {
-        return supposed({other}, *fault.hypothesis, other);
+    std::optional<SystemExplanation> refit_with(const SystemExplanation& fault, const SystemExplanation& other) const {
+        return fit_fault({other}, *fault.hypothesis, other);
     }
     // Whether the effect of the fault is larger than the difference between accurate and coarse steps.
-    bool is_seen(const Explained& e, const std::vector<Explained>& others) const {
+    bool is_distinct(const SystemExplanation& e, const std::vector<SystemExplanation>& others) const {
         SystemCause with = evidence_.sound(), without = with;
-        for (const Explained& other : others) apply(with, other), apply(without, other);
+        for (const SystemExplanation& other : others) apply(with, other), apply(without, other);
         apply(with, e);
         const SystemEngine faulty(with), plain(without);
         const std::vector<double> left = evidence_.residuals(with, faulty, e.rule, e.steps),
@@ -565,7 +569,9 @@ class SystemSearch {
         if (remains > effect - (has_loops_ ? 1 : 0.5)) return false;
         return effect > spread + 0.5 || (!has_loops_ && remains < std::min(effect, spread) - 1);
     }
-    static bool nearer(const Explained& a, const Explained& b) { return a.answers.total < b.answers.total; }
+    static bool is_better(const SystemExplanation& a, const SystemExplanation& b) {
+        return a.errors.total < b.errors.total;
+    }
 
   private:
     struct Update {
@@ -578,58 +584,58 @@ class SystemSearch {
     bool has_loops_;
     std::vector<Update> updates_;
 
-    static bool apply(SystemCause& cause, const Explained& e) {
+    static bool apply(SystemCause& cause, const SystemExplanation& e) {
         return e.hypothesis == nullptr || e.hypothesis->apply(cause, e.x);
     }
-    Explained explained(const std::vector<Explained>& faults) const {
-        Explained best;
+    SystemExplanation explain(const std::vector<SystemExplanation>& faults) const {
+        SystemExplanation best;
         SystemCause cause = evidence_.sound();
-        for (const Explained& fault : faults)
+        for (const SystemExplanation& fault : faults)
             if (!apply(cause, fault)) return best;
-        const std::optional<SystemEngine> model = modelled(cause);
+        const std::optional<SystemEngine> model = make_engine(cause);
         if (!model) return best;
         for (const Update& u : updates_) {
-            Answers answers = evidence_.answers(cause, *model, u.rule, u.steps);
-            if (!(answers.total < best.answers.total)) continue;
-            best.rule = u.rule, best.steps = u.steps, best.answers = answers;
+            PredictionErrors errors = evidence_.prediction_errors(cause, *model, u.rule, u.steps);
+            if (!(errors.total < best.errors.total)) continue;
+            best.rule = u.rule, best.steps = u.steps, best.errors = errors;
         }
         return best;
     }
     // Returns nothing if the bodies are invalid.
-    static std::optional<SystemEngine> modelled(const SystemCause& cause) {
+    static std::optional<SystemEngine> make_engine(const SystemCause& cause) {
         try {
             return SystemEngine(cause);
         } catch (const InputError&) {
             return std::nullopt;
         }
     }
-    std::optional<Explained> supposed(const std::vector<Explained>& others, const SystemHypothesis& h,
-                                      const Explained& before) const {
+    std::optional<SystemExplanation> fit_fault(const std::vector<SystemExplanation>& others, const SystemHypothesis& h,
+                                               const SystemExplanation& before) const {
         const auto with = [&](double x) {
-            std::vector<Explained> all = others;
-            Explained e;
+            std::vector<SystemExplanation> all = others;
+            SystemExplanation e;
             e.hypothesis = &h, e.x = x;
             all.push_back(e);
-            Explained result = explained(all);
+            SystemExplanation result = explain(all);
             result.hypothesis = &h, result.x = x;
             return result;
         };
-        const auto is_finite = [](const Explained& e) { return std::isfinite(e.answers.total); };
+        const auto is_finite = [](const SystemExplanation& e) { return std::isfinite(e.errors.total); };
         if (!h.fit) {
-            Explained e = with(1);
+            SystemExplanation e = with(1);
             return is_finite(e) ? std::optional(e) : std::nullopt;
         }
         // fit with the best update without the fault, then with the best one with it, then with all others
         std::vector<Update> tried, left = updates_;
-        std::optional<Explained> best;
+        std::optional<SystemExplanation> best;
         Update next{before.rule, before.steps};
         while (true) {
             tried.push_back(next);
             const std::optional<double> x = fitted(others, h, next);
             if (x && std::abs(*x - h.fit->neutral) > h.fit->plain) {
-                Explained e = with(rounded(*x));
-                if (Explained exact = with(*x); nearer(exact, e)) e = exact;
-                if (is_finite(e) && (!best || nearer(e, *best))) best = e;
+                SystemExplanation e = with(rounded(*x));
+                if (SystemExplanation exact = with(*x); is_better(exact, e)) e = exact;
+                if (is_finite(e) && (!best || is_better(e, *best))) best = e;
             }
             const auto is_tried = [&](const Update& u) { return std::ranges::find(tried, u) != tried.end(); };
             if (best && !is_tried({best->rule, best->steps})) {
@@ -638,7 +644,7 @@ class SystemSearch {
             }
             // fit with another update only if the fault gains something and is not exact yet
             if (tried.size() > 1 &&
-                (!best || best->answers.total > before.answers.total - 0.3 || best->answers.velocities < nearly_exact))
+                (!best || best->errors.total > before.errors.total - 0.3 || best->errors.velocities < nearly_exact))
                 break;
             std::erase_if(left, is_tried);
             if (left.empty()) break;
@@ -653,15 +659,15 @@ class SystemSearch {
         return std::round(x / unit) * unit;
     }
     // Fits the number by least squares: Gauss-Newton steps with secants.
-    std::optional<double> fitted(const std::vector<Explained>& others, const SystemHypothesis& h,
+    std::optional<double> fitted(const std::vector<SystemExplanation>& others, const SystemHypothesis& h,
                                  const Update& u) const {
         const auto residuals = [&](double x) -> std::vector<double> {
             SystemCause cause = evidence_.sound();
-            for (const Explained& other : others)
+            for (const SystemExplanation& other : others)
                 if (!apply(cause, other)) return {};
             // the neutral number has no effect
             if (x != h.fit->neutral && !h.apply(cause, x)) return {};
-            const std::optional<SystemEngine> model = modelled(cause);
+            const std::optional<SystemEngine> model = make_engine(cause);
             return model ? evidence_.residuals(cause, *model, u.rule, u.steps) : std::vector<double>();
         };
         double a = h.fit->neutral, b = h.fit->trial;
@@ -685,7 +691,7 @@ class SystemSearch {
     }
 };
 
-std::string said(const Explained& e) {
+std::string describe_system_fault(const SystemExplanation& e) {
     std::string what = e.hypothesis->what;
     if (const std::size_t place = what.find("{}"); place != what.npos)
         what.replace(place, 2, fmt::format("{:.4g}", e.x));
@@ -693,106 +699,128 @@ std::string said(const Explained& e) {
 }
 
 // A wrong reading of columns must gain more: it also affects start, attitudes and positions.
-double needed(const Explained& e) {
+double required_gain(const SystemExplanation& e) {
     const Subject about = e.hypothesis->subject;
     if (about == Subject::quaternion || about == Subject::axes || about == Subject::rate_columns ||
         about == Subject::lengths)
         return gain_of_reading;
-    return e.hypothesis->fit ? gain_of_fitted : gain_of_fixed;
+    return e.hypothesis->fit ? fitted_gain : fixed_gain;
 }
 
 // Adds a diagnosis with its prediction errors. `before`: without this fault.
-void tell(std::vector<Diagnosis>& told, const Explained& e, const Explained& before, const std::string& also) {
-    const double was = std::pow(10.0, before.answers.velocities), is = std::pow(10.0, e.answers.velocities);
-    if (std::ranges::any_of(
-            told, [&](const Diagnosis& d) { return d.fault == e.hypothesis->fault && d.message.starts_with(said(e)); }))
+void add_diagnosis(std::vector<Diagnosis>& diagnoses, const SystemExplanation& e, const SystemExplanation& before,
+                   const std::string& also) {
+    const double was = std::pow(10.0, before.errors.velocities), is = std::pow(10.0, e.errors.velocities);
+    if (std::ranges::any_of(diagnoses, [&](const Diagnosis& d) {
+            return d.fault == e.hypothesis->fault && d.message.starts_with(describe_system_fault(e));
+        }))
         return;
-    told.push_back({e.hypothesis->fault,
-                    fmt::format("{}; {}{} (prediction error of the joint rates per step, relative to their changes: "
-                                "{:.2g} with this fault, {:.2g} without)",
-                                said(e), e.hypothesis->remedy, also, is, was),
-                    e.hypothesis->convention, was, is});
+    diagnoses.push_back(
+        {e.hypothesis->fault,
+         fmt::format("{}; {}{} (prediction error of the joint rates per step, relative to their changes: "
+                     "{:.2g} with this fault, {:.2g} without)",
+                     describe_system_fault(e), e.hypothesis->remedy, also, is, was),
+         e.hypothesis->convention, was, is});
+}
+
+// Tests pairs of faults and diagnoses the first pair in which both faults are needed.
+void diagnose_pair(const SystemSearch& search, const std::vector<SystemExplanation>& singles,
+                   const SystemExplanation& sound, std::vector<Diagnosis>& diagnoses) {
+    constexpr std::size_t tested_firsts = 4;
+    std::vector<SystemExplanation> firsts = singles;
+    std::ranges::stable_sort(firsts, {}, [](const SystemExplanation& e) { return e.errors.squares; });
+    for (std::size_t i = 0; i < std::min(tested_firsts, firsts.size()); ++i) {
+        const SystemExplanation& first = firsts[i];
+        if (!(first.errors.squares < sound.errors.squares)) break;
+        const std::optional<SystemExplanation> second = search.second(first);
+        if (!second || first.errors.total - second->errors.total < fitted_gain) continue;
+        // refit the first fault together with the second
+        const std::optional<SystemExplanation> again = search.refit_with(first, *second);
+        if (!again || sound.errors.total - again->errors.total < required_gain(*again) + required_gain(*second) ||
+            !search.is_distinct(*again, {*second}) || !search.is_distinct(*second, {*again}))
+            continue;
+        add_diagnosis(diagnoses, *again, sound, ""), add_diagnosis(diagnoses, *second, first, "");
+        return;
+    }
+}
+
+// Selects the accepted faults that are nearly as good as the best one, in the order of preference.
+std::vector<SystemExplanation> select_near(const std::vector<SystemExplanation>& accepted) {
+    // a fixed number is preferred to an equally good fitted one
+    const double limit = accepted.front().errors.total + alike_within;
+    std::vector<SystemExplanation> near;
+    for (const SystemExplanation& e : accepted)
+        if (e.errors.total <= limit || (!e.hypothesis->fit && e.errors.total <= limit + 0.5)) near.push_back(e);
+    // a wrong size of something in the scene is preferred to something that the scene does not have
+    std::ranges::stable_sort(near, {}, [](const SystemExplanation& e) {
+        return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0;
+    });
+    // gravity on all bodies includes gravity on the one body whose weight matters
+    const auto is_gravity = [](const SystemExplanation& e, bool of_body) {
+        return e.hypothesis->subject == Subject::gravity &&
+               e.hypothesis->fault.starts_with("gravity_on_body") == of_body;
+    };
+    if (std::ranges::any_of(near, [&](const SystemExplanation& e) { return is_gravity(e, false); }))
+        std::erase_if(near, [&](const SystemExplanation& e) { return is_gravity(e, true); });
+    return near;
+}
+
+// Diagnoses the first fault of `near`, with a second fault or with the faults that are indistinguishable from it: those
+// with a prediction error of at most `limit` decades.
+void diagnose_single(const SystemSearch& search, const std::vector<SystemExplanation>& near,
+                     const SystemExplanation& sound, double limit, std::vector<Diagnosis>& diagnoses) {
+    const SystemExplanation& best = near.front();
+    const std::optional<SystemExplanation> second = search.second(best);
+    if (second && best.errors.total - second->errors.total >= fitted_gain && search.is_distinct(*second, {best})) {
+        add_diagnosis(diagnoses, best, sound, ""), add_diagnosis(diagnoses, *second, best, "");
+        return;
+    }
+    std::string also;
+    std::vector<const SystemExplanation*> others;
+    for (const SystemExplanation& e : near)
+        if (&e != &best && e.errors.total <= limit &&
+            e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
+            others.push_back(&e), also += (also.empty() ? "" : "; or ") + describe_system_fault(e);
+    add_diagnosis(diagnoses, best, sound, also.empty() ? "" : "; in this file indistinguishable from: " + also);
+    for (const SystemExplanation* e : others)
+        add_diagnosis(diagnoses, *e, sound, "; in this file indistinguishable from the previous diagnosis");
 }
 
 }  // namespace
 
-Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool all) {
-    Diagnosed result;
+FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bool all) {
+    FileDiagnosis result;
     const SystemEvidence evidence(scene, file);
     const std::vector<Diagnosis> of_joints =
         joint_faults(scene, file, [&](std::size_t k) { return evidence.predicts(k); });
     result.faults = of_joints;
-    if (!evidence.enough()) return result;
+    if (!evidence.has_enough_rows()) return result;
     SystemSearch search(evidence, evidence.sound().scene);
-    const Explained sound = search.sound();
-    result.sound = sound.answers.total;
+    const SystemExplanation sound = search.sound();
+    result.sound = sound.errors.total;
     result.rule = name_of(sound.rule);
-    if (!all && sound.answers.largest < plain_change && sound.answers.start < -11 && sound.answers.kinematics < -2)
+    if (!all && sound.errors.largest < plain_change && sound.errors.start < -11 && sound.errors.kinematics < -2)
         return result;
-    std::vector<Explained> singles = search.singles(sound);
-    constexpr std::size_t refined = 4;
-    for (std::size_t i = 0; i < std::min(refined, singles.size()); ++i)
-        if (sound.answers.total - singles[i].answers.total > 0.3) singles[i] = search.refined(singles[i]);
-    std::stable_sort(singles.begin(), singles.end(), SystemSearch::nearer);
-    for (const Explained& e : singles) result.tried.push_back({e.hypothesis->fault, said(e), e.answers.total});
+    std::vector<SystemExplanation> singles = search.singles(sound);
+    constexpr std::size_t refit_count = 4;
+    for (std::size_t i = 0; i < std::min(refit_count, singles.size()); ++i)
+        if (sound.errors.total - singles[i].errors.total > 0.3) singles[i] = search.refit_update(singles[i]);
+    std::stable_sort(singles.begin(), singles.end(), SystemSearch::is_better);
+    for (const SystemExplanation& e : singles)
+        result.hypotheses.push_back({e.hypothesis->fault, describe_system_fault(e), e.errors.total});
     // a displaced joint explains the motion of its bodies
     if (std::ranges::any_of(of_joints, [](const Diagnosis& d) {
             return d.fault != "joint_drifts" && d.fault != "joint_limit_where_none";
         }))
         return result;
-    std::vector<Explained> accepted;
-    for (const Explained& e : singles)
-        if (sound.answers.total - e.answers.total >= needed(e) && search.is_seen(e, {})) accepted.push_back(e);
-    if (accepted.empty()) {
-        // test pairs if no single fault explains enough
-        constexpr std::size_t beam = 4;
-        std::vector<Explained> firsts = singles;
-        std::ranges::stable_sort(firsts, {}, [](const Explained& e) { return e.answers.squares; });
-        for (std::size_t i = 0; i < std::min(beam, firsts.size()); ++i) {
-            const Explained& first = firsts[i];
-            if (!(first.answers.squares < sound.answers.squares)) break;
-            const std::optional<Explained> second = search.second(first);
-            if (!second || first.answers.total - second->answers.total < gain_of_fitted) continue;
-            // refit the first fault together with the second
-            const std::optional<Explained> again = search.fitted_beside(first, *second);
-            if (!again || sound.answers.total - again->answers.total < needed(*again) + needed(*second) ||
-                !search.is_seen(*again, {*second}) || !search.is_seen(*second, {*again}))
-                continue;
-            tell(result.faults, *again, sound, ""), tell(result.faults, *second, first, "");
-            return result;
-        }
-        return result;
-    }
-    // a fixed number is preferred to an equally good fitted one
-    const double limit = accepted.front().answers.total + alike_within;
-    std::vector<Explained> near;
-    for (const Explained& e : accepted)
-        if (e.answers.total <= limit || (!e.hypothesis->fit && e.answers.total <= limit + 0.5)) near.push_back(e);
-    // a wrong size of something in the scene is preferred to something that the scene does not have
-    std::ranges::stable_sort(
-        near, {}, [](const Explained& e) { return e.hypothesis->fit ? e.hypothesis->fit->neutral == 0 ? 2 : 1 : 0; });
-    // gravity on all bodies includes gravity on the one body whose weight matters
-    const auto is_gravity = [](const Explained& e, bool of_body) {
-        return e.hypothesis->subject == Subject::gravity &&
-               e.hypothesis->fault.starts_with("gravity_on_body") == of_body;
-    };
-    if (std::ranges::any_of(near, [&](const Explained& e) { return is_gravity(e, false); }))
-        std::erase_if(near, [&](const Explained& e) { return is_gravity(e, true); });
-    const Explained& best = near.front();
-    const std::optional<Explained> second = search.second(best);
-    if (second && best.answers.total - second->answers.total >= gain_of_fitted && search.is_seen(*second, {best})) {
-        tell(result.faults, best, sound, ""), tell(result.faults, *second, best, "");
-        return result;
-    }
-    std::string also;
-    std::vector<const Explained*> others;
-    for (const Explained& e : near)
-        if (&e != &best && e.answers.total <= limit &&
-            e.hypothesis->fit.has_value() == best.hypothesis->fit.has_value() && others.size() < 3)
-            others.push_back(&e), also += (also.empty() ? "" : "; or ") + said(e);
-    tell(result.faults, best, sound, also.empty() ? "" : "; in this file indistinguishable from: " + also);
-    for (const Explained* e : others)
-        tell(result.faults, *e, sound, "; in this file indistinguishable from the previous diagnosis");
+    std::vector<SystemExplanation> accepted;
+    for (const SystemExplanation& e : singles)
+        if (sound.errors.total - e.errors.total >= required_gain(e) && search.is_distinct(e, {})) accepted.push_back(e);
+    if (accepted.empty())
+        diagnose_pair(search, singles, sound, result.faults);
+    else
+        diagnose_single(search, select_near(accepted), sound, accepted.front().errors.total + alike_within,
+                        result.faults);
     return result;
 }
 

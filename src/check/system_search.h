@@ -12,6 +12,6 @@ namespace polhode {
 /// steps without impulses or load changes. Needs the attitudes of all bodies. Missing
 /// velocities and positions are computed from the joints if these connect all bodies to the world. `all`: test the
 /// faults on a sound file too.
-Diagnosed diagnose_system(const Scene& scene, const TrajectoryFile& file, bool all = false);
+FileDiagnosis diagnose_system(const Scene& scene, const TrajectoryFile& file, bool all = false);
 
 }  // namespace polhode

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double largest = 1e300, smallest = 1e-300;
 
-std::string with_minus_sign(const std::string& number) {
+std::string replace_minus_sign(const std::string& number) {
     return number.starts_with('-') ? "−" + number.substr(1) : number;
 }
 
@@ -24,7 +24,7 @@ double value_of(const std::string& decimal) {
 }
 
 std::string power_of_ten(int exponent) {
-    return fmt::format("10^{{{}}}", with_minus_sign(fmt::format("{}", exponent)));
+    return fmt::format("10^{{{}}}", replace_minus_sign(fmt::format("{}", exponent)));
 }
 
 /// Label for digit * 10^exponent on a logarithmic axis.
@@ -93,7 +93,7 @@ void add_linear_tics(Axis& axis, int labels) {
     for (long i = first; i <= last; ++i) {
         const double shown = value_of(fmt::format("{}e{}", i * digit, label_exponent));
         const std::string label = i == 0 ? "0" : fmt::format("{:.{}f}", shown, std::max(0, -label_exponent));
-        axis.tics.push_back({fmt::format("{}e{}", i * digit, exponent), with_minus_sign(label)});
+        axis.tics.push_back({fmt::format("{}e{}", i * digit, exponent), replace_minus_sign(label)});
     }
 }
 

@@ -22,7 +22,7 @@ namespace polhode {
 namespace {
 
 constexpr int no_pen = -1, guide_pen = -2;
-constexpr std::string_view signs = "ox+*#@%&=$";
+constexpr std::string_view letters = "ox+*#@%&=$";
 /// Cyan, yellow, magenta, green, red, blue: readable on dark and light backgrounds.
 constexpr std::array<int, 6> color_codes = {36, 33, 35, 32, 31, 34};
 
@@ -34,13 +34,13 @@ std::size_t shown_width(std::string_view text) {
 /// The first `most` characters of a text; the last one is an ellipsis if the text is longer.
 std::string cut(const std::string& text, std::size_t most) {
     if (shown_width(text) <= most) return text;
-    std::string kept;
+    std::string beginning;
     std::size_t count = 0;
     for (const char c : text) {
         if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 && ++count >= most) break;
-        kept += c;
+        beginning += c;
     }
-    return kept + "…";
+    return beginning + "…";
 }
 
 std::string repeated(std::string_view piece, int times) {
@@ -127,11 +127,12 @@ class Canvas {
     std::vector<Cell> cells_;
 };
 
-struct ShownPoint {
+struct CanvasPoint {
     double x, y;
 };
-std::vector<ShownPoint> shown_points(const Panel& panel, const std::vector<double>& x, const std::vector<double>& y) {
-    std::vector<ShownPoint> points;
+std::vector<CanvasPoint> drawable_points_of(const Panel& panel, const std::vector<double>& x,
+                                            const std::vector<double>& y) {
+    std::vector<CanvasPoint> points;
     for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i)
         if (drawable(x[i], panel.log_x) && drawable(y[i], panel.log_y)) points.push_back({x[i], y[i]});
     return points;
@@ -164,28 +165,28 @@ class Plotter {
     std::string text() {
         std::string all;
         if (!figure_.title.empty()) all += cut(figure_.title, width()) + "\n";
-        for (const Panel& panel : figure_.panels) all += of_panel(panel);
+        for (const Panel& panel : figure_.panels) all += draw_panel(panel);
         return all + legend();
     }
 
   private:
     std::size_t width() const { return static_cast<std::size_t>(plot_.width); }
-    bool lettered() const { return !plot_.color && pens_.size() > 1; }
+    bool uses_letters() const { return !plot_.color && pens_.size() > 1; }
     int pen_of(const Curve& curve) const {
         const auto found = pens_.find(curve.label);
         return found == pens_.end() ? guide_pen : found->second;
     }
-    static char sign_of(int pen) { return signs[static_cast<std::size_t>(pen) % signs.size()]; }
+    static char letter_of(int pen) { return letters[static_cast<std::size_t>(pen) % letters.size()]; }
 
-    std::string of_panel(const Panel& panel) const {
+    std::string draw_panel(const Panel& panel) const {
         std::string heading = panel.title;
         if (!panel.y_label.empty()) heading += (heading.empty() ? "" : ": ") + panel.y_label;
         heading = cut(heading, width()) + "\n";
         double low_x = std::numeric_limits<double>::infinity(), high_x = -low_x, low_y = low_x, high_y = -low_x;
-        std::vector<std::vector<ShownPoint>> curves;
+        std::vector<std::vector<CanvasPoint>> curves;
         for (const Curve& curve : panel.curves) {
-            curves.push_back(shown_points(panel, curve.x, curve.y));
-            for (const ShownPoint& p : curves.back()) {
+            curves.push_back(drawable_points_of(panel, curve.x, curve.y));
+            for (const CanvasPoint& p : curves.back()) {
                 low_x = std::min(low_x, p.x), high_x = std::max(high_x, p.x);
                 low_y = std::min(low_y, p.y), high_y = std::max(high_y, p.y);
             }
@@ -203,21 +204,22 @@ class Plotter {
         Canvas canvas(columns, plot_.rows);
         const auto dot_x = [&](double value) { return fraction(x, value) * (canvas.dots_wide() - 1); };
         const auto dot_y = [&](double value) { return (1 - fraction(y, value)) * (canvas.dots_high() - 1); };
-        const auto trace = [&](const std::vector<ShownPoint>& points, int pen, int stride) {
+        const auto trace = [&](const std::vector<CanvasPoint>& points, int pen, int stride) {
             for (std::size_t i = 0; i < points.size(); ++i) {
-                const ShownPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
+                const CanvasPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
                 canvas.line(dot_x(from.x), dot_y(from.y), dot_x(to.x), dot_y(to.y), pen, stride);
             }
         };
         for (const Guide& guide : panel.guides) {
             const bool level = guide.x.empty() && guide.y.size() == 1;
-            trace(level ? shown_points(panel, {x.low, x.high}, {guide.y[0], guide.y[0]})
-                        : shown_points(panel, guide.x, guide.y),
+            trace(level ? drawable_points_of(panel, {x.low, x.high}, {guide.y[0], guide.y[0]})
+                        : drawable_points_of(panel, guide.x, guide.y),
                   guide_pen, 4);
         }
         for (std::size_t i = 0; i < curves.size(); ++i) trace(curves[i], pen_of(panel.curves[i]), 1);
-        if (lettered())
-            for (std::size_t i = 0; i < curves.size(); ++i) put_signs(canvas, panel.curves[i], curves[i], dot_x, dot_y);
+        if (uses_letters())
+            for (std::size_t i = 0; i < curves.size(); ++i)
+                draw_letters(canvas, panel.curves[i], curves[i], dot_x, dot_y);
 
         std::vector<std::string> labels(static_cast<std::size_t>(plot_.rows));
         for (const TextTic& tic : y_tics)
@@ -232,20 +234,20 @@ class Plotter {
 
     /// Marks the curve with its letter every few columns; different curves are offset from each other.
     template <class X, class Y>
-    void put_signs(Canvas& canvas, const Curve& curve, const std::vector<ShownPoint>& points, const X& dot_x,
-                   const Y& dot_y) const {
+    void draw_letters(Canvas& canvas, const Curve& curve, const std::vector<CanvasPoint>& points, const X& dot_x,
+                      const Y& dot_y) const {
         constexpr int apart = 18;
         const int pen = pen_of(curve);
         if (pen < 0) return;
         int next = 2 + pen * apart / static_cast<int>(pens_.size());
         for (std::size_t i = 0; i < points.size(); ++i) {
-            const ShownPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
+            const CanvasPoint &from = points[i > 0 ? i - 1 : 0], &to = points[i];
             const double begin = dot_x(from.x) / 2, end = dot_x(to.x) / 2;
             while (next < canvas.dots_wide() / 2 && begin <= next && next <= end) {
                 const double share = end > begin ? (next - begin) / (end - begin) : 0;
                 const double y = dot_y(from.y) + share * (dot_y(to.y) - dot_y(from.y));
                 const int row = static_cast<int>(std::lround(y)) / 4;
-                if (row >= 0 && row < canvas.dots_high() / 4) canvas.sign(next, row, sign_of(pen), pen);
+                if (row >= 0 && row < canvas.dots_high() / 4) canvas.sign(next, row, letter_of(pen), pen);
                 next += apart;
             }
         }
@@ -283,7 +285,7 @@ class Plotter {
             const std::size_t length = shown_width(words) + 4;
             if (used > 0 && used + 3 + length > width()) text += line + "\n", line.clear(), used = 0;
             if (used > 0) line += "   ", used += 3;
-            const std::string sample = lettered() ? fmt::format("⠤{}⠤", sign_of(pen)) : repeated("⠤", 3);
+            const std::string sample = uses_letters() ? fmt::format("⠤{}⠤", letter_of(pen)) : repeated("⠤", 3);
             line += plot_.color ? fmt::format("{}{}\x1b[0m {}", Canvas::escape(pen), sample, words)
                                 : fmt::format("{} {}", sample, words);
             used += length;

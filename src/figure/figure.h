@@ -77,8 +77,8 @@ struct Figure {
     /// All panels share one range of axes that covers all of them. They are placed close together, and only the left
     /// and bottom ones have labels.
     bool shared_axes = false;
-    std::string note_of_cut{};     ///< appended to the note if a curve is cut: the reason
-    Best best = Best::lowest_end;  ///< the criterion by which curves are selected if there are too many
+    std::string truncation_note{};  ///< appended to the note if a curve is cut: the reason
+    Best best = Best::lowest_end;   ///< the criterion by which curves are selected if there are too many
 };
 
 /// The gnuplot script that draws the figure to `path` (standard output if empty) with `terminal` ("svg" or "pdf";

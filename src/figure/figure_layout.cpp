@@ -45,7 +45,7 @@ std::vector<LegendEntry> legend_entries(const Figure& figure) {
 std::string whole_note(const Figure& figure) {
     for (const Panel& panel : figure.panels)
         for (const Curve& curve : panel.curves)
-            if (curve.cut) return figure.note + ' ' + figure.note_of_cut;
+            if (curve.cut) return figure.note + ' ' + figure.truncation_note;
     return figure.note;
 }
 

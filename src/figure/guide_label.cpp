@@ -19,7 +19,7 @@ double height_at(const std::vector<Point>& guide, double x) {
 
 // How much of the curves and their marks the rectangle covers: the number of points sampled along them, several per
 // segment.
-long covered(const Rectangle& label, const std::vector<std::vector<Point>>& curves) {
+long covered_points(const Rectangle& label, const std::vector<std::vector<Point>>& curves) {
     constexpr int pieces = 16;
     constexpr double mark = 2.5;
     long inside = 0;
@@ -67,8 +67,8 @@ std::optional<GuideLabel> guide_label(const std::string& text, double size, cons
             label.bottom = label.top + height;
             if (label.top < plot.top || label.bottom > plot.bottom) continue;
             if (label.left < plot.left || label.right > plot.right) continue;
-            const long hidden = covered(label, curves);
-            if (best && hidden >= best->covered) continue;
+            const long hidden = covered_points(label, curves);
+            if (best && hidden >= best->covered_points) continue;
             best = GuideLabel{right ? label.right : label.left, (label.top + label.bottom) / 2, right, hidden};
             if (hidden == 0) return best;
         }

@@ -18,7 +18,7 @@ struct Point {
 struct GuideLabel {
     double x = 0, y = 0;      ///< start or end of the text, and its middle line
     bool ends_there = false;  ///< the text ends at x; otherwise it begins there
-    long covered = 0;         ///< overlap: the number of sampled curve points below the label
+    long covered_points = 0;  ///< overlap: the number of sampled curve points below the label
 };
 
 /// Places a label at the right or left end of the guide, or else between them, above or below it. Chooses the first

@@ -13,15 +13,15 @@
 namespace polhode {
 namespace {
 
-struct Ranked {
+struct RankedCurve {
     std::string label, group;
     double rank = 0;  ///< mean over the panels; lower is better
 };
 
 /// The sort key of a curve in its panel: lower is better; `second` breaks ties of `first`.
-struct Worth {
+struct CurveScore {
     double first = std::numeric_limits<double>::infinity(), second = std::numeric_limits<double>::infinity();
-    bool operator<(const Worth& other) const {
+    bool operator<(const CurveScore& other) const {
         return first != other.first ? first < other.first : second < other.second;
     }
 };
@@ -54,8 +54,8 @@ double common_level(const std::vector<std::vector<DrawablePoint>>& curves) {
 }
 
 /// The x at which the curve reaches the level; linear interpolation between points as drawn.
-std::optional<double> reached_at(const Panel& panel, const std::vector<DrawablePoint>& points, double level,
-                                 bool at_least) {
+std::optional<double> crossing_of_level(const Panel& panel, const std::vector<DrawablePoint>& points, double level,
+                                        bool at_least) {
     const auto to = [](double v, bool logarithmic) { return logarithmic ? std::log(v) : v; };
     std::optional<double> best;
     const auto take = [&](double x) {
@@ -76,17 +76,17 @@ std::optional<double> reached_at(const Panel& panel, const std::vector<DrawableP
     return best;
 }
 
-Worth worth(const Panel& panel, const std::vector<DrawablePoint>& points, double level, Best best) {
+CurveScore score(const Panel& panel, const std::vector<DrawablePoint>& points, double level, Best best) {
     if (points.empty()) return {};
     if (best == Best::lowest_end) return {points.back().y, 0};
-    const std::optional<double> x = reached_at(panel, points, level, best == Best::least_x);
+    const std::optional<double> x = crossing_of_level(panel, points, level, best == Best::least_x);
     // curves that do not reach the level come last, ordered by their minimum
     if (!x) return {std::numeric_limits<double>::max(), lowest(points)};
     return {best == Best::least_x ? *x : -*x, 0};
 }
 
-std::vector<Ranked> ranking(const Figure& figure) {
-    std::vector<Ranked> all;
+std::vector<RankedCurve> ranking(const Figure& figure) {
+    std::vector<RankedCurve> all;
     std::map<std::string, std::size_t> place;
     for (const Panel& panel : figure.panels)
         for (const Curve& curve : panel.curves)
@@ -100,11 +100,11 @@ std::vector<Ranked> ranking(const Figure& figure) {
             if (const auto found = place.find(curve.label); found != place.end() && curves[found->second].empty())
                 curves[found->second] = points_of(panel, curve);
         const double level = common_level(curves);
-        std::vector<Worth> worths;
-        for (const auto& points : curves) worths.push_back(worth(panel, points, level, figure.best));
+        std::vector<CurveScore> scores;
+        for (const auto& points : curves) scores.push_back(score(panel, points, level, figure.best));
         for (std::size_t i = 0; i < all.size(); ++i)
             sum[i] += static_cast<double>(
-                std::ranges::count_if(worths, [&](const Worth& other) { return other < worths[i]; }));
+                std::ranges::count_if(scores, [&](const CurveScore& other) { return other < scores[i]; }));
     }
     for (std::size_t i = 0; i < all.size(); ++i)
         all[i].rank = sum[i] / static_cast<double>(std::max<std::size_t>(1, figure.panels.size()));
@@ -112,20 +112,20 @@ std::vector<Ranked> ranking(const Figure& figure) {
 }
 
 /// The labels of the overview: the best of each group, then the next best.
-std::vector<std::string> chosen(const std::vector<Ranked>& all, std::size_t most) {
-    std::vector<const Ranked*> order;
-    for (const Ranked& one : all) order.push_back(&one);
-    std::ranges::stable_sort(order, {}, [](const Ranked* one) { return one->rank; });
+std::vector<std::string> chosen(const std::vector<RankedCurve>& all, std::size_t most) {
+    std::vector<const RankedCurve*> order;
+    for (const RankedCurve& one : all) order.push_back(&one);
+    std::ranges::stable_sort(order, {}, [](const RankedCurve* one) { return one->rank; });
     std::vector<std::string> labels, groups;
-    for (const Ranked* one : order)
+    for (const RankedCurve* one : order)
         if (labels.size() < most && std::ranges::find(groups, one->group) == groups.end())
             labels.push_back(one->label), groups.push_back(one->group);
-    for (const Ranked* one : order)
+    for (const RankedCurve* one : order)
         if (labels.size() < most && std::ranges::find(labels, one->label) == labels.end()) labels.push_back(one->label);
     return labels;
 }
 
-Figure with_labels(const Figure& whole, const std::vector<std::string>& labels) {
+Figure select_curves(const Figure& whole, const std::vector<std::string>& labels) {
     Figure figure = whole;
     for (Panel& panel : figure.panels)
         std::erase_if(panel.curves, [&](const Curve& curve) {
@@ -135,7 +135,7 @@ Figure with_labels(const Figure& whole, const std::vector<std::string>& labels) 
     return figure;
 }
 
-std::string criterion(Best best) {
+std::string describe_criterion(Best best) {
     switch (best) {
         case Best::least_x:
             return "the curve furthest left at the level that half of all curves reach";
@@ -150,11 +150,11 @@ std::string criterion(Best best) {
 }  // namespace
 
 std::vector<NamedFigure> split_figure(const NamedFigure& whole, std::size_t most) {
-    const std::vector<Ranked> all = ranking(whole.figure);
+    const std::vector<RankedCurve> all = ranking(whole.figure);
     if (all.size() <= most || most == 0) return {whole};
     std::vector<std::string> groups;
     std::map<std::string, std::vector<std::string>> members;
-    for (const Ranked& one : all) {
+    for (const RankedCurve& one : all) {
         if (!members.contains(one.group)) groups.push_back(one.group);
         members[one.group].push_back(one.label);
     }
@@ -170,7 +170,7 @@ std::vector<NamedFigure> split_figure(const NamedFigure& whole, std::size_t most
             const auto edge = [&](std::size_t k) {
                 return labels.begin() + static_cast<std::ptrdiff_t>(labels.size() * k / pieces);
             };
-            NamedFigure part{whole.name + "_" + group, with_labels(whole.figure, {edge(piece), edge(piece + 1)})};
+            NamedFigure part{whole.name + "_" + group, select_curves(whole.figure, {edge(piece), edge(piece + 1)})};
             part.figure.title += ": " + group;
             if (pieces > 1) {
                 part.name += fmt::format("_{}", piece + 1);
@@ -179,11 +179,11 @@ std::vector<NamedFigure> split_figure(const NamedFigure& whole, std::size_t most
             parts.push_back(std::move(part));
         }
     }
-    NamedFigure overview{whole.name, with_labels(whole.figure, best)};
+    NamedFigure overview{whole.name, select_curves(whole.figure, best)};
     std::string note = fmt::format(
         "{} of {} curves: the best of each family, then the next best. The best is {}, by mean rank over the "
         "panels. Figures of complete families:",
-        most, all.size(), criterion(whole.figure.best));
+        most, all.size(), describe_criterion(whole.figure.best));
     for (const NamedFigure& part : parts) note += fmt::format(" {}{}", part.name, &part == &parts.back() ? "." : ",");
     overview.figure.note += (overview.figure.note.empty() ? "" : " ") + note;
     parts.insert(parts.begin(), std::move(overview));

@@ -22,10 +22,11 @@ void thin(Curve& curve, std::size_t columns) {
             if (curve.y[end] < curve.y[lowest]) lowest = end;
             if (curve.y[end] > curve.y[highest]) highest = end;
         }
-        std::array<std::size_t, 4> kept{first, lowest, highest, end - 1};
-        std::ranges::sort(kept);
-        for (std::size_t k = 0; k < kept.size(); ++k)
-            if (k == 0 || kept[k] != kept[k - 1]) x.push_back(curve.x[kept[k]]), y.push_back(curve.y[kept[k]]);
+        std::array<std::size_t, 4> selected{first, lowest, highest, end - 1};
+        std::ranges::sort(selected);
+        for (std::size_t k = 0; k < selected.size(); ++k)
+            if (k == 0 || selected[k] != selected[k - 1])
+                x.push_back(curve.x[selected[k]]), y.push_back(curve.y[selected[k]]);
     }
     curve.x = std::move(x), curve.y = std::move(y);
 }

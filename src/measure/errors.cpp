@@ -15,8 +15,8 @@ Vector3<Wide> wide(const Vector3<Pair>& v) {
     return {value(v[0]), value(v[1]), value(v[2])};
 }
 // Error of a method's reaction in the determined components.
-Wide distance(const Vector3<double>& own, const Vector3<Pair>& right) {
-    Vector3<Wide> off = cast<Wide>(own) - wide(right);
+Wide distance(const Vector3<double>& computed, const Vector3<Pair>& right) {
+    Vector3<Wide> off = cast<Wide>(computed) - wide(right);
     for (std::size_t i = 0; i < 3; ++i)
         if (std::isnan(right[i].high)) off[i] = 0;
     return length(off);
@@ -38,10 +38,10 @@ class ReactionErrors {
     Wide at(std::size_t k) const {
         Wide force = 0, torque = 0;
         for (std::size_t i = k * joints_; i < (k + 1) * joints_; ++i) {
-            const Reaction<double>& own = trajectory_.reactions[i];
+            const Reaction<double>& computed = trajectory_.reactions[i];
             const Reaction<Pair>& right = reference_.reactions[i];
-            const Wide force_off = distance(own.force_W, right.force_W);
-            const Wide torque_off = distance(own.torque_W, right.torque_W);
+            const Wide force_off = distance(computed.force_W, right.force_W);
+            const Wide torque_off = distance(computed.torque_W, right.torque_W);
             if (is_larger(force_off, force)) force = force_off;
             if (is_larger(torque_off, torque)) torque = torque_off;
         }
@@ -110,16 +110,16 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
             throw std::invalid_argument("trajectory and truth are sampled at different times");
         for (std::size_t b = 0; b < n; ++b) {
             ComparedBody<Wide>& body = c.bodies[b];
-            body.own = cast<Wide>(samples[b]);
+            body.computed = cast<Wide>(samples[b]);
             if (!trajectory.orthogonality_defect.empty())
                 body.orthogonality_defect = trajectory.orthogonality_defect[k * n + b];
             if (k < compared) body.truth = states[k * n + b];
-            motions[b] = body.own;
-            motions[b].q = normalized(body.own.q);
+            motions[b] = body.computed;
+            motions[b].q = normalized(body.computed.q);
         }
         c.joints = measure.violations(motions);
         if (k < compared) {
-            c.own = measure.invariants(t, motions, coordinates), c.truth = wholes[k];
+            c.computed = measure.invariants(t, motions, coordinates), c.truth = wholes[k];
             if (reacts) c.reaction_error = reactions.at(k);
         }
         for (std::size_t m = 0; m < all.size(); ++m) {

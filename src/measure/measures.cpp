@@ -26,7 +26,7 @@ template <class S>
 S norm_error(const ComparedBody<S>& c) {
     if (c.orthogonality_defect) return S(*c.orthogonality_defect);
     // |q| - 1 = (|q|^2 - 1) / (|q| + 1), without cancellation in binary64
-    const S square = squared_norm(c.own.q);
+    const S square = squared_norm(c.computed.q);
     return magnitude(S(square - S(1))) / (square_root(square) + S(1));
 }
 
@@ -46,14 +46,14 @@ const std::vector<Measure>& table() {
          .tabled = true,
          .tabled_at_end = true,
          .over_time = true,
-         .error = [](const auto& c) { return angle_of(conjugate(c.truth.q) * c.own.q); }},
+         .error = [](const auto& c) { return angle_of(conjugate(c.truth.q) * c.computed.q); }},
         {.name = "omega",
          .title = "angular velocity",
          .unit = "relative",
          .meaning = "|w_B - w_B,truth| over the run's largest |w|",
          .needs = known_truth | known_angular_velocity,
          .tabled = true,
-         .error = [](const auto& c) { return length(c.own.angular_velocity_B - c.truth.angular_velocity_B); },
+         .error = [](const auto& c) { return length(c.computed.angular_velocity_B - c.truth.angular_velocity_B); },
          .scale = [](const auto& truth) { return length(truth.angular_velocity_B); }},
         {.name = "momentum",
          .title = "angular momentum",
@@ -62,7 +62,8 @@ const std::vector<Measure>& table() {
          .needs = known_truth | known_angular_velocity,
          .tabled = true,
          .over_time = true,
-         .whole_error = [](const auto& c) { return length(c.own.angular_momentum_W - c.truth.angular_momentum_W); },
+         .whole_error =
+             [](const auto& c) { return length(c.computed.angular_momentum_W - c.truth.angular_momentum_W); },
          .whole_scale =
              [](const auto& truth) { return or_zero(length(truth.angular_momentum_W), truth.angular_size); }},
         {.name = "energy",
@@ -72,21 +73,22 @@ const std::vector<Measure>& table() {
          .needs = known_truth | known_angular_velocity | known_center,
          .tabled = true,
          .over_time = true,
-         .whole_error = [](const auto& c) { return magnitude(decltype(c.own.energy)(c.own.energy - c.truth.energy)); },
+         .whole_error =
+             [](const auto& c) { return magnitude(decltype(c.computed.energy)(c.computed.energy - c.truth.energy)); },
          .whole_scale = [](const auto& truth) { return std::max(truth.kinetic, magnitude(truth.energy)); }},
         {.name = "position",
          .title = "position",
          .unit = "m",
          .meaning = "Distance between the centre of mass and its true position",
          .needs = known_truth | known_position,
-         .error = [](const auto& c) { return length(c.own.position_W - c.truth.position_W); },
+         .error = [](const auto& c) { return length(c.computed.position_W - c.truth.position_W); },
          .tabled_of_systems = true},
         {.name = "velocity",
          .title = "velocity",
          .unit = "m/s",
          .meaning = "|v - v_truth| of the centre of mass",
          .needs = known_truth | known_velocity,
-         .error = [](const auto& c) { return length(c.own.velocity_W - c.truth.velocity_W); }},
+         .error = [](const auto& c) { return length(c.computed.velocity_W - c.truth.velocity_W); }},
         {.name = "norm",
          .title = "norm of q",
          .unit = "",
@@ -99,7 +101,7 @@ const std::vector<Measure>& table() {
          .unit = "relative",
          .meaning = "|p_W - p_W,truth| of a mechanism without joints to the world, over the run's largest |p|",
          .needs = known_truth | known_velocity | known_free_system,
-         .whole_error = [](const auto& c) { return length(c.own.linear_momentum_W - c.truth.linear_momentum_W); },
+         .whole_error = [](const auto& c) { return length(c.computed.linear_momentum_W - c.truth.linear_momentum_W); },
          .whole_scale = [](const auto& truth) { return or_zero(length(truth.linear_momentum_W), truth.linear_size); },
          .of_one_body = false,
          .tabled_of_systems = true},

@@ -30,7 +30,7 @@ bool is_larger(const S& error, const S& largest) {
 /// One body and its reference at one time. S is double or Wide.
 template <class S>
 struct ComparedBody {
-    BodyMotion<S> own;                           ///< q as output by the method, of any nonzero length
+    BodyMotion<S> computed;                      ///< q as output by the method, of any nonzero length
     BodyMotion<S> truth;                         ///< q of unit length
     std::optional<double> orthogonality_defect;  ///< for a matrix method: Frobenius norm of A^T A - 1
 };
@@ -39,7 +39,7 @@ struct ComparedBody {
 template <class S>
 struct ComparedMotion {
     std::vector<ComparedBody<S>> bodies;  ///< in the order of the scene
-    SystemInvariants<S> own;              ///< whole system, from the method's numbers
+    SystemInvariants<S> computed;         ///< whole system, from the method's numbers
     SystemInvariants<S> truth;            ///< whole system, from the reference
     JointViolations<S> joints;            ///< from the method's numbers
     S reaction_error = S(0);              ///< worst of all joints, relative to the run's largest reaction

@@ -21,7 +21,7 @@ template <class S>
 bool SceneMeasure<S>::has(const Measure& measure) const {
     const auto* several = std::get_if<MechanismMeasure<S>>(&kind_);
     if (!several) return measure.of_one_body;
-    return !several->tied() || (measure.needs & known_free_system) == 0;
+    return !several->is_tied_to_world() || (measure.needs & known_free_system) == 0;
 }
 
 template <class S>
@@ -43,10 +43,11 @@ SystemInvariants<S> SceneMeasure<S>::invariants(double t, std::span<const BodyMo
     if (const auto* several = std::get_if<MechanismMeasure<S>>(&kind_))
         return several->invariants(t, motions, coordinates);
     const BodyMotion<S>& m = motions[0];
-    const Invariants<S> own = polhode::invariants(*scene_, std::get<ExactBody<S>>(kind_), t, m.q, m.angular_velocity_B,
-                                                  m.position_W, m.velocity_W);
+    const Invariants<S> computed = polhode::invariants(*scene_, std::get<ExactBody<S>>(kind_), t, m.q,
+                                                       m.angular_velocity_B, m.position_W, m.velocity_W);
     SystemInvariants<S> result;
-    result.kinetic = own.kinetic, result.energy = own.energy, result.angular_momentum_W = own.angular_momentum_W;
+    result.kinetic = computed.kinetic, result.energy = computed.energy,
+    result.angular_momentum_W = computed.angular_momentum_W;
     return result;
 }
 

@@ -33,14 +33,14 @@ bool is_damped_to_rest(const Trajectory& trajectory, const Reference& reference)
     for (const ReferenceSample& sample : reference.samples) largest = std::max(largest, true_rate(sample));
     if (!(largest > 0)) return false;
     // in units of the largest rate, to avoid overflow and underflow
-    double own = 0, truth = 0;
+    double rotation = 0, truth = 0;
     const std::size_t begin = count - std::max<std::size_t>(1, count / 4);
     for (std::size_t k = begin; k < count; ++k) {
         const Vector3<double>& w = trajectory.samples[k].angular_velocity_B;
         const double rate = hypotenuse(w) / largest, true_one = true_rate(reference.samples[k]) / largest;
-        own += rate * rate, truth += true_one * true_one;
+        rotation += rate * rate, truth += true_one * true_one;
     }
-    return truth >= moving * moving * static_cast<double>(count - begin) && own < rest * rest * truth;
+    return truth >= moving * moving * static_cast<double>(count - begin) && rotation < rest * rest * truth;
 }
 
 Outcome outcome_of(const Trajectory& trajectory, const Errors& errors, const Reference& reference) {

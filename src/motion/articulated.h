@@ -83,7 +83,7 @@ Symmetric3<S> outer(const Vector3<S>& u, const Vector3<S>& v) {
 
 /// R m R^T.
 template <class S>
-Symmetric3<S> turned(const Matrix3<S>& R, const Symmetric3<S>& m) {
+Symmetric3<S> congruence(const Matrix3<S>& R, const Symmetric3<S>& m) {
     const Matrix3<S> half = R * full_matrix(m);
     return {dot(half[0], R[0]), dot(half[1], R[1]), dot(half[2], R[2]),
             dot(half[0], R[1]), dot(half[0], R[2]), dot(half[1], R[2])};
@@ -98,7 +98,7 @@ Vector3<Product<A, B>> transposed_times(const Matrix3<A>& m, const Vector3<B>& v
 
 /// The rotation from link axes to the parent's axes: `turn` times the rotation about z with this cosine and sine.
 template <class S, class P>
-Matrix3<S> turned_about_z(const Matrix3<P>& turn, const S& c, const S& s) {
+Matrix3<S> rotation_about_z(const Matrix3<P>& turn, const S& c, const S& s) {
     Matrix3<S> R;
     for (int i = 0; i < 3; ++i)
         R[i] = {turn[i][0] * c + turn[i][1] * s, turn[i][1] * c - turn[i][0] * s, S(turn[i][2])};
@@ -107,11 +107,11 @@ Matrix3<S> turned_about_z(const Matrix3<P>& turn, const S& c, const S& s) {
 
 /// Adds the articulated inertia of a child to its parent's: rotated by R and moved by r.
 template <class S>
-void hang(const LinkWork<S>& child, const Symmetric3<S>& J, const Matrix3<S>& B, const Symmetric3<S>& M,
-          const Vector3<S>& n, const Vector3<S>& f, ArticulatedInertia<S>& parent) {
+void add_child_inertia(const LinkWork<S>& child, const Symmetric3<S>& J, const Matrix3<S>& B, const Symmetric3<S>& M,
+                       const Vector3<S>& n, const Vector3<S>& f, ArticulatedInertia<S>& parent) {
     const Matrix3<S>& R = child.R;
     const Vector3<S>& r = child.r;
-    const Symmetric3<S> J_p = turned(R, J), M_p = turned(R, M);
+    const Symmetric3<S> J_p = congruence(R, J), M_p = congruence(R, M);
     const Matrix3<S> B_p = R * B * transposed(R), mass = full_matrix(M_p);
     // the child's origin is at r: it accelerates by a + alpha x r, and its force f exerts the torque r x f
     Matrix3<S> moved;  // B_p + [r] M

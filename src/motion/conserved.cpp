@@ -27,18 +27,18 @@ constexpr double tolerance = 1e-12;
 bool parallel(const VectorD& a, const VectorD& b) {
     return hypotenuse(cross(a, b)) <= tolerance * hypotenuse(a) * hypotenuse(b);
 }
-std::vector<double> listed(const VectorD& v) { return {v[0], v[1], v[2]}; }
+std::vector<double> components(const VectorD& v) { return {v[0], v[1], v[2]}; }
 
 // Finds the world directions u along which X is conserved: every change (kick) of X must be perpendicular to u.
 // `along`: the kicks are perpendicular to these vectors at any attitude, so u must be parallel to each of them.
 // `across`: the kicks are along these vectors, so u must be perpendicular to each of them.
-struct Kicks {
-    bool anything = false;  ///< kicks without a fixed direction: nothing is conserved
+struct MomentumChanges {
+    bool arbitrary = false;  ///< kicks without a fixed direction: nothing is conserved
     std::vector<VectorD> along, across;
 
-    bool none() const { return !anything && along.empty() && across.empty(); }
-    std::vector<VectorD> kept_directions() const {
-        if (anything) return {};
+    bool none() const { return !arbitrary && along.empty() && across.empty(); }
+    std::vector<VectorD> conserved_directions() const {
+        if (arbitrary) return {};
         if (!along.empty()) {
             const VectorD u = (1 / hypotenuse(along.front())) * along.front();
             for (const VectorD& v : along)
@@ -81,7 +81,7 @@ bool has_field(const Forcing<double>& forcing) {
 }
 
 // Returns nothing if the forces have more than one direction.
-std::optional<UniformField> uniform(const FieldMoments<double>& field) {
+std::optional<UniformField> uniform_field(const FieldMoments<double>& field) {
     int largest = 0;
     for (int b = 1; b < 3; ++b)
         if (hypotenuse(field.moment[b]) > hypotenuse(field.moment[largest])) largest = b;
@@ -98,24 +98,24 @@ void add(std::vector<VectorD>& list, const VectorD& v) {
     if (!(v == VectorD())) list.push_back(v);
 }
 
-Kicks angular_kicks(const Problem& problem) {
-    Kicks kicks;
+MomentumChanges angular_momentum_changes(const Problem& problem) {
+    MomentumChanges changes;
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;
-        kicks.anything =
-            kicks.anything || f.has_torque || f.has_damping || !f.springs.empty() || !f.user_torques.empty();
-        if (f.has_world_torque) add(kicks.across, f.torque_W);
+        changes.arbitrary =
+            changes.arbitrary || f.has_torque || f.has_damping || !f.springs.empty() || !f.user_torques.empty();
+        if (f.has_world_torque) add(changes.across, f.torque_W);
         if (has_field(f)) {
-            if (const auto field = uniform(f.field))
-                add(kicks.along, field->direction_W);
+            if (const auto field = uniform_field(f.field))
+                add(changes.along, field->direction_W);
             else
-                kicks.anything = true;
+                changes.arbitrary = true;
         }
         for (const auto& load : f.world_points) {
             if (load.frame == Frame::world)
-                add(kicks.along, load.force);
+                add(changes.along, load.force);
             else
-                kicks.anything = true;
+                changes.arbitrary = true;
         }
         for (const auto& impulse : problem.segments[i].impulses) {
             if (i == 0 || impulse.vector == VectorD()) continue;  // impulses at t = 0 act before the first sample
@@ -124,39 +124,39 @@ Kicks angular_kicks(const Problem& problem) {
                 continue;
             if (!world_point && impulse.point == VectorD()) continue;
             if (impulse.frame == Frame::body)
-                kicks.anything = true;
+                changes.arbitrary = true;
             else if (world_point && problem.body.pivoted)
-                add(kicks.across, cross(impulse.point, impulse.vector));
+                add(changes.across, cross(impulse.point, impulse.vector));
             else
-                add(kicks.along, impulse.vector);
+                add(changes.along, impulse.vector);
         }
     }
     for (const ContactPlane<double>& plane : problem.body.geometry->planes) {
-        if (plane.friction > 0) kicks.anything = true;
-        add(kicks.along, plane.normal_W);
+        if (plane.friction > 0) changes.arbitrary = true;
+        add(changes.along, plane.normal_W);
     }
-    return kicks;
+    return changes;
 }
 
-Kicks linear_kicks(const Problem& problem) {
-    Kicks kicks;
+MomentumChanges linear_momentum_changes(const Problem& problem) {
+    MomentumChanges changes;
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;
-        kicks.anything = kicks.anything || f.has_translational_drag || f.has_body_force;
-        add(kicks.across, f.acceleration_W);
+        changes.arbitrary = changes.arbitrary || f.has_translational_drag || f.has_body_force;
+        add(changes.across, f.acceleration_W);
         for (const auto& impulse : problem.segments[i].impulses) {
             if (i == 0 || impulse.vector == VectorD()) continue;
             if (impulse.frame == Frame::body)
-                kicks.anything = true;
+                changes.arbitrary = true;
             else
-                add(kicks.across, impulse.vector);
+                add(changes.across, impulse.vector);
         }
     }
     for (const ContactPlane<double>& plane : problem.body.geometry->planes) {
-        if (plane.friction > 0) kicks.anything = true;
-        add(kicks.across, plane.normal_W);
+        if (plane.friction > 0) changes.arbitrary = true;
+        add(changes.across, plane.normal_W);
     }
-    return kicks;
+    return changes;
 }
 
 bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool pivoted) {
@@ -166,7 +166,7 @@ bool same_potential(const Forcing<double>& a, const Forcing<double>& b, bool piv
     return pivoted || a.acceleration_W == b.acceleration_W;
 }
 
-bool keeps_energy(const Problem& problem) {
+bool conserves_energy(const Problem& problem) {
     for (const ContactPlane<double>& plane : problem.body.geometry->planes)
         if (plane.restitution < 1 || plane.friction > 0) return false;
     const bool pivoted = problem.body.pivoted;
@@ -183,12 +183,12 @@ bool keeps_energy(const Problem& problem) {
 }
 
 // w in posed axes
-VectorD posed_rate(const Problem& problem, const Sample& sample) {
+VectorD rate_in_posed_axes(const Problem& problem, const Sample& sample) {
     return rotate_back(problem.body.q_BP, sample.angular_velocity_B);
 }
 
 // The world vector v in posed axes.
-VectorD posed(const Problem& problem, const Sample& sample, const VectorD& v_W) {
+VectorD to_posed_axes(const Problem& problem, const Sample& sample, const VectorD& v_W) {
     const VectorD v_B = (1 / squared_norm(sample.q)) * rotate_back(sample.q, v_W);
     return rotate_back(problem.body.q_BP, v_B);
 }
@@ -202,19 +202,19 @@ std::vector<double> energy(const Problem& problem, const Conserved&, const Sampl
     return {invariants_of(problem, s).energy};
 }
 std::vector<double> angular_momentum(const Problem& problem, const Conserved&, const Sample& s) {
-    return listed(invariants_of(problem, s).angular_momentum_W);
+    return components(invariants_of(problem, s).angular_momentum_W);
 }
 std::vector<double> angular_momentum_along(const Problem& problem, const Conserved& which, const Sample& s) {
     return {dot(which.direction, invariants_of(problem, s).angular_momentum_W)};
 }
 std::vector<double> linear_momentum(const Problem& problem, const Conserved&, const Sample& s) {
-    return listed(problem.body.mass * s.velocity_W);
+    return components(problem.body.mass * s.velocity_W);
 }
 std::vector<double> linear_momentum_along(const Problem& problem, const Conserved& which, const Sample& s) {
     return {problem.body.mass * dot(which.direction, s.velocity_W)};
 }
 std::vector<double> spin(const Problem& problem, const Conserved& which, const Sample& s) {
-    const VectorD w = posed_rate(problem, s);
+    const VectorD w = rate_in_posed_axes(problem, s);
     const VectorD& I = problem.body.principal.moments;
     return {dot(which.direction, VectorD(I[0] * w[0], I[1] * w[1], I[2] * w[2]))};
 }
@@ -256,18 +256,18 @@ bool disc_about(const SupportPiece<double>& piece, const VectorD& e) {
 
 // Whether every normal of the hull intersects the axis e through the centre of mass: all pieces are of revolution
 // about e.
-bool revolves(const ContactGeometry<double>& geometry, const VectorD& e) {
+bool is_of_revolution(const ContactGeometry<double>& geometry, const VectorD& e) {
     const auto off_axis = [&](const SupportPiece<double>& piece) {
         return hypotenuse(cross(e, piece.center)) > tolerance * geometry.reach || !disc_about(piece, e);
     };
     return std::none_of(geometry.pieces.begin(), geometry.pieces.end(), off_axis);
 }
 
-bool keeps_spin(const Problem& problem, const VectorD& e) {
+bool conserves_spin(const Problem& problem, const VectorD& e) {
     if (problem.body.geometry->any()) {
         for (const ContactPlane<double>& plane : problem.body.geometry->planes)
             if (plane.friction > 0) return false;
-        if (!revolves(*problem.body.geometry, e)) return false;
+        if (!is_of_revolution(*problem.body.geometry, e)) return false;
     }
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const Forcing<double>& f = problem.segments[i].forcing;
@@ -286,10 +286,10 @@ bool keeps_spin(const Problem& problem, const VectorD& e) {
 }
 
 // If energy is conserved: the uniform field that acts at all times, if nothing else acts.
-std::optional<UniformField> only_field(const Problem& problem) {
+std::optional<UniformField> sole_field(const Problem& problem) {
     const Forcing<double>& forcing = problem.segments.front().forcing;
     if (!has_field(forcing) || !forcing.springs.empty()) return std::nullopt;
-    return uniform(forcing.field);
+    return uniform_field(forcing.field);
 }
 
 // Principal axes with I_x = I_y = ratio I_z and the centre of mass on the equator; z is perpendicular to the arm.
@@ -313,9 +313,9 @@ struct EquatorialTop {
     double p, q, r, g1, g2, g3, c;
 };
 EquatorialTop equatorial_top(const Problem& problem, const Sample& s, double ratio) {
-    const UniformField field = *only_field(problem);
+    const UniformField field = *sole_field(problem);
     const EquatorialAxes axes = *equatorial_axes(problem, field.moment, ratio);
-    const VectorD w = posed_rate(problem, s), against = posed(problem, s, -field.direction_W);
+    const VectorD w = rate_in_posed_axes(problem, s), against = to_posed_axes(problem, s, -field.direction_W);
     const double mgl = hypotenuse(field.moment), cosine = field.moment[axes.x] / mgl, sine = field.moment[axes.y] / mgl;
     const auto along = [&](const VectorD& v) { return cosine * v[axes.x] + sine * v[axes.y]; };
     const auto beside = [&](const VectorD& v) { return cosine * v[axes.y] - sine * v[axes.x]; };
@@ -342,7 +342,7 @@ std::vector<double> goryachev_chaplygin_integral(const Problem& problem, const C
 }
 
 // Whether L along the field is zero. If so, it stays zero.
-bool turns_across(const Problem& problem, const UniformField& field, const Sample& start) {
+bool has_no_momentum_along(const Problem& problem, const UniformField& field, const Sample& start) {
     const std::vector<double> L = angular_momentum(problem, {}, start);
     const VectorD L_W(L[0], L[1], L[2]);
     return std::abs(dot(L_W, field.direction_W)) <= tolerance * hypotenuse(L_W);
@@ -365,45 +365,47 @@ std::vector<Conserved> conserved(const Problem& problem) {
     if (is_mechanism(problem.scene)) return conserved_by_mechanism(problem);
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
-    const auto keep = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,
-                          const VectorD& direction = VectorD()) {
+    const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,
+                                  const VectorD& direction = VectorD()) {
         Conserved one{kind, name, formula, {}, of, direction};
         one.value = of(problem, one, start);
         found.push_back(std::move(one));
     };
-    const bool pivoted = problem.body.pivoted, has_energy = keeps_energy(problem);
-    if (has_energy) keep(ConservedKind::energy, "energy", "E, kinetic and potential, J", energy);
+    const bool pivoted = problem.body.pivoted, has_energy = conserves_energy(problem);
+    if (has_energy) add_quantity(ConservedKind::energy, "energy", "E, kinetic and potential, J", energy);
 
-    const Kicks angular = angular_kicks(problem);
+    const MomentumChanges angular = angular_momentum_changes(problem);
     if (angular.none()) {
-        keep(ConservedKind::angular_momentum, "angular momentum",
-             pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
-             angular_momentum);
+        add_quantity(
+            ConservedKind::angular_momentum, "angular momentum",
+            pivoted ? "L about the pivot, world axes, kg m^2/s" : "L about the centre of mass, world axes, kg m^2/s",
+            angular_momentum);
     } else {
-        for (const VectorD& u : angular.kept_directions())
-            keep(ConservedKind::angular_momentum_component, "angular momentum along u",
-                 pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
-                 angular_momentum_along, u);
+        for (const VectorD& u : angular.conserved_directions())
+            add_quantity(ConservedKind::angular_momentum_component, "angular momentum along u",
+                         pivoted ? "L . u about the pivot, kg m^2/s" : "L . u about the centre of mass, kg m^2/s",
+                         angular_momentum_along, u);
     }
     if (!pivoted) {
-        const Kicks linear = linear_kicks(problem);
+        const MomentumChanges linear = linear_momentum_changes(problem);
         if (linear.none()) {
-            keep(ConservedKind::linear_momentum, "linear momentum", "m v, world axes, kg m/s", linear_momentum);
+            add_quantity(ConservedKind::linear_momentum, "linear momentum", "m v, world axes, kg m/s", linear_momentum);
         } else {
-            for (const VectorD& u : linear.kept_directions())
-                keep(ConservedKind::linear_momentum_component, "linear momentum along u", "m v . u, kg m/s",
-                     linear_momentum_along, u);
+            for (const VectorD& u : linear.conserved_directions())
+                add_quantity(ConservedKind::linear_momentum_component, "linear momentum along u", "m v . u, kg m/s",
+                             linear_momentum_along, u);
         }
     }
-    if (const auto axis = symmetry_axis(problem); axis && keeps_spin(problem, *axis))
-        keep(ConservedKind::spin, "spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin, *axis);
-    if (const auto field = only_field(problem); has_energy && pivoted && field) {
+    if (const auto axis = symmetry_axis(problem); axis && conserves_spin(problem, *axis))
+        add_quantity(ConservedKind::spin, "spin about the axis of symmetry", "L . e in the body, kg m^2/s", spin,
+                     *axis);
+    if (const auto field = sole_field(problem); has_energy && pivoted && field) {
         if (equatorial_axes(problem, field->moment, 2))
-            keep(ConservedKind::integral_of_a_special_top, "Kovalevskaya's integral",
-                 "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
-        if (equatorial_axes(problem, field->moment, 4) && turns_across(problem, *field, start))
-            keep(ConservedKind::integral_of_a_special_top, "Goryachev and Chaplygin's integral",
-                 "r (p^2 + q^2) - (m g l / C) p g3, s^-3", goryachev_chaplygin_integral);
+            add_quantity(ConservedKind::integral_of_a_special_top, "Kovalevskaya's integral",
+                         "|(p + i q)^2 - (m g l / C) (g1 + i g2)|^2, s^-4", kovalevskaya_integral);
+        if (equatorial_axes(problem, field->moment, 4) && has_no_momentum_along(problem, *field, start))
+            add_quantity(ConservedKind::integral_of_a_special_top, "Goryachev and Chaplygin's integral",
+                         "r (p^2 + q^2) - (m g l / C) p g3, s^-3", goryachev_chaplygin_integral);
     }
     return found;
 }

@@ -1,7 +1,7 @@
 // Conserved quantities of several bodies, and the plane of planar mechanisms.
 //
 // Changes collects how loads change a vector quantity: not at all, along one direction, or arbitrarily. The visitors
-// LinearChanges and AngularChanges apply each load. For systems tied to the world, line_of_turning() finds the line
+// LinearChanges and AngularChanges apply each load. For systems tied to the world, rotation_line() finds the line
 // through the world's origin about which the system can rotate as a whole.
 
 #include "motion/conserved_by_mechanism.h"
@@ -18,11 +18,13 @@ namespace {
 
 using V3 = Vector3<double>;
 
-constexpr double as_one_direction = 1e-12;
+constexpr double direction_tolerance = 1e-12;
 
 V3 unit_of(const V3& v) { return (1 / length(v)) * v; }
-bool are_parallel(const V3& a, const V3& b) { return length(cross(a, b)) <= as_one_direction * length(a) * length(b); }
-bool are_across(const V3& a, const V3& b) { return std::abs(dot(a, b)) <= as_one_direction * length(a) * length(b); }
+bool are_parallel(const V3& a, const V3& b) {
+    return length(cross(a, b)) <= direction_tolerance * length(a) * length(b);
+}
+bool are_across(const V3& a, const V3& b) { return std::abs(dot(a, b)) <= direction_tolerance * length(a) * length(b); }
 bool is_zero(const V3& v) { return dot(v, v) == 0; }
 
 // How a vector quantity changes: not at all, along one direction, or arbitrarily.
@@ -37,14 +39,14 @@ struct Changes {
         else
             any = any || !are_parallel(*along, v);
     }
-    void by_anything(bool really = true) { any = any || really; }
+    void add_arbitrary(bool condition = true) { any = any || condition; }
     bool none() const { return !any && !along; }
 };
 
-bool damped(const Joint& joint) { return joint.damping[0] != 0 || joint.damping[1] != 0; }
-bool sprung(const Joint& joint) { return joint.stiffness[0] != 0 || joint.stiffness[1] != 0; }
-bool drags(const Drag& drag) { return drag.translational != 0 || !is_zero(drag.rotational); }
-bool to_world(const PointSpring& spring) {
+bool has_damper(const Joint& joint) { return joint.damping[0] != 0 || joint.damping[1] != 0; }
+bool has_spring(const Joint& joint) { return joint.stiffness[0] != 0 || joint.stiffness[1] != 0; }
+bool has_drag(const Drag& drag) { return drag.translational != 0 || !is_zero(drag.rotational); }
+bool connects_to_world(const PointSpring& spring) {
     return spring.stiffness != 0 && (spring.first == "world") != (spring.second == "world");
 }
 
@@ -57,21 +59,21 @@ struct LinearChanges {
         if (load.frame == Frame::world)
             changes.by(load.vector);
         else
-            changes.by_anything(!is_zero(load.vector));
+            changes.add_arbitrary(!is_zero(load.vector));
     }
     void operator()(const Impulse& load) const {
         if (load.at == 0) return;
         if (load.frame == Frame::world)
             changes.by(load.vector);
         else
-            changes.by_anything(!is_zero(load.vector));
+            changes.add_arbitrary(!is_zero(load.vector));
     }
-    void operator()(const Drag& load) const { changes.by_anything(load.translational != 0); }
-    void operator()(const PointSpring& load) const { changes.by_anything(to_world(load)); }
+    void operator()(const Drag& load) const { changes.add_arbitrary(load.translational != 0); }
+    void operator()(const PointSpring& load) const { changes.add_arbitrary(connects_to_world(load)); }
     void operator()(const Torque&) const {}
     void operator()(const Spring&) const {}
     void operator()(const Motor&) const {}
-    void operator()(const UserTorque&) const { changes.by_anything(); }
+    void operator()(const UserTorque&) const { changes.add_arbitrary(); }
 };
 
 // Changes of the angular momentum about the common centre of mass, or about the world's origin.
@@ -81,31 +83,31 @@ struct AngularChanges {
 
     void operator()(const Gravity& load) const {
         // its moment about the origin is perpendicular to it but otherwise arbitrary
-        if (about_origin && !is_zero(load.acceleration_W)) changes.by_anything();
+        if (about_origin && !is_zero(load.acceleration_W)) changes.add_arbitrary();
     }
     void operator()(const Torque& load) const {
         if (load.frame == Frame::world)
             changes.by(load.vector);
         else
-            changes.by_anything(!is_zero(load.vector));
+            changes.add_arbitrary(!is_zero(load.vector));
     }
-    void operator()(const Force& load) const { changes.by_anything(!is_zero(load.vector)); }
-    void operator()(const Impulse& load) const { changes.by_anything(load.at != 0 && !is_zero(load.vector)); }
-    void operator()(const Drag& load) const { changes.by_anything(drags(load)); }
-    void operator()(const Spring& load) const { changes.by_anything(load.stiffness != 0); }
-    void operator()(const PointSpring& load) const { changes.by_anything(to_world(load)); }
+    void operator()(const Force& load) const { changes.add_arbitrary(!is_zero(load.vector)); }
+    void operator()(const Impulse& load) const { changes.add_arbitrary(load.at != 0 && !is_zero(load.vector)); }
+    void operator()(const Drag& load) const { changes.add_arbitrary(has_drag(load)); }
+    void operator()(const Spring& load) const { changes.add_arbitrary(load.stiffness != 0); }
+    void operator()(const PointSpring& load) const { changes.add_arbitrary(connects_to_world(load)); }
     void operator()(const Motor&) const {}
-    void operator()(const UserTorque&) const { changes.by_anything(); }
+    void operator()(const UserTorque&) const { changes.add_arbitrary(); }
 };
 
-bool adds_up_to_energy(const Problem& problem) {
+bool conserves_mechanism_energy(const Problem& problem) {
     const Scene& scene = problem.scene;
-    if (problem.segments.size() > 1 || std::ranges::any_of(scene.joints, damped)) return false;
+    if (problem.segments.size() > 1 || std::ranges::any_of(scene.joints, has_damper)) return false;
     return std::ranges::none_of(scene.loads, [](const Load& load) {
         if (const auto* torque = std::get_if<Torque>(&load)) return !is_zero(torque->vector);
         if (const auto* force = std::get_if<Force>(&load))
             return !is_zero(force->vector) && (force->frame == Frame::body || force->point_frame == Frame::world);
-        if (const auto* drag = std::get_if<Drag>(&load)) return drags(*drag);
+        if (const auto* drag = std::get_if<Drag>(&load)) return has_drag(*drag);
         if (const auto* motor = std::get_if<Motor>(&load)) return motor->force != 0;
         return std::holds_alternative<UserTorque>(load);
     });
@@ -123,14 +125,14 @@ bool is_free_base(const Scene& scene, std::size_t body) {
 
 // The line through the origin about which the joints to the world let the whole system rotate: its direction, or zero
 // if it may rotate freely about the origin. Nothing if there is no such line.
-std::optional<V3> line_of_turning(const Scene& scene, const std::vector<Sample>& start) {
+std::optional<V3> rotation_line(const Scene& scene, const std::vector<Sample>& start) {
     std::optional<V3> line;
     std::vector<V3> points;
     for (const Loop& loop : scene.loops)
         if ((loop.first == "world") != (loop.second == "world")) return std::nullopt;
     for (const Joint& joint : scene.joints) {
         if (joint.parent != "world") continue;
-        if (damped(joint) || sprung(joint)) return std::nullopt;
+        if (has_damper(joint) || has_spring(joint)) return std::nullopt;
         for (const Load& load : scene.loads)
             if (const auto* motor = std::get_if<Motor>(&load); motor && motor->joint == joint.name) return std::nullopt;
         if (joint.type == JointType::revolute) {
@@ -167,32 +169,32 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
     const SystemInvariants<double> at_start = measure.invariants(0, motions, coordinates);
 
     std::vector<Conserved> found;
-    const auto keep = [&](ConservedKind kind, const char* name, const char* formula, const V3& value,
-                          const V3& direction = {}) {
+    const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, const V3& value,
+                                  const V3& direction = {}) {
         found.push_back({kind, name, formula, {value[0], value[1], value[2]}, nullptr, direction});
     };
-    const auto keep_across = [&](const Changes& changes, ConservedKind whole, ConservedKind part, const char* name,
-                                 const char* formula, const V3& value) {
-        if (changes.none()) keep(whole, name, formula, value);
+    const auto add_across = [&](const Changes& changes, ConservedKind whole, ConservedKind part, const char* name,
+                                const char* formula, const V3& value) {
+        if (changes.none()) add_quantity(whole, name, formula, value);
         if (changes.any || !changes.along) return;
         const V3& u = *changes.along;
-        keep(part, (std::string(name) + " perpendicular to u").c_str(), formula, value - dot(value, u) * u, u);
+        add_quantity(part, (std::string(name) + " perpendicular to u").c_str(), formula, value - dot(value, u) * u, u);
     };
-    if (adds_up_to_energy(problem))
+    if (conserves_mechanism_energy(problem))
         found.push_back(
             {ConservedKind::energy, "energy", "E, kinetic and potential, J", {at_start.energy}, nullptr, {}});
-    if (!measure.tied()) {
+    if (!measure.is_tied_to_world()) {
         Changes linear, angular;
         for (const Load& load : scene.loads)
             std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
-        keep_across(angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
-                    "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
-                    at_start.angular_momentum_W);
-        keep_across(linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component, "linear momentum",
-                    "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
+        add_across(angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
+                   "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
+                   at_start.angular_momentum_W);
+        add_across(linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component, "linear momentum",
+                   "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
         return found;
     }
-    std::optional<V3> line = line_of_turning(scene, before);
+    std::optional<V3> line = rotation_line(scene, before);
     if (!line) return found;
     // gravity parallel to the line has no moment about it; if only a point is fixed, gravity determines the line
     Changes other;
@@ -210,8 +212,8 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
     }
     if (!other.none()) return found;
     if (is_zero(*line)) {
-        keep(ConservedKind::angular_momentum, "angular momentum", "L about the world's origin, world axes, kg m^2/s",
-             at_start.angular_momentum_W);
+        add_quantity(ConservedKind::angular_momentum, "angular momentum",
+                     "L about the world's origin, world axes, kg m^2/s", at_start.angular_momentum_W);
         return found;
     }
     found.push_back({ConservedKind::angular_momentum_component,
@@ -247,7 +249,7 @@ std::optional<V3> plane_of_motion(const Problem& problem) {
     // without a revolute joint nothing rotates: two slides that are not parallel define the normal, otherwise it is
     // not unique
     for (std::size_t i = 1; !normal && i < slides.size(); ++i)
-        if (const V3 product = cross(slides[0], slides[i]); length(product) > as_one_direction)
+        if (const V3 product = cross(slides[0], slides[i]); length(product) > direction_tolerance)
             normal = unit_of(product);
     if (!normal) return std::nullopt;
     for (const V3& slide : slides)

@@ -107,7 +107,7 @@ struct Elementary<Dual<N, S, P>> {
 /// @endcond
 
 /// Number of Jacobian columns per evaluation for systems whose size is known only at run time.
-inline constexpr int own_directions = 8;
+inline constexpr int jacobian_directions = 8;
 
 /// Row-major Jacobian J[i * N + j] = d f_i / d y_j of a system of dimension N. User torques are not differentiated.
 template <class SystemType>

@@ -64,12 +64,12 @@ std::optional<BodyFault> fault_of(const EnsembleBody& b, bool pivoted) {
                          "remove them: the pivot and the attitude determine the centre of mass"};
 
     const Matrix3<double>& J = b.inertia_B;
-    const bool own_axes = is_diagonal(J);
-    const char* const columns = own_axes ? "ixx,iyy,izz" : "ixx,iyy,izz,ixy,ixz,iyz";
+    const bool axes_are_principal = is_diagonal(J);
+    const char* const columns = axes_are_principal ? "ixx,iyy,izz" : "ixx,iyy,izz,ixy,ixz,iyz";
     for (int i = 0; i < 3; ++i)
         if (!all_finite(J[i])) return BodyFault{columns, "are not finite", "give finite numbers"};
     Vector3<double> I(J[0][0], J[1][1], J[2][2]);
-    if (!own_axes) I = fast_principal_frame(J).moments;
+    if (!axes_are_principal) I = fast_principal_frame(J).moments;
     const double largest = std::max({std::abs(I[0]), std::abs(I[1]), std::abs(I[2])});
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j)

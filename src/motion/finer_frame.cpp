@@ -34,7 +34,7 @@ bool needs_finer_frame(const Matrix3<Wide>& inertia, bool moved, const Vector3<d
 FinerFrame finer_frame(const Scene& scene) {
     const ExactBody<Many> body = exact_body<Many>(scene);
     Matrix3<Many> a = body.inertia_B;
-    const Quaternion<Many> q = turned_to_principal_axes(a, 1e130);
+    const Quaternion<Many> q = rotate_to_principal_axes(a, 1e130);
     FinerFrame frame;
     frame.wide = {wide({a[0][0], a[1][1], a[2][2]}), {wide(q.w), wide(q.x), wide(q.y), wide(q.z)}};
     frame.nearest = rounded(frame.wide);

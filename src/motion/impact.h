@@ -15,7 +15,7 @@ namespace polhode {
 
 /// A body that impulses act on. The default is immovable and at rest.
 template <class S>
-struct StruckBody {
+struct ImpactBody {
     S inverse_mass = S(0);          ///< 1/kg
     Matrix3<S> inverse_inertia_W;   ///< 1/(kg m^2), about the centre of mass, world axes
     Vector3<S> position_W;          ///< centre of mass, m
@@ -27,11 +27,13 @@ struct StruckBody {
         return velocity_W + cross(angular_velocity_W, point_W - position_W);
     }
     /// Applies an impulse (N s) at a point: m dv = J, I dw = r x J.
-    void strike(const Vector3<S>& point_W, const Vector3<S>& impulse_W) {
+    void apply_impulse(const Vector3<S>& point_W, const Vector3<S>& impulse_W) {
         velocity_W = velocity_W + inverse_mass * impulse_W;
         angular_velocity_W = angular_velocity_W + inverse_inertia_W * cross(point_W - position_W, impulse_W);
     }
 };
+template <class S>
+using StruckBody [[deprecated("renamed to ImpactBody")]] = ImpactBody<S>;
 
 /// A contact of two bodies. The normal is a unit vector from the second body to the first.
 template <class S>
@@ -45,13 +47,13 @@ struct Contact {
 /// The contact matrix K: an impulse J on a (and -J on b) at the point changes the relative velocity there by K J.
 /// Symmetric; 1/kg.
 template <class S>
-Matrix3<S> contact_matrix(const StruckBody<S>& a, const StruckBody<S>& b, const Vector3<S>& point_W) {
+Matrix3<S> contact_matrix(const ImpactBody<S>& a, const ImpactBody<S>& b, const Vector3<S>& point_W) {
     Matrix3<S> K;
     for (int column = 0; column < 3; ++column) {
         Vector3<S> unit;
         unit[column] = S(1);
         Vector3<S> change = (a.inverse_mass + b.inverse_mass) * unit;
-        for (const StruckBody<S>* body : {&a, &b}) {
+        for (const ImpactBody<S>* body : {&a, &b}) {
             const Vector3<S> r = point_W - body->position_W;
             change = change + cross(body->inverse_inertia_W * cross(r, unit), r);
         }
@@ -77,7 +79,7 @@ S contact_rounding(const S& scale) {
 /// 1984's puzzle). Therefore sticking is used only if it gains no energy, and sliding friction is limited to the
 /// impulse that stops the slip along t. Then 2 dE = J.(v_rel + v_rel') <= 0 in each case.
 template <class S>
-Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const Contact<S>& contact) {
+Vector3<S> contact_impulse(const ImpactBody<S>& a, const ImpactBody<S>& b, const Contact<S>& contact) {
     const Vector3<S>& n = contact.normal_W;
     const Vector3<S> v = a.velocity_at(contact.point_W) - b.velocity_at(contact.point_W);
     const S normal_speed = dot(n, v);
@@ -118,9 +120,9 @@ Vector3<S> contact_impulse(const StruckBody<S>& a, const StruckBody<S>& b, const
 
 /// The result of an impact at several simultaneous contacts.
 struct ImpactOutcome {
-    bool struck = false;    ///< a contact was approaching
-    bool resolved = true;   ///< no contact approaches any more
-    double separation = 0;  ///< the largest separation speed (m/s) after the impact
+    bool has_impact = false;  ///< a contact was approaching
+    bool resolved = true;     ///< no contact approaches any more
+    double separation = 0;    ///< the largest separation speed (m/s) after the impact
 };
 
 /// Resolves simultaneous contacts of one body with immovable bodies. A single approaching contact uses
@@ -131,10 +133,10 @@ struct ImpactOutcome {
 /// friction, contacts are resolved one at a time, the fastest approaching first. Both are repeated until no contact
 /// approaches.
 template <class S>
-ImpactOutcome resolve_impact(StruckBody<S>& body, const std::vector<Contact<S>>& contacts) {
+ImpactOutcome resolve_impact(ImpactBody<S>& body, const std::vector<Contact<S>>& contacts) {
     constexpr int most_rounds = 1000, most_sweeps = 100'000;
     ImpactOutcome outcome;
-    const StruckBody<S> ground;
+    const ImpactBody<S> ground;
     S scale = square_root(dot(body.velocity_W, body.velocity_W));
     bool friction = false;
     for (const Contact<S>& contact : contacts) {
@@ -162,13 +164,13 @@ ImpactOutcome resolve_impact(StruckBody<S>& body, const std::vector<Contact<S>>&
             outcome.resolved = false;
             break;
         }
-        outcome.struck = true;
+        outcome.has_impact = true;
         if (friction || contacts.size() == 1) {
-            body.strike(fastest->point_W, contact_impulse(body, ground, *fastest));
+            body.apply_impulse(fastest->point_W, contact_impulse(body, ground, *fastest));
             continue;
         }
         // impulses p >= 0 with n.v >= 0 and p (n.v) = 0
-        const StruckBody<S> before = body;
+        const ImpactBody<S> before = body;
         std::vector<S> p(contacts.size(), S(0)), inverse_K;
         for (const Contact<S>& contact : contacts)
             inverse_K.push_back(
@@ -183,7 +185,7 @@ ImpactOutcome resolve_impact(StruckBody<S>& body, const std::vector<Contact<S>>&
                 if (next < S(0)) next = S(0);
                 const S change = next - p[i];
                 if (change == S(0)) continue;
-                body.strike(contacts[i].point_W, change * contacts[i].normal_W);
+                body.apply_impulse(contacts[i].point_W, change * contacts[i].normal_W);
                 p[i] = next;
                 const S effect = change / inverse_K[i], size = effect < S(0) ? S(-effect) : effect;
                 if (size > moved) moved = size;
@@ -195,7 +197,7 @@ ImpactOutcome resolve_impact(StruckBody<S>& body, const std::vector<Contact<S>>&
             if (contact.restitution < e) e = contact.restitution;
         body = before;
         for (std::size_t i = 0; i < contacts.size(); ++i)
-            if (p[i] > S(0)) body.strike(contacts[i].point_W, (S(1) + e) * p[i] * contacts[i].normal_W);
+            if (p[i] > S(0)) body.apply_impulse(contacts[i].point_W, (S(1) + e) * p[i] * contacts[i].normal_W);
     }
     for (const Contact<S>& contact : contacts) {
         const double speed = static_cast<double>(speed_at(contact));

@@ -53,9 +53,9 @@ struct Link {
     int base = -1;       ///< free base: index in scene.bodies
     int coordinate = 0;  ///< index in y of its coordinates: x; q; or q and the origin's position in W
     int rate = 0;        ///< index in y of its rates: x'; w relative to the parent; or w and the origin's velocity in W
-    Quaternion<P> q_turn;  ///< link axes at coordinate zero to the parent link's axes
-    Matrix3<P> turn;       ///< `q_turn` as a matrix
-    Vector3<P> place;      ///< the joint's point, from the parent's origin, in the parent link's axes
+    Quaternion<P> q_placement;  ///< link axes at coordinate zero to the parent link's axes
+    Matrix3<P> turn;            ///< `q_placement` as a matrix
+    Vector3<P> place;           ///< the joint's point, from the parent's origin, in the parent link's axes
     P mass = P(0);
     Vector3<P> moment;      ///< mass times centre of mass
     Symmetric3<P> inertia;  ///< about the origin
@@ -72,7 +72,7 @@ struct Link {
 
 /// The pose of a body on its link.
 template <class P>
-struct Carried {
+struct LinkBody {
     int link = world_link;  ///< world_link: the body does not move, and the following vectors are in world axes
     Quaternion<P> q;        ///< body axes to link axes
     Matrix3<P> turn;        ///< `q` as a matrix
@@ -85,12 +85,12 @@ struct Carried {
 /// The links and bodies of a mechanism.
 template <class P>
 struct Links {
-    std::vector<Link<P>> links;      ///< parents precede their children
-    std::vector<Carried<P>> bodies;  ///< in the order of the scene
-    std::vector<int> order;          ///< indices of bodies: each follows the body that carries it
-    std::vector<int> carrier;        ///< for each body: index in scene.joints; -1 for a free base
-    std::vector<int> link_of_joint;  ///< per joint: its (last) link; world_link if it does not move
-    int coordinates = 0, rates = 0;  ///< sizes of the state y = (coordinates, rates)
+    std::vector<Link<P>> links;       ///< parents precede their children
+    std::vector<LinkBody<P>> bodies;  ///< in the order of the scene
+    std::vector<int> order;           ///< indices of bodies: each follows the body that carries it
+    std::vector<int> carrier;         ///< for each body: index in scene.joints; -1 for a free base
+    std::vector<int> link_of_joint;   ///< per joint: its (last) link; world_link if it does not move
+    int coordinates = 0, rates = 0;   ///< sizes of the state y = (coordinates, rates)
 };
 
 /// A unit quaternion that rotates z to the direction of `axis`, of any nonzero length. Exact for coordinate axes.
@@ -127,13 +127,13 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
     for (std::size_t j = 0; j < scene.joints.size(); ++j)
         carrier[static_cast<std::size_t>(body_index(scene, scene.joints[j].child))] = static_cast<int>(j);
 
-    Carried<P> world;
+    LinkBody<P> world;
     world.turn = diagonal(Vector3<P>(P(1), P(1), P(1)));
     const auto set_turn = [](Link<P>& link, const Quaternion<P>& q) {
-        link.q_turn = q, link.turn = rotation_matrix(q);
+        link.q_placement = q, link.turn = rotation_matrix(q);
     };
     const auto carry = [&](std::size_t b, int link, const Quaternion<P>& q, const Vector3<P>& origin) {
-        Carried<P>& body = all.bodies[b];
+        LinkBody<P>& body = all.bodies[b];
         body.link = link, body.q = q, body.turn = rotation_matrix(q), body.origin = origin;
         body.mass = properties[b].mass, body.inertia_B = properties[b].inertia;
         body.center = origin + body.turn * properties[b].center;
@@ -151,7 +151,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
         }
         const Joint& joint = scene.joints[static_cast<std::size_t>(carrier[b])];
         const int parent_body = body_index(scene, joint.parent);
-        const Carried<P>& parent = parent_body < 0 ? world : all.bodies[static_cast<std::size_t>(parent_body)];
+        const LinkBody<P>& parent = parent_body < 0 ? world : all.bodies[static_cast<std::size_t>(parent_body)];
         const Vector3<P> point = parent.origin + parent.turn * cast<P>(joint.parent_point);
         const Quaternion<P> q0 = parent.q * normalized(cast<P>(joint.parent_orientation));
         const Vector3<P> child_point = cast<P>(joint.child_point);
@@ -209,7 +209,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
     // mass properties of the links; those of a free link are about its own centre of mass
     const auto masses = [&](std::size_t i) {
         std::vector<MassProperties<P>> parts;
-        for (const Carried<P>& body : all.bodies)
+        for (const LinkBody<P>& body : all.bodies)
             if (body.link == static_cast<int>(i))
                 parts.push_back({body.mass, body.center, rotated(body.inertia_B, body.q)});
         return composite(parts);
@@ -219,7 +219,7 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
         const MassProperties<P> whole = masses(i);
         link.mass = whole.mass;
         if (link.kind == LinkJoint::free) {
-            for (Carried<P>& body : all.bodies)
+            for (LinkBody<P>& body : all.bodies)
                 if (body.link == static_cast<int>(i))
                     body.origin = body.origin - whole.center, body.center = body.center - whole.center;
             for (Link<P>& child : all.links)

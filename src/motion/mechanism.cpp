@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "motion/contact.h"
-#include "motion/own_system.h"
 #include "motion/scout.h"
+#include "motion/user_system.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -47,7 +47,7 @@ MechanismModel::MechanismModel(std::shared_ptr<const Scene> scene)
     : scene_(std::move(scene)),
       exact_(std::make_shared<const Tree<Wide>>(*scene_, bodies_mass_properties<Wide>(*scene_))),
       tree_(*exact_) {
-    for (const Carried<double>& body : tree_.links().bodies)
+    for (const LinkBody<double>& body : tree_.links().bodies)
         masses_.push_back(body.mass), inertias_.push_back(body.inertia_B);
     scout();
 }
@@ -55,8 +55,8 @@ MechanismModel::MechanismModel(std::shared_ptr<const Scene> scene)
 std::vector<Sample> MechanismModel::motion(const double* y) const { return samples_of_bodies(0, tree_.motions(y)); }
 
 void MechanismModel::enter(double t, double* y) {
-    tree_.take_loads(exact_->loads_at(*scene_, t));
-    tree_.strike(*scene_, t, y);
+    tree_.convert_loads(exact_->loads_at(*scene_, t));
+    tree_.apply_impulses(*scene_, t, y);
 }
 
 double MechanismModel::kinetic_energy(const Bodies& bodies) const {
@@ -117,7 +117,7 @@ void MechanismModel::scout() {
         }
         return worst;
     };
-    const auto arrived = [&](double, Y& at) {
+    const auto on_step = [&](double, Y& at) {
         if (model.projects()) model.project(at.data());
         note(at);
         return model.projects();
@@ -125,7 +125,7 @@ void MechanismModel::scout() {
     for (const Leg& leg : itinerary(*scene_)) {
         model.enter(leg.begin, y.data());
         note(y);
-        going = going && scout_leg(leg, y, steps, most_steps, rate, change_of, arrived);
+        going = going && scout_leg(leg, y, steps, most_steps, rate, change_of, on_step);
     }
     // a motion at rest has no scale: use one radian and one metre over the duration
     const double T = scene_->duration;

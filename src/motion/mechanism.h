@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// A mechanism as a model (motion/own_system.h): its equations in binary64, each constant rounded once from 113 bits.
+/// A mechanism as a model (motion/user_system.h): its equations in binary64, each constant rounded once from 113 bits.
 class MechanismModel {
   public:
     /// From a valid scene of several bodies. Throws InputError if its loops do not close at the start, or if its mass

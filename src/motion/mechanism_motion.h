@@ -96,7 +96,7 @@ class MechanismMeasure {
     /// The number of bodies.
     std::size_t bodies() const { return bodies_.size(); }
     /// Whether a joint or a loop connects a body to the world.
-    bool tied() const { return tied_; }
+    bool is_tied_to_world() const { return tied_to_world_; }
     /// The distance from each joint's child point (a loop's point on its second body) to that body's centre of mass,
     /// m, in the order of joint_names().
     std::vector<P> arms() const;
@@ -162,11 +162,11 @@ class MechanismMeasure {
     std::vector<Pull> pulls_;
     std::vector<Twist> twists_;
     std::vector<Strut> struts_;
-    bool tied_ = false;
+    bool tied_to_world_ = false;
 
     static Vector3<P> placed(const Point& point, Motions motions);
     static Quaternion<P> attitude(const Point& point, Motions motions);
-    static Quaternion<P> turned(const Link& link, Motions motions);
+    static Quaternion<P> joint_rotation(const Link& link, Motions motions);
     P potential(double t, Motions motions) const;
     P spring_energy(std::size_t joint, double t, Motions motions, JointCoordinates& coordinates) const;
 };

@@ -89,13 +89,13 @@ MechanismMeasure<P>::MechanismMeasure(const Scene& scene) : bodies_(bodies_mass_
         link.between = dot(link.axes[0], link.axes[1]);
         link.rest_orientation = normalized(cast<P>(joint.rest_orientation));
         link.springy = joint.type != JointType::fixed && (joint.stiffness[0] != 0 || joint.stiffness[1] != 0);
-        tied_ = tied_ || link.parent.body < 0;
+        tied_to_world_ = tied_to_world_ || link.parent.body < 0;
         links_.push_back(std::move(link));
     }
     for (const Loop& loop : scene.loops) {
         closures_.push_back({loop.type, point(loop.first, loop.first_point), point(loop.second, loop.second_point),
                              unit(loop.first_axis), unit(loop.second_axis), P(loop.length)});
-        tied_ = tied_ || closures_.back().first.body < 0 || closures_.back().second.body < 0;
+        tied_to_world_ = tied_to_world_ || closures_.back().first.body < 0 || closures_.back().second.body < 0;
     }
     for (const Load& load : scene.loads) {
         if (const auto* gravity = std::get_if<Gravity>(&load)) {
@@ -135,7 +135,7 @@ Quaternion<P> MechanismMeasure<P>::attitude(const Point& point, Motions motions)
 
 // J = q0* q_parent* q_child
 template <class P>
-Quaternion<P> MechanismMeasure<P>::turned(const Link& link, Motions motions) {
+Quaternion<P> MechanismMeasure<P>::joint_rotation(const Link& link, Motions motions) {
     return conjugate(link.q0) * (conjugate(attitude(link.parent, motions)) * attitude(link.child, motions));
 }
 
@@ -165,7 +165,7 @@ template <class P>
 P MechanismMeasure<P>::spring_energy(std::size_t joint, double t, Motions motions,
                                      JointCoordinates& coordinates) const {
     const Link& link = links_[joint];
-    const Quaternion<P> J = turned(link, motions);
+    const Quaternion<P> J = joint_rotation(link, motions);
     if (link.type == JointType::spherical) {
         const Vector3<P> r = vector_part(conjugate(link.rest_orientation) * J);
         return P(2) * link.stiffness[0] * dot(r, r);
@@ -231,7 +231,7 @@ SystemInvariants<P> MechanismMeasure<P>::invariants(double t, Motions motions, J
         result.linear_size = result.linear_size + m * length(motions[i].velocity_W);
     }
     Vector3<P> about_W, drift_W;
-    if (!tied_) about_W = (P(1) / mass) * center_W, drift_W = (P(1) / mass) * result.linear_momentum_W;
+    if (!tied_to_world_) about_W = (P(1) / mass) * center_W, drift_W = (P(1) / mass) * result.linear_momentum_W;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const BodyMotion<P>& motion = motions[i];
         const P& m = bodies_[i].mass;
@@ -262,7 +262,7 @@ JointViolations<P> MechanismMeasure<P>::violations(Motions motions) const {
     };
     for (std::size_t j = 0; j < links_.size(); ++j) {
         const Link& link = links_[j];
-        const Quaternion<P> J = turned(link, motions);
+        const Quaternion<P> J = joint_rotation(link, motions);
         Vector3<P> apart = placed(link.child, motions) - placed(link.parent, motions);
         P turn(0);
         switch (link.type) {

@@ -60,8 +60,8 @@ std::optional<AxisEquations<double>> about(const Forcing<Wide>& f, const VectorW
 }
 
 // An impulse keeps w along e if its angular kick is along e at any angle: again a quadratic form in (c, s).
-bool keeps_axis(const PosedImpulse<Wide>& impulse, const VectorW& e, const QuaternionW& q0, const ExactBody<Wide>& body,
-                const FullInertia<Wide>& inertia) {
+bool conserves_axis(const PosedImpulse<Wide>& impulse, const VectorW& e, const QuaternionW& q0,
+                    const ExactBody<Wide>& body, const FullInertia<Wide>& inertia) {
     const Wide pairs[3][2] = {{1, 0}, {0, 1}, {1, 1}};
     for (const auto& [c, s] : pairs) {
         VectorW w, v;
@@ -84,19 +84,19 @@ bool try_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& 
         if (!system) return false;
         found.push_back(*system);
         for (const auto& impulse : impulses_at(problem.scene, body, problem.segments[i].begin, q_BP))
-            if (!keeps_axis(impulse, e, q0, body, full)) return false;
+            if (!conserves_axis(impulse, e, q0, body, full)) return false;
     }
     for (std::size_t i = 0; i < found.size(); ++i) problem.segments[i].about_axis = found[i];
     problem.body.axis = cast<double>(e);
     return true;
 }
 
-bool turns_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
-                                const std::vector<Forcing<Wide>>& forcings) {
+bool rotates_about_principal_axis(Problem& problem, const ExactBody<Wide>& body, const QuaternionW& q_BP,
+                                  const std::vector<Forcing<Wide>>& forcings) {
     // only for given axes: computed principal axes are irrational, and w0 exactly along one would be a coincidence
     const VectorW w = rotate_back(q_BP, body.angular_velocity_B);
-    const bool own_axes = problem.body.q_BP == Quaternion<double>{};
-    for (int i = 0; i < 3 && own_axes; ++i) {
+    const bool axes_are_principal = problem.body.q_BP == Quaternion<double>{};
+    for (int i = 0; i < 3 && axes_are_principal; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         if (w[j] != 0 || w[k] != 0) continue;
         VectorW e;
@@ -121,12 +121,12 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     Needs& needs = problem.needs;
     const Vector3<double>& I = problem.body.principal.moments;
     // moments that agree in binary64 may still affect a body with very little inertia about the third axis
-    const auto agree = [&](int i, int j) {
+    const auto moments_agree = [&](int i, int j) {
         constexpr double hardly = 1e-10, negligible = 0x1p-50;
         const int k = 3 - i - j;
         return I[i] == I[j] && (I[k] > hardly * I[i] || std::abs(problem.body.principal.gyroscopic[k]) <= negligible);
     };
-    const int equal = agree(0, 1) + agree(1, 2) + agree(2, 0);
+    const int equal = moments_agree(0, 1) + moments_agree(1, 2) + moments_agree(2, 0);
     needs.symmetry = equal == 3 ? Symmetry::spherical : equal == 1 ? Symmetry::symmetric : Symmetry::asymmetric;
 
     needs.torque_free = true;
@@ -144,44 +144,43 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
         needs.dimension = 13, needs.translation = Translation::integrated;
         return;
     }
-    const auto leave_out = [&](const char* what, const char* why) { needs.left_out.push_back({what, why}); };
+    const auto omit = [&](const char* what, const char* why) { needs.omitted.push_back({what, why}); };
     if (!(problem.body.principal.q_BP == Quaternion<double>{}))
-        leave_out("products of inertia", "zero in the principal frame, in which the system is posed");
+        omit("products of inertia", "zero in the principal frame, in which the system is posed");
 
     const bool planes = !problem.scene.planes.empty();
     const bool still = !planes && !exact.pivoted && at_rest(exact, problem.scene, forcings);
     if (exact.pivoted) {
         needs.translation = Translation::fixed;
-        leave_out("p and v", "the pivot is fixed: q and w determine both");
+        omit("p and v", "the pivot is fixed: q and w determine both");
     } else if (still && !translation_couples(problem.scene, forcings)) {
         needs.translation = Translation::fixed;
-        leave_out("p and v", "no force acts, and the centre of mass starts at rest at the origin");
+        omit("p and v", "no force acts, and the centre of mass starts at rest at the origin");
     } else if (!planes && !translation_couples(problem.scene, forcings) && !needs.user_torque) {
         needs.translation = Translation::closed_form;
-        leave_out("p and v", "only constant acceleration and linear drag: piecewise closed form");
+        omit("p and v", "only constant acceleration and linear drag: piecewise closed form");
     } else {
         needs.translation = Translation::integrated;
     }
 
     const bool couples = needs.translation == Translation::integrated;
-    if (!couples && !needs.user_torque && turns_about_principal_axis(problem, exact, q_BP, forcings)) {
+    if (!couples && !needs.user_torque && rotates_about_principal_axis(problem, exact, q_BP, forcings)) {
         needs.system = SystemKind::principal_axis_rotation, needs.dimension = 3;
-        leave_out("gyroscopic term w x Iw", "w stays along one principal axis");
-        leave_out("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
+        omit("gyroscopic term w x Iw", "w stays along one principal axis");
+        omit("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
     } else if (!couples && needs.torque_free) {
         needs.system = SystemKind::free_rotation, needs.dimension = 7;
-        leave_out("torque", impulses ? "zero between impulses: w decouples from q" : "zero: w decouples from q");
+        omit("torque", impulses ? "zero between impulses: w decouples from q" : "zero: w decouples from q");
         if (needs.symmetry == Symmetry::symmetric)
-            leave_out("one gyroscopic component",
-                      "two moments are equal: the rate about the symmetry axis is constant");
+            omit("one gyroscopic component", "two moments are equal: the rate about the symmetry axis is constant");
     } else {
         needs.system = couples ? SystemKind::loaded_motion : SystemKind::loaded_rotation;
         needs.dimension = couples ? 13 : 7;
         if (needs.symmetry == Symmetry::symmetric)
-            leave_out("one gyroscopic component", "two moments are equal: its coefficient is zero");
+            omit("one gyroscopic component", "two moments are equal: its coefficient is zero");
     }
     if (needs.symmetry == Symmetry::spherical && needs.system != SystemKind::principal_axis_rotation) {
-        leave_out("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
+        omit("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
         problem.body.principal_inertia.isotropic = true;
     }
 }

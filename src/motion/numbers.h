@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 

@@ -8,9 +8,9 @@
 #include "motion/finer_frame.h"
 #include "motion/mechanism.h"
 #include "motion/needs.h"
-#include "motion/own_system.h"
 #include "motion/rounded.h"
 #include "motion/translation.h"
+#include "motion/user_system.h"
 #include "text/message.h"
 
 namespace polhode {

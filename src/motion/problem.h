@@ -35,7 +35,7 @@ enum class SystemKind {
     loaded_rotation,
     loaded_motion,
     full_motion,
-    own,
+    user_defined,
     mechanism
 };
 /// How many principal moments of a body are equal.
@@ -52,10 +52,11 @@ enum class Translation {
 };
 
 /// A variable or term that is omitted, and why.
-struct LeftOut {
+struct Omission {
     std::string what;  ///< "p and v", ..
     std::string why;   ///< in a few words
 };
+using LeftOut [[deprecated("renamed to Omission")]] = Omission;
 
 /// The properties of a scene that determine its system.
 struct Needs {
@@ -66,7 +67,7 @@ struct Needs {
     bool torque_free = false;                           ///< no torque at any time (impulses excepted)
     bool time_dependent = false;                        ///< events inside the duration, or a user-defined torque
     bool user_torque = false;                           ///< a user-defined torque acts
-    std::vector<LeftOut> left_out;                      ///< omitted variables and terms, with reasons
+    std::vector<Omission> omitted;                      ///< omitted variables and terms, with reasons
 };
 
 /// A leg of the run with the loads that act on it.

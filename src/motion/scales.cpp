@@ -47,15 +47,15 @@ void scout(const Problem& problem, Scales& scales) {
         f.enter(segment, y.data());
         note(problem, f.motion(segment.begin, y.data()), scales);
         const auto rate = [&](double t, const Y& at, Y& dy) { f.derivative(t, at.data(), dy.data()); };
-        const auto arrived = [&](double t, Y& at) {
-            bool struck = false;
+        const auto on_step = [&](double t, Y& at) {
+            bool has_impact = false;
             if constexpr (SystemType::has_translation)
                 // like impact_stepping: a body that penetrates a plane is reflected
-                struck = problem.body.geometry->any() && strike_planes(problem, 0, at.data()).struck;
+                has_impact = problem.body.geometry->any() && resolve_plane_impacts(problem, 0, at.data()).has_impact;
             note(problem, f.motion(t, at.data()), scales);
-            return struck;
+            return has_impact;
         };
-        if (!scout_leg(segment, y, steps, scout_steps, rate, largest_change<SystemType, std::tuple_size_v<Y>>, arrived))
+        if (!scout_leg(segment, y, steps, scout_steps, rate, largest_change<SystemType, std::tuple_size_v<Y>>, on_step))
             return;
     }
 }

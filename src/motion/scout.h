@@ -13,9 +13,9 @@ inline constexpr double scout_tolerance = 1e-3;
 /// side. change_of(difference, y): the largest error of a step relative to its scale. arrived(t, y): called after
 /// each accepted step; returns whether it has changed y. `steps` counts attempts. Returns false after more than
 /// `most_steps` attempts or if the step size vanishes.
-template <class Y, class LegType, class Rate, class ChangeOf, class Arrived>
+template <class Y, class LegType, class Rate, class ChangeOf, class OnStep>
 bool scout_leg(const LegType& leg, Y& y, long& steps, long most_steps, const Rate& rate, const ChangeOf& change_of,
-               const Arrived& arrived) {
+               const OnStep& on_step) {
     const std::size_t n = y.size();
     double t = leg.begin, h = (leg.end - leg.begin) / 100;
     Y k1 = y, k2 = y, k3 = y, k4 = y, z = y, next = y, difference = y;
@@ -39,7 +39,7 @@ bool scout_leg(const LegType& leg, Y& y, long& steps, long most_steps, const Rat
         }
         t = leg.end - t <= h ? leg.end : t + h;
         y = next, k1 = k4;
-        if (arrived(t, y)) rate(t, y, k1);
+        if (on_step(t, y)) rate(t, y, k1);
         h *= error > 0 ? std::min(5.0, 0.9 * std::cbrt(1 / error)) : 5.0;
     }
     return true;

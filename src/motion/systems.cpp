@@ -5,7 +5,7 @@
 namespace polhode {
 
 static_assert(System<PrincipalAxisRotation> && System<FreeRotation> && System<LoadedRotation> && System<LoadedMotion> &&
-              System<FullMotion> && System<OwnSystem>);
+              System<FullMotion> && System<ErasedSystem>);
 
 Sample BodySystem::rotated(double t, const Vector3<double>& w, const Quaternion<double>& q) const {
     const Problem& problem = *problem_;
@@ -132,17 +132,17 @@ Placement<double> placement_of(const double* y) {
     return {q, FullMotion::position(y), FullMotion::velocity(y), rotate(q, FullMotion::angular_velocity(y))};
 }
 
-ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y) {
+ImpactOutcome resolve_plane_impacts(const Problem& problem, double tolerance, double* y) {
     const Placement<double> at = placement_of(y);
     const std::vector<Contact<double>> touching = problem.body.geometry->contacts(at, tolerance);
     if (touching.empty()) return {};
     const Matrix3<double> inverse_inertia = problem.formulation == Formulation::full
                                                 ? problem.body.full_inertia.inverse
                                                 : diagonal(problem.body.principal_inertia.inverse_moments);
-    StruckBody<double> body{1 / problem.body.mass, polhode::rotated(inverse_inertia, at.q), at.position_W,
+    ImpactBody<double> body{1 / problem.body.mass, polhode::rotated(inverse_inertia, at.q), at.position_W,
                             at.velocity_W, at.angular_velocity_W};
     const ImpactOutcome outcome = resolve_impact(body, touching);
-    if (outcome.struck) {
+    if (outcome.has_impact) {
         // add only the change, rotated back: components without an impulse then keep their bits
         FullMotion::set_rotation(
             y, FullMotion::angular_velocity(y) + rotate_back(at.q, body.angular_velocity_W - at.angular_velocity_W),

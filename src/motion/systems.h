@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "motion/body_equations.h"
-#include "motion/own_system.h"
 #include "motion/problem.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 
@@ -224,17 +224,17 @@ auto with_one_body(const Problem& problem, Visitor&& visit) {
         case SystemKind::loaded_motion:
             return visit.template operator()<LoadedMotion>();
         case SystemKind::full_motion:
-        case SystemKind::own:
+        case SystemKind::user_defined:
         case SystemKind::mechanism:
             break;
     }
     return visit.template operator()<FullMotion>();
 }
 
-/// Like with_one_body(), for any problem: uses OwnSystem for user-defined systems and several bodies.
+/// Like with_one_body(), for any problem: uses ErasedSystem for user-defined systems and several bodies.
 template <class Visitor>
 auto with_system(const Problem& problem, Visitor&& visit) {
-    if (!std::holds_alternative<OneBody>(problem.system)) return visit.template operator()<OwnSystem>();
+    if (!std::holds_alternative<OneBody>(problem.system)) return visit.template operator()<ErasedSystem>();
     return with_one_body(problem, std::forward<Visitor>(visit));
 }
 
@@ -242,6 +242,6 @@ auto with_system(const Problem& problem, Visitor&& visit) {
 Placement<double> placement_of(const double* y);
 
 /// Applies the impact at the contacts whose gap is at most `tolerance` (m) to the state y of a 13-dimensional system.
-ImpactOutcome strike_planes(const Problem& problem, double tolerance, double* y);
+ImpactOutcome resolve_plane_impacts(const Problem& problem, double tolerance, double* y);
 
 }  // namespace polhode

@@ -42,7 +42,7 @@ struct TrajectoryFile {
     bool has_position = false;          ///< px, py, pz
     bool has_origin = false;            ///< ox, oy, oz in place of px, py, pz: position_W is the body's origin
     bool has_velocity = false;          ///< vx, vy, vz
-    std::string read_past;              ///< what was skipped: "line 1 begins with a byte order mark", ..
+    std::string skipped_content;        ///< what was skipped: "line 1 begins with a byte order mark", ..
 
     /// The number of rows at each time.
     std::size_t bodies_at_once() const { return bodies.empty() ? 1 : bodies.size(); }
@@ -60,8 +60,8 @@ enum class QuaternionColumns {
 /// Parses a trajectory file, with columns by name in any order. t and q are required. w, p, v and o (the body's
 /// origin, in place of p) must be complete or absent. `bound`, which `truth` writes, is skipped. Numbers are the
 /// binary64 nearest to the decimal written, independent of the locale. Lines may end in a carriage return and a line
-/// feed, the file may begin with a byte order mark (reported in `read_past`), `#` begins a comment line, and spaces
-/// around cells are ignored. Throws InputError ("FILE: line 3, column qw: FAULT; REMEDY") for: no header or no
+/// feed, the file may begin with a byte order mark (reported in `skipped_content`), `#` begins a comment line, and
+/// spaces around cells are ignored. Throws InputError ("FILE: line 3, column qw: FAULT; REMEDY") for: no header or no
 /// sample; an unknown, missing or repeated column; a line whose length differs from the header's; a cell that is not
 /// a finite number; a time below 0 or not above the previous one; a quaternion of length below 1e-100 or above 1e100;
 /// a blank line between samples; a zero byte; a line longer than 64 KiB.

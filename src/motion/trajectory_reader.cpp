@@ -27,7 +27,7 @@ namespace {
 constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 enum Block { block_t, block_q, block_w, block_p, block_o, block_v, block_bound, block_body, block_r, block_e, blocks };
-constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
+constexpr std::size_t no_column = static_cast<std::size_t>(-1);
 
 // The numbers of one line: t, q, w, p, v, a matrix row by row, Euler angles, and what is read past.
 constexpr std::size_t slot_r = 14, slot_e = 23, slot_unused = 26;
@@ -99,17 +99,17 @@ class Reader {
     TrajectoryFile read() {
         if (!lines_.next()) fail("", "is empty", "give a header line t,qw,qx,qy,qz,.. and one line per sample");
         header();
-        if (gaps_ != nullptr) find_lost_times();
+        if (gaps_ != nullptr) find_nan_times();
         while (lines_.next()) {
-            if (is_lost()) continue;
+            if (has_nan()) continue;
             // as many as there are lines of this length
             if (result_.rows.empty()) result_.rows.reserve(lines_.rows_left());
             sample();
         }
         if (result_.rows.empty()) fail("", "has a header but no samples", "give one line per sample");
-        if (body_place_ != nowhere) end_moment(), leave_out_missing();
+        if (body_place_ != no_column) end_moment(), remove_missing_bodies();
         result_.bodies = std::move(bodies_);
-        result_.read_past = lines_.read_past();
+        result_.skipped_content = lines_.skipped_content();
         return std::move(result_);
     }
 
@@ -162,9 +162,9 @@ class Reader {
                  "give the centre of mass (p) or the body's origin (o), not both");
         if (seen[block_body] == 0 && bodies_.size() > 1)
             fail(here(), "column body is missing",
-                 "give t,body,qw,.. with one line at each time for each of " + one_line(listed(bodies_), 200) +
-                     ", or for some of them");
-        if (quaternion_ != QuaternionColumns::by_name) take_quaternion_in_order();
+                 "give t,body,qw,.. with one line at each time for each of " +
+                     one_line(join_with_commas(bodies_), 200) + ", or for some of them");
+        if (quaternion_ != QuaternionColumns::by_name) assign_quaternion_columns();
         result_.has_angular_velocity = seen[block_w] > 0;
         result_.has_position = seen[block_p] > 0;
         result_.has_origin = seen[block_o] > 0;
@@ -172,28 +172,29 @@ class Reader {
     }
 
     // assigns the quaternion's columns by their order
-    void take_quaternion_in_order() {
+    void assign_quaternion_columns() {
         std::size_t next = quaternion_ == QuaternionColumns::scalar_first ? 0 : 1;  // of w, x, y, z
         for (FileColumn& column : columns_)
             if (column.block == block_q) column.slot = 1 + next++ % 4;
     }
 
     // the times, as they are written, at which a cell is NaN
-    void find_lost_times() {
+    void find_nan_times() {
         CsvLines lines(text_, file_);
         lines.next();
         while (lines.next()) {
             const auto& cells = lines.cells();
-            const auto is_lost = [&](const FileColumn& c) { return c.place < cells.size() && is_nan(cells[c.place]); };
-            if (time_place_ < cells.size() && std::ranges::any_of(columns_, is_lost)) lost_.emplace(cells[time_place_]);
+            const auto has_nan = [&](const FileColumn& c) { return c.place < cells.size() && is_nan(cells[c.place]); };
+            if (time_place_ < cells.size() && std::ranges::any_of(columns_, has_nan))
+                nan_times_.emplace(cells[time_place_]);
         }
     }
 
-    bool is_lost() {
-        if (lost_.empty() || lines_.cells().size() <= time_place_) return false;
-        const bool lost = lost_.contains(lines_.cells()[time_place_]);
-        in_gap_ = in_gap_ || lost;
-        return lost;
+    bool has_nan() {
+        if (nan_times_.empty() || lines_.cells().size() <= time_place_) return false;
+        const bool has_nan_time = nan_times_.contains(lines_.cells()[time_place_]);
+        in_gap_ = in_gap_ || has_nan_time;
+        return has_nan_time;
     }
 
     void count_time() {
@@ -245,7 +246,7 @@ class Reader {
         const TrajectoryRow row = row_of(numbers);
         if (row.t < 0)
             fail(at(time_place_), shortest_decimal(row.t) + " s is before the start of the scene", "give times >= 0");
-        const bool same_moment = body_place_ != nowhere && !result_.rows.empty() && row.t == result_.rows.back().t;
+        const bool same_moment = body_place_ != no_column && !result_.rows.empty() && row.t == result_.rows.back().t;
         if (!same_moment && !result_.rows.empty() && !(row.t > result_.rows.back().t))
             fail(at(time_place_),
                  fmt::format("{} s is not after the {} s of the previous sample", shortest_decimal(row.t),
@@ -257,7 +258,7 @@ class Reader {
             fail(fmt::format("line {}, columns qw,qx,qy,qz", lines_.number()),
                  fmt::format("have length {}, which does not define an attitude", shortest_decimal(length)),
                  "give a quaternion w, x, y, z of length about 1");
-        if (body_place_ == nowhere)
+        if (body_place_ == no_column)
             result_.rows.push_back(row);
         else
             sample_of_body(row, same_moment, cells[body_place_]);
@@ -273,7 +274,7 @@ class Reader {
             if (bodies_known_) {
                 const std::string meant = did_you_mean(name, bodies_);
                 fail(at(body_place_), fmt::format("\"{}\" is not a body of the scene", one_line(name, 60)),
-                     meant.empty() ? "give one of " + one_line(listed(bodies_), 200) : meant);
+                     meant.empty() ? "give one of " + one_line(join_with_commas(bodies_), 200) : meant);
             }
             if (moment_ > 0)
                 fail(at(body_place_), fmt::format("body \"{}\" has no line at the first time", one_line(name, 60)),
@@ -284,41 +285,41 @@ class Reader {
         if (moment_ > 0 && in_file_[body] == 0)
             fail(at(body_place_), fmt::format("body \"{}\" has no line at the first time", one_line(name, 60)),
                  "give one line per body at each time");
-        if (body < there_.size() && there_[body] != 0)
+        if (body < has_row_.size() && has_row_[body] != 0)
             fail(at(body_place_),
                  fmt::format("body \"{}\" has two lines at {} s", one_line(name, 60), shortest_decimal(row.t)),
                  "give one line per body at each time");
-        there_.resize(bodies_.size()), there_[body] = 1;
+        has_row_.resize(bodies_.size()), has_row_[body] = 1;
         last_line_ = lines_.number();
         // rows of this time that are not read yet get its time now
-        TrajectoryRow to_come;
-        to_come.t = row.t;
-        result_.rows.resize(moment_ + bodies_.size(), to_come);
+        TrajectoryRow empty_row;
+        empty_row.t = row.t;
+        result_.rows.resize(moment_ + bodies_.size(), empty_row);
         result_.rows[moment_ + body] = row;
     }
     void begin_moment() {
         if (!result_.rows.empty()) end_moment();
         moment_ = result_.rows.size();
-        there_.assign(bodies_.size(), 0);
+        has_row_.assign(bodies_.size(), 0);
     }
     // The bodies at the first time define the file's bodies.
     void end_moment() {
-        if (moment_ == 0) in_file_ = there_;
+        if (moment_ == 0) in_file_ = has_row_;
         for (std::size_t body = 0; body < bodies_.size(); ++body)
-            if (there_[body] == 0 && in_file_[body] != 0)
+            if (has_row_[body] == 0 && in_file_[body] != 0)
                 fail(fmt::format("line {}, column body", last_line_),
                      fmt::format("body \"{}\" has no line at {} s", one_line(bodies_[body], 60),
                                  shortest_decimal(result_.rows.back().t)),
                      "give one line per body at each time");
     }
     // Removes the rows of bodies that the file does not have.
-    void leave_out_missing() {
+    void remove_missing_bodies() {
         const std::size_t count = bodies_.size();
         if (std::ranges::find(in_file_, 0) == in_file_.end()) return;
-        std::size_t kept = 0;
+        std::size_t remaining = 0;
         for (std::size_t i = 0; i < result_.rows.size(); ++i)
-            if (in_file_[i % count] != 0) result_.rows[kept++] = result_.rows[i];
-        result_.rows.resize(kept);
+            if (in_file_[i % count] != 0) result_.rows[remaining++] = result_.rows[i];
+        result_.rows.resize(remaining);
         std::vector<std::string> names;
         for (std::size_t body = 0; body < count; ++body)
             if (in_file_[body] != 0) names.push_back(std::move(bodies_[body]));
@@ -331,19 +332,19 @@ class Reader {
     const ForeignColumns& foreign_;
     QuaternionColumns quaternion_;
     std::vector<std::size_t>* gaps_;                // if null, NaN is refused
-    std::set<std::string, std::less<>> lost_;       // times at which a cell is NaN
+    std::set<std::string, std::less<>> nan_times_;  // times at which a cell is NaN
     bool in_gap_ = false;                           // whether the last line was at one of these times
     std::size_t times_ = 0;                         // number of times read so far
     std::vector<std::string> names_;                // names of the file's columns
     std::vector<FileColumn> columns_;               // the columns that are read, in the file's order
     bool has_matrix_ = false, has_angles_ = false;  // read instead of the quaternion
-    std::size_t time_place_ = nowhere;
-    std::size_t body_place_ = nowhere;
+    std::size_t time_place_ = no_column;
+    std::size_t body_place_ = no_column;
     bool bodies_known_;                                      // whether the caller gave the bodies
     std::vector<std::string> bodies_;                        // names, in the order of the rows at one time
     std::map<std::string, std::size_t, std::less<>> index_;  // index of each name
     std::size_t moment_ = 0;                                 // first row at the current time
-    std::vector<char> there_;                                // whether each body has a row at the current time
+    std::vector<char> has_row_;                              // whether each body has a row at the current time
     std::vector<char> in_file_;                              // whether each body has a row at the first time
     long last_line_ = 0;                                     // line of the last row of a body
     TrajectoryFile result_;

@@ -4,6 +4,6 @@ namespace polhode {
 
 template class Tree<double>;
 POLHODE_TREE_INSTANCES(, double)
-POLHODE_TREE_INSTANCES(, Dual<own_directions>)
+POLHODE_TREE_INSTANCES(, Dual<jacobian_directions>)
 
 }  // namespace polhode

@@ -145,9 +145,9 @@ class Tree {
     LinkLoads<P> loads_at(const Scene& scene, double begin) const;
     /// Sets loads converted by P(number).
     template <class Other>
-    void take_loads(const LinkLoads<Other>& loads);
-    /// Applies the impulses at time `at` (s) to y. Returns whether there were any.
-    bool strike(const Scene& scene, double at, P* y) const;
+    void convert_loads(const LinkLoads<Other>& loads);
+    /// Applies the impulses at `time` (s) to y. Returns whether there were any.
+    bool apply_impulses(const Scene& scene, double time, P* y) const;
 
     /// dy/dt.
     template <class S>
@@ -177,7 +177,7 @@ class Tree {
     void move(const S* y, TreeWork<S>& at) const;
     /// Computes the world poses and velocities of the links.
     template <class S>
-    void see(const S* y, TreeWork<S>& at) const;
+    void compute_frames(const S* y, TreeWork<S>& at) const;
     /// Computes all constraint rows; there are all_rows_ of them.
     template <class S>
     void find_rows(TreeWork<S>& at) const;
@@ -200,7 +200,7 @@ class Tree {
     std::vector<P> start_;
 
     /// Whether the accelerations need the world poses of the links.
-    bool sees() const { return has_loops() || loads_.needs_frames(); }
+    bool uses_frames() const { return has_loops() || loads_.needs_frames(); }
     void find_loops(const Scene& scene);
     void find_start(const Scene& scene);
     void close_by_dependent(const std::vector<int>& dependent);
@@ -217,7 +217,7 @@ class Tree {
     template <class S>
     void articulate(TreeWork<S>& at) const;
     template <class S>
-    void sweep_out(TreeWork<S>& at, S* rates) const;
+    void compute_accelerations(TreeWork<S>& at, S* rates) const;
     template <class S>
     void respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const;
     template <class S>

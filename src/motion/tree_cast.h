@@ -24,7 +24,7 @@ Link<To> cast(const Link<From>& l) {
     Link<To> r;
     r.parent = l.parent, r.kind = l.kind, r.joint = l.joint, r.axis = l.axis, r.base = l.base;
     r.coordinate = l.coordinate, r.rate = l.rate, r.dependent = l.dependent;
-    r.q_turn = cast<To>(l.q_turn), r.turn = cast<To>(l.turn), r.place = cast<To>(l.place);
+    r.q_placement = cast<To>(l.q_placement), r.turn = cast<To>(l.turn), r.place = cast<To>(l.place);
     r.mass = To(l.mass), r.moment = cast<To>(l.moment), r.inertia = cast<To>(l.inertia);
     r.stiffness = To(l.stiffness), r.rest = To(l.rest), r.damping = To(l.damping);
     r.rest_orientation = cast<To>(l.rest_orientation);
@@ -38,7 +38,7 @@ template <class To, class From>
 Links<To> cast(const Links<From>& links) {
     Links<To> r;
     for (const Link<From>& link : links.links) r.links.push_back(cast<To>(link));
-    for (const Carried<From>& b : links.bodies)
+    for (const LinkBody<From>& b : links.bodies)
         r.bodies.push_back({b.link, cast<To>(b.q), cast<To>(b.turn), cast<To>(b.origin), cast<To>(b.center), To(b.mass),
                             cast<To>(b.inertia_B)});
     r.order = links.order, r.carrier = links.carrier, r.link_of_joint = links.link_of_joint;
@@ -85,7 +85,7 @@ Tree<P>::Tree(const Tree<Other>& other)
 
 template <class P>
 template <class Other>
-void Tree<P>::take_loads(const LinkLoads<Other>& loads) {
+void Tree<P>::convert_loads(const LinkLoads<Other>& loads) {
     loads_ = cast<P>(loads);
 }
 

@@ -2,9 +2,9 @@
 //
 // accelerate() evaluates the articulated-body recursion (Featherstone 2008, ch. 7; motion/articulated.h): move()
 // computes relative poses, velocities and bias accelerations, see() world poses, load() applied forces, articulate()
-// runs from the leaves to the root, sweep_out() from the root to the leaves. With loops (tree_loops.h), the multipliers
-// lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the accelerations without loops, and then correct them.
-// coordinate_rates() computes the rates of the coordinates.
+// runs from the leaves to the root, compute_accelerations() from the root to the leaves. With loops (tree_loops.h), the
+// multipliers lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the accelerations without loops, and then
+// correct them. coordinate_rates() computes the rates of the coordinates.
 #pragma once
 
 #include "motion/tree.h"
@@ -37,7 +37,7 @@ void Tree<P>::move(const S* y, TreeWork<S>& at) const {
         if (link.kind == LinkJoint::revolute) {
             S sine, cosine;
             sine_cosine(x[0], sine, cosine);
-            w.R = turned_about_z(link.turn, cosine, sine);
+            w.R = rotation_about_z(link.turn, cosine, sine);
         } else if (link.kind == LinkJoint::prismatic) {
             w.R = cast<S>(link.turn);
             for (std::size_t k = 0; k < 3; ++k) w.r[k] = w.r[k] + link.turn[k][2] * x[0];
@@ -81,7 +81,7 @@ void Tree<P>::move(const S* y, TreeWork<S>& at) const {
 
 template <class P>
 template <class S>
-void Tree<P>::see(const S* y, TreeWork<S>& at) const {
+void Tree<P>::compute_frames(const S* y, TreeWork<S>& at) const {
     for (std::size_t i = 0; i < links_.links.size(); ++i) {
         const Link<P>& link = links_.links[i];
         const LinkWork<S>& w = at.links[i];
@@ -210,11 +210,11 @@ Quaternion<S> Tree<P>::attitude_of(std::size_t i, const S* y, const TreeWork<S>&
     if (link.kind == LinkJoint::revolute) {
         S sine, cosine;
         sine_cosine(S((P(1) / P(2)) * x[0]), sine, cosine);
-        q = link.q_turn * Quaternion<S>{cosine, S(0), S(0), sine};
+        q = link.q_placement * Quaternion<S>{cosine, S(0), S(0), sine};
     } else if (link.kind == LinkJoint::prismatic) {
-        q = cast<S>(link.q_turn);
+        q = cast<S>(link.q_placement);
     } else {
-        q = link.q_turn * Quaternion<S>{x[0], x[1], x[2], x[3]};
+        q = link.q_placement * Quaternion<S>{x[0], x[1], x[2], x[3]};
     }
     return link.parent < 0 ? q : at.q[static_cast<std::size_t>(link.parent)] * q;
 }
@@ -229,7 +229,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
         if (link.kind == LinkJoint::free) {
             // f = B^T alpha + M a = -f0,  (J - B M^-1 B^T) alpha = -n0 + B M^-1 f0
             w.inverse_mass = inverse(I.M);
-            w.inverse = inverse(I.J - turned(I.B, w.inverse_mass));
+            w.inverse = inverse(I.J - congruence(I.B, w.inverse_mass));
             continue;
         }
         const bool hangs = link.parent >= 0;
@@ -243,7 +243,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
             const Vector3<S> torque = w.force;
             w.force = torque - I.n;
             if (!hangs) continue;
-            M = I.M - turned(transposed(I.B), w.inverse);
+            M = I.M - congruence(transposed(I.B), w.inverse);
             n = torque;
             f = I.f + M * c_v + transposed_times(I.B, w.inverse * w.force);
         } else {
@@ -279,13 +279,13 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
                 f[2] = force;
             }
         }
-        hang(w, J, B, M, n, f, at.links[static_cast<std::size_t>(link.parent)].inertia);
+        add_child_inertia(w, J, B, M, n, f, at.links[static_cast<std::size_t>(link.parent)].inertia);
     }
 }
 
 template <class P>
 template <class S>
-void Tree<P>::sweep_out(TreeWork<S>& at, S* rates) const {
+void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
     for (std::size_t i = 0; i < links_.links.size(); ++i) {
         const Link<P>& link = links_.links[i];
         LinkWork<S>& w = at.links[i];
@@ -326,10 +326,10 @@ template <class P>
 template <class S>
 void Tree<P>::accelerate(const S* y, TreeWork<S>& at, S* dy) const {
     move(y, at);
-    if (sees()) see(y, at);
+    if (uses_frames()) compute_frames(y, at);
     load(y, at);
     articulate(at);
-    sweep_out(at, dy + links_.coordinates);
+    compute_accelerations(at, dy + links_.coordinates);
     if (!has_loops()) return;
     find_rows(at);
     respond_to_rows(at);

@@ -15,12 +15,12 @@ namespace polhode {
     EXTERN template std::vector<BodyMotion<S>> Tree<double>::motions(const S*) const;                         \
     EXTERN template std::vector<Reaction<S>> Tree<double>::reactions(const Scene&, const S*) const;           \
     EXTERN template void Tree<double>::move(const S*, TreeWork<S>&) const;                                    \
-    EXTERN template void Tree<double>::see(const S*, TreeWork<S>&) const;                                     \
+    EXTERN template void Tree<double>::compute_frames(const S*, TreeWork<S>&) const;                          \
     EXTERN template void Tree<double>::find_rows(TreeWork<S>&) const;                                         \
     EXTERN template void Tree<double>::load(const S*, TreeWork<S>&) const;                                    \
     EXTERN template Quaternion<S> Tree<double>::attitude_of(std::size_t, const S*, const TreeWork<S>&) const; \
     EXTERN template void Tree<double>::articulate(TreeWork<S>&) const;                                        \
-    EXTERN template void Tree<double>::sweep_out(TreeWork<S>&, S*) const;                                     \
+    EXTERN template void Tree<double>::compute_accelerations(TreeWork<S>&, S*) const;                         \
     EXTERN template void Tree<double>::respond(TreeWork<S>&, Pair6<S>*, S*) const;                            \
     EXTERN template void Tree<double>::respond_to_rows(TreeWork<S>&) const;                                   \
     EXTERN template S Tree<double>::applied(std::size_t, const TreeWork<S>&, const Pair6<S>*) const;          \
@@ -31,6 +31,6 @@ namespace polhode {
 
 extern template class Tree<double>;
 POLHODE_TREE_INSTANCES(extern, double)
-POLHODE_TREE_INSTANCES(extern, Dual<own_directions>)
+POLHODE_TREE_INSTANCES(extern, Dual<jacobian_directions>)
 
 }  // namespace polhode

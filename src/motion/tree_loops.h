@@ -17,11 +17,11 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
     at.rows.resize(all_rows_);
     LoopRow<S>* row = at.rows.data();
     // a point in the world: position, velocity, and the part of its acceleration that does not depend on alpha and a
-    struct Seen {
+    struct WorldPoint {
         Vector3<S> arm_W, x, v, bias, w;
     };
-    const auto seen = [&](const LinkPoint<P>& point) {
-        Seen there;
+    const auto world_point = [&](const LinkPoint<P>& point) {
+        WorldPoint there;
         if (point.link < 0) {
             there.x = cast<S>(point.point);
             there.bias = cast<S>(Vector3<P>(-loads_.gravity_W));
@@ -42,7 +42,7 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
         return link < 0 ? v_W : transposed_times(at.frames[static_cast<std::size_t>(link)].R, v_W);
     };
     for (const LinkLoop<P>& loop : loops_) {
-        const Seen one = seen(loop.first), two = seen(loop.second);
+        const WorldPoint one = world_point(loop.first), two = world_point(loop.second);
         const Vector3<S> d = two.x - one.x, v = two.v - one.v, bias = two.bias - one.bias;
         const auto pull = [&](const Vector3<S>& along_W) {
             const Vector3<S> back = in_link(loop.first.link, Vector3<S>(-along_W));
@@ -229,7 +229,7 @@ void Tree<P>::displace(const P* by, P* y) const {
 template <class P>
 P Tree<P>::loop_gap(const P* y) const {
     TreeWork<P>& at = work<P>();
-    move(y, at), see(y, at), find_rows(at);
+    move(y, at), compute_frames(y, at), find_rows(at);
     P worst(0);
     for (const LoopRow<P>& row : at.rows)
         for (const P& size : {Elementary<P>::magnitude(row.value), Elementary<P>::magnitude(row.velocity)})
@@ -244,7 +244,7 @@ void Tree<P>::project(P* y) const {
     TreeWork<P>& at = work<P>();
     const std::size_t rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
     std::vector<P> change(rates);
-    const auto answer = [&](P LoopRow<P>::*what) {
+    const auto solve_multipliers = [&](P LoopRow<P>::*what) {
         at.multipliers.resize(rows);
         for (std::size_t r = 0; r < rows; ++r)
             at.multipliers[r] = -(at.rows[static_cast<std::size_t>(chosen_[r])].*what);
@@ -254,14 +254,14 @@ void Tree<P>::project(P* y) const {
             for (std::size_t r = 0; r < rows; ++r) change[k] = change[k] + at.multipliers[r] * at.rates[r * rates + k];
         }
     };
-    const auto look = [&] {
-        move(y, at), see(y, at);
+    const auto linearize = [&] {
+        move(y, at), compute_frames(y, at);
         for (LinkWork<P>& link : at.links) link.force = {};
         articulate(at), find_rows(at), respond_to_rows(at);
     };
     // Newton's method, until round-off limits it
     P before(-1);
-    look();
+    linearize();
     for (int step = 0; step < most_steps; ++step) {
         P worst(0);
         for (const int row : chosen_) {
@@ -270,11 +270,11 @@ void Tree<P>::project(P* y) const {
         }
         if (!(worst > P(0)) || (step > 0 && !(worst + worst < before))) break;
         before = worst;
-        answer(&LoopRow<P>::value);
+        solve_multipliers(&LoopRow<P>::value);
         displace(change.data(), y);
-        look();
+        linearize();
     }
-    answer(&LoopRow<P>::velocity);
+    solve_multipliers(&LoopRow<P>::velocity);
     for (std::size_t k = 0; k < rates; ++k) {
         P& rate = y[static_cast<std::size_t>(links_.coordinates) + k];
         rate = rate + change[k];
@@ -294,11 +294,11 @@ template <class P>
 template <class S>
 std::vector<BodyMotion<S>> Tree<P>::motions(const S* y) const {
     TreeWork<S>& at = work<S>();
-    move(y, at), see(y, at);
+    move(y, at), compute_frames(y, at);
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.q[i] = attitude_of(i, y, at);
     std::vector<BodyMotion<S>> all(links_.bodies.size());
     for (std::size_t b = 0; b < all.size(); ++b) {
-        const Carried<P>& body = links_.bodies[b];
+        const LinkBody<P>& body = links_.bodies[b];
         BodyMotion<S>& m = all[b];
         if (body.link < 0) {
             m.q = cast<S>(body.q), m.position_W = cast<S>(body.center);

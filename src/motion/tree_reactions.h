@@ -12,18 +12,18 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     TreeWork<S>& at = work<S>();
     std::vector<S> dy(static_cast<std::size_t>(dimension()));
     accelerate(y, at, dy.data());
-    if (!sees()) see(y, at);
+    if (!uses_frames()) compute_frames(y, at);
     // For each body: position of its centre of mass, and the force and torque about it, in world axes, that remain to
     // be exerted by its joint and by the bodies attached to it.
-    struct Needed {
+    struct BodyLoad {
         Matrix3<S> R;
         Vector3<S> x, arm, force, torque;
     };
     const std::size_t n = links_.bodies.size();
-    std::vector<Needed> bodies(n);
+    std::vector<BodyLoad> bodies(n);
     for (std::size_t b = 0; b < n; ++b) {
-        const Carried<P>& body = links_.bodies[b];
-        Needed& own = bodies[b];
+        const LinkBody<P>& body = links_.bodies[b];
+        BodyLoad& own = bodies[b];
         if (body.link < 0) {
             own.R = diagonal(Vector3<S>(S(P(1)), S(P(1)), S(P(1))));
             own.x = cast<S>(body.center);
@@ -46,7 +46,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     }
     const auto take = [&](int body, const Vector3<S>& point_W, const Vector3<S>& force_W, const Vector3<S>& torque_W) {
         if (body < 0) return;
-        Needed& own = bodies[static_cast<std::size_t>(body)];
+        BodyLoad& own = bodies[static_cast<std::size_t>(body)];
         own.force = own.force - force_W;
         own.torque = own.torque - (torque_W + cross(point_W - own.x, force_W));
     };
@@ -116,10 +116,10 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
         const int carrier = links_.carrier[b];
         if (carrier < 0) continue;
         const Joint& joint = scene.joints[static_cast<std::size_t>(carrier)];
-        const Carried<P>& body = links_.bodies[b];
+        const LinkBody<P>& body = links_.bodies[b];
         const Vector3<P> in_link = body.origin + body.turn * cast<P>(joint.child_point);
         const Vector3<S> point = place({body.link, in_link, static_cast<int>(b)});
-        const Needed& own = bodies[b];
+        const BodyLoad& own = bodies[b];
         Reaction<S>& reaction = all[static_cast<std::size_t>(carrier)];
         reaction = {own.force, own.torque + cross(Vector3<S>(own.x - point), own.force)};
         // the opposite acts on the parent at the child's point; this also holds for a prismatic joint, which

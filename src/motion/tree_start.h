@@ -26,7 +26,7 @@ template <class P>
 LinkPoint<P> Tree<P>::point_of(const Scene& scene, const std::string& body, const Vector3<double>& point) const {
     const int b = body_index(scene, body);
     if (b < 0) return {world_link, cast<P>(point), b};
-    const Carried<P>& there = links_.bodies[static_cast<std::size_t>(b)];
+    const LinkBody<P>& there = links_.bodies[static_cast<std::size_t>(b)];
     return {there.link, there.origin + there.turn * cast<P>(point), b};
 }
 
@@ -128,7 +128,7 @@ void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
         for (std::size_t c = 0; c < m; ++c) {
             std::fill(moving.begin() + links_.coordinates, moving.end(), P(0));
             moving[static_cast<std::size_t>(links_.links[static_cast<std::size_t>(dependent[c])].rate)] = P(1);
-            move(moving.data(), at), see(moving.data(), at), find_rows(at);
+            move(moving.data(), at), compute_frames(moving.data(), at), find_rows(at);
             for (std::size_t r = 0; r < all_rows_; ++r) matrix[r * m + c] = at.rows[r].velocity;
         }
         return matrix;
@@ -166,7 +166,7 @@ void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
     };
     P before(-1);
     for (int step = 0; step < most_steps; ++step) {
-        move(y.data(), at), see(y.data(), at), find_rows(at);
+        move(y.data(), at), compute_frames(y.data(), at), find_rows(at);
         std::vector<P> right(all_rows_);
         P worst(0);
         for (std::size_t r = 0; r < all_rows_; ++r) {
@@ -183,7 +183,7 @@ void Tree<P>::close_by_dependent(const std::vector<int>& dependent) {
     }
     for (const int link : dependent)
         y[static_cast<std::size_t>(links_.links[static_cast<std::size_t>(link)].rate)] = P(0);
-    move(y.data(), at), see(y.data(), at), find_rows(at);
+    move(y.data(), at), compute_frames(y.data(), at), find_rows(at);
     std::vector<P> right(all_rows_);
     for (std::size_t r = 0; r < all_rows_; ++r) right[r] = -at.rows[r].velocity;
     const std::vector<P> rates = solved(slopes(), std::move(right));
@@ -199,7 +199,7 @@ void Tree<P>::choose_rows() {
     for (std::size_t r = 0; r < all_rows_; ++r) chosen_.push_back(static_cast<int>(r));
     TreeWork<P>& at = work<P>();
     const std::size_t n = links_.links.size(), rates = static_cast<std::size_t>(links_.rates);
-    move(start_.data(), at), see(start_.data(), at);
+    move(start_.data(), at), compute_frames(start_.data(), at);
     for (LinkWork<P>& link : at.links) link.force = {};
     articulate(at), find_rows(at);
     std::vector<P> matrix(all_rows_ * all_rows_), response_rates(rates);
@@ -248,7 +248,7 @@ LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
     loads.motors.assign(links_.links.size(), P(0));
     bool motors = false;
     int b = -1;  // index of the body on which the load acts
-    const auto body = [&](const std::string& name) -> const Carried<P>& {
+    const auto body = [&](const std::string& name) -> const LinkBody<P>& {
         b = body_index(scene, name);
         return links_.bodies[static_cast<std::size_t>(b)];
     };
@@ -261,14 +261,14 @@ LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
             P& sum = loads.motors[static_cast<std::size_t>(link)];
             sum = sum + P(motor->force), motors = true;
         } else if (const auto* torque = std::get_if<Torque>(&load)) {
-            const Carried<P>& on = body(torque->body);
+            const LinkBody<P>& on = body(torque->body);
             const Vector3<P> v = cast<P>(torque->vector);
             if (torque->frame == Frame::body)
                 loads.constant.push_back({on.link, b, {on.turn * v, {}}});
             else
                 loads.in_world.push_back({on.link, b, v, {}, {}});
         } else if (const auto* force = std::get_if<Force>(&load)) {
-            const Carried<P>& on = body(force->body);
+            const LinkBody<P>& on = body(force->body);
             const Vector3<P> F = cast<P>(force->vector), point = cast<P>(force->point);
             const bool in_body = force->frame == Frame::body;
             const Vector3<P> F_link = in_body ? on.turn * F : F;
@@ -282,11 +282,11 @@ LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
             else
                 loads.in_world.push_back({on.link, b, {}, F, at});
         } else if (const auto* drag = std::get_if<Drag>(&load)) {
-            const Carried<P>& on = body(drag->body);
+            const LinkBody<P>& on = body(drag->body);
             const Matrix3<P> C = on.turn * diagonal(cast<P>(drag->rotational)) * transposed(on.turn);
             loads.drags.push_back({on.link, b, C, P(drag->translational), on.center});
         } else if (const auto* spring = std::get_if<Spring>(&load)) {
-            const Carried<P>& on = body(spring->body);
+            const LinkBody<P>& on = body(spring->body);
             if (spring->stiffness == 0) continue;
             const Quaternion<P> rest = normalized(cast<P>(spring->rest_orientation));
             loads.springs.push_back({on.link, b, P(spring->stiffness), on.q, rest});
@@ -301,22 +301,22 @@ LinkLoads<P> Tree<P>::loads_at(const Scene& scene, double begin) const {
 }
 
 template <class P>
-bool Tree<P>::strike(const Scene& scene, double when, P* y) const {
-    const auto strikes = [&](const Load& load) {
+bool Tree<P>::apply_impulses(const Scene& scene, double time, P* y) const {
+    const auto acts_now = [&](const Load& load) {
         const auto* impulse = std::get_if<Impulse>(&load);
-        return impulse && impulse->at == when;
+        return impulse && impulse->at == time;
     };
-    if (std::none_of(scene.loads.begin(), scene.loads.end(), strikes)) return false;
+    if (std::none_of(scene.loads.begin(), scene.loads.end(), acts_now)) return false;
     TreeWork<P>& at = work<P>();
     const std::size_t n = links_.links.size(), rates = static_cast<std::size_t>(links_.rates), rows = chosen_.size();
-    move(y, at), see(y, at);
+    move(y, at), compute_frames(y, at);
     for (LinkWork<P>& link : at.links) link.force = {};
     articulate(at);
     std::vector<Pair6<P>> sum(n);
     for (const Load& load : scene.loads) {
-        if (!strikes(load)) continue;
+        if (!acts_now(load)) continue;
         const auto* impulse = std::get_if<Impulse>(&load);
-        const Carried<P>& on = links_.bodies[static_cast<std::size_t>(body_index(scene, impulse->body))];
+        const LinkBody<P>& on = links_.bodies[static_cast<std::size_t>(body_index(scene, impulse->body))];
         if (on.link < 0) continue;
         const std::size_t i = static_cast<std::size_t>(on.link);
         const LinkFrame<P>& frame = at.frames[i];

@@ -76,8 +76,8 @@ class WorldLoads {
     }
 
     /// Applies impulses: L += r x J, and v += J / m for a body without a pivot.
-    static void strike(const Problem& problem, const Segment& segment, const Matrix3<S>& A, const Vector3<S>& x,
-                       Vector3<S>& L, Vector3<S>& v) {
+    static void apply_impulses(const Problem& problem, const Segment& segment, const Matrix3<S>& A, const Vector3<S>& x,
+                               Vector3<S>& L, Vector3<S>& v) {
         const bool held = problem.body.pivoted;
         for (const PosedImpulse<double>& impulse : segment.impulses) {
             const Vector3<S> vector = cast<S>(impulse.vector), point = cast<S>(impulse.point);

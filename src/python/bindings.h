@@ -113,7 +113,7 @@ auto call(F&& f) {
     };
     auto result = [&] {
         const py::gil_scoped_release released;
-        const Interruption scope{Interruption::Question(interrupted)};
+        const Interruption scope{Interruption::Callback(interrupted)};
         return f();
     }();
     if (thrown) throw std::move(*thrown);
@@ -127,7 +127,7 @@ auto call_aside(F&& f, const std::function<void()>& stop = {}) {
     std::atomic<bool> stopped = false;
     std::optional<py::error_already_set> thrown;
     auto running = std::async(std::launch::async, [&] {
-        const Interruption scope{Interruption::Question([&] { return stopped.load(); })};
+        const Interruption scope{Interruption::Callback([&] { return stopped.load(); })};
         return f();
     });
     for (bool ready = false; !ready;) {

@@ -15,7 +15,7 @@ void bind_exceptions(py::module_& module) {
     };
     named(py::register_exception<InputError>(module, "InputError", PyExc_ValueError),
           "Invalid scene, file, name or setting. The message is one line with place, fault and remedy.");
-    named(py::register_exception<NoTruth>(module, "NoTruthError", PyExc_RuntimeError),
+    named(py::register_exception<TruthUnavailable>(module, "NoTruthError", PyExc_RuntimeError),
           "The truth is not available. The message states the reason.");
     py::register_exception_translator(
         [](std::exception_ptr pointer) {  // NOLINT(performance-unnecessary-value-param): pybind11's signature

@@ -47,9 +47,9 @@ py::dict errors_of(const SolvedScene& solved, int digits, double max_seconds) {
         const Trajectory& trajectory = solved.trajectory;
         for (std::size_t k = 0; k < trajectory.moments(); ++k)
             times.push_back(trajectory.samples[k * static_cast<std::size_t>(trajectory.bodies)].t);
-        if (times.empty()) throw NoTruth("the trajectory has no samples: " + trajectory.message);
+        if (times.empty()) throw TruthUnavailable("the trajectory has no samples: " + trajectory.message);
         truth = reference(solved.scene->scene(), times, digits, max_seconds);
-        if (!truth.available) throw NoTruth(truth.message);
+        if (!truth.available) throw TruthUnavailable(truth.message);
         series = error_series(solved.scene->scene(), trajectory, truth);
         run = errors(series, trajectory, truth);
         return true;
@@ -85,7 +85,7 @@ std::tuple<bool, std::string, std::string, std::string> check_texts(
         call_aside([&] { return check_files(scene.scene(), files, read, {}, allowed, explain); });
     bool passed = true;
     for (const CheckedFile& file : checked)
-        for (const BlockVerdict& verdict : allowed.verdicts(file.judgement)) passed = passed && !verdict.failed;
+        for (const BlockVerdict& verdict : allowed.verdicts(file.file_errors)) passed = passed && !verdict.failed;
     return {passed, check_text(allowed, checked), check_json(scene.scene(), allowed, checked),
             explain ? explanation_text(checked) : ""};
 }

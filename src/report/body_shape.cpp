@@ -67,14 +67,14 @@ struct Place {
 
 class ShapeWriter {
   public:
-    void add(const MadeOf& made_of, const Place& place) {
-        std::visit([&](const auto& body) { add_body(body, place); }, made_of);
+    void add(const BodyDefinition& definition, const Place& place) {
+        std::visit([&](const auto& body) { add_body(body, place); }, definition);
     }
 
     Json parts = Json::array(), vertices = Json::array(), faces = Json::array(), points = Json::array();
 
   private:
-    void add_body(const GivenBody&, const Place&) {}     // no shape: the page draws the box of the moments
+    void add_body(const NumericBody&, const Place&) {}   // no shape: the page draws the box of the moments
     void add_body(const ImportedBody&, const Place&) {}  // no shape: the page draws the box of the moments
     void add_body(const ShapedBody& body, const Place& place) {
         Sizes sizes = std::visit([](const auto& shape) { return sizes_of(shape); }, body.shape);
@@ -97,7 +97,7 @@ class ShapeWriter {
     }
     void add_body(const PartsBody& body, const Place& place) {
         for (const PartsBody::Part& part : body.parts)
-            add(part.body->made_of, {place.at(part.position), place.orientation * normalized(part.orientation)});
+            add(part.body->definition, {place.at(part.position), place.orientation * normalized(part.orientation)});
     }
     static void push(Json& list, const Vector3<double>& v) {
         for (int i = 0; i < 3; ++i) list.push_back(number(v[i]));
@@ -115,7 +115,7 @@ Json principal_json(const Body& body, const std::optional<Vector3<double>>& poin
 Json body_shape_json(const std::string& name, const Body& body) {
     ShapeWriter writer;
     if (body.source)
-        writer.add(body.source->made_of, {Vector3<double>() - body.center_of_mass, Quaternion<double>{1, 0, 0, 0}});
+        writer.add(body.source->definition, {Vector3<double>() - body.center_of_mass, Quaternion<double>{1, 0, 0, 0}});
     // a point mass without a source
     if (!body.source && body.mass > 0 && body.inertia_B == Matrix3<double>())
         writer.add(PointsBody{{{body.mass, {}}}}, {Vector3<double>(), Quaternion<double>{1, 0, 0, 0}});

@@ -65,7 +65,7 @@ std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file
 }
 
 Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene) {
-    const bool failed = limits.refuses(checked.judgement);
+    const bool failed = limits.refuses(checked.file_errors);
     Json json{{"file", std::filesystem::path(checked.path).filename().string()},
               {"scene", scene},
               {"verdict", failed ? "failed" : "passed"},
@@ -76,8 +76,8 @@ Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene
               {"t", Json::array()},
               {"errors", Json::array()},
               {"motion_method", nullptr}};
-    for (const BlockVerdict& verdict : limits.verdicts(checked.judgement)) {
-        const auto& summary = checked.judgement[verdict.block->measure];
+    for (const BlockVerdict& verdict : limits.verdicts(checked.file_errors)) {
+        const auto& summary = checked.file_errors[verdict.block->measure];
         const bool relative = verdict.limit.relative;
         const auto value = relative ? verdict.relative : verdict.error;
         json["blocks"].push_back({{"name", verdict.block->title},
@@ -91,8 +91,8 @@ Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene
     told.path = json["file"].get<std::string>();
     std::istringstream lines(check_text(limits, {told}));
     for (std::string line; std::getline(lines, line);) json["lines"].push_back(line);
-    for (const Diagnosis& fault : checked.diagnosed.faults) json["diagnoses"].push_back(fault.message);
-    if (checked.diagnosed.update) json["diagnoses"].push_back(checked.diagnosed.update->message);
+    for (const Diagnosis& fault : checked.diagnosis.faults) json["diagnoses"].push_back(fault.message);
+    if (checked.diagnosis.update) json["diagnoses"].push_back(checked.diagnosis.update->message);
     if (!checked.picture) return json;
     for (const Panel& panel : checked.picture->panels) {
         if (panel.curves.empty()) continue;

@@ -18,7 +18,7 @@ struct CheckedTrajectories {
 };
 
 /// Compares trajectory files of `scene`, which has the index `place` in the directory's list, with the truth. Throws
-/// InputError if a file is invalid, and NoTruth if the truth is not available.
+/// InputError if a file is invalid, and TruthUnavailable if the truth is not available.
 CheckedTrajectories check_trajectories(const Scene& scene, int place, const std::vector<std::string>& files,
                                        const Convention& convention);
 

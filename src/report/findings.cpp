@@ -98,7 +98,7 @@ std::optional<Finding> fastest_finding(const ResultFolder& folder) {
         std::vector<std::string> others;
         for (const auto& [count, name] : ranked) others.push_back(fmt::format("{} on {}", shown(name), -count));
         if (others.size() > 4) others.resize(4), others.emplace_back("..");
-        if (!others.empty()) one.text = fmt::format("Elsewhere: {}. ", listed(others));
+        if (!others.empty()) one.text = fmt::format("Elsewhere: {}. ", join_with_commas(others));
         if (!factors.empty())
             one.text += fmt::format(
                 "The fastest method of another library takes {} times as long (median of {}; at most {} times, on {}).",
@@ -168,7 +168,7 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
     const std::string& scene = folder.scenes[example->scene];
     return Finding{fmt::format("{} without energy drift, {} with energy errors that grow in proportion to time",
                                counted(bounded.size(), "method", "methods"), growing.size()),
-                   fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", listed(kept), longest),
+                   fmt::format("Without drift: {}. The longest run lasts {:.3g} s.", join_with_commas(kept), longest),
                    "#section=drift&scene=" + in_fragment(scene)};
 }
 

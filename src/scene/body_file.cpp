@@ -23,18 +23,18 @@ namespace polhode {
 namespace {
 
 double length(const JsonNode& object, const char* key) {
-    return positive(object.required(key, "a length in m, > 0"), "a length in m");
+    return positive(object.require_member(key, "a length in m, > 0"), "a length in m");
 }
 double not_negative(const JsonNode& object, const char* key) {
-    const JsonNode& node = object.required(key, "a length in m, >= 0");
-    if (!(node.number() >= 0)) node.fail(node.described(), "a length in m must be >= 0");
+    const JsonNode& node = object.require_member(key, "a length in m, >= 0");
+    if (!(node.number() >= 0)) node.fail(node.describe(), "a length in m must be >= 0");
     return node.number();
 }
 template <std::size_t n>
 std::array<double, n> lengths(const JsonNode& object, const char* key) {
-    const JsonNode& node = object.required(key, fmt::format("{} lengths in m, > 0", n));
+    const JsonNode& node = object.require_member(key, fmt::format("{} lengths in m, > 0", n));
     const auto& e = node.elements();
-    if (e.size() != n) node.fail(node.described(), fmt::format("give {} lengths in m", n));
+    if (e.size() != n) node.fail(node.describe(), fmt::format("give {} lengths in m", n));
     std::array<double, n> values{};
     for (std::size_t i = 0; i < n; ++i) values[i] = positive(*e[i], "a length in m");
     return values;
@@ -79,8 +79,8 @@ Shape rod(const JsonNode& node) { return ThinRod{length(node, "length")}; }
 Shape disc(const JsonNode& node) { return ThinDisc{length(node, "radius")}; }
 Shape plate(const JsonNode& node) { return ThinPlate{lengths<2>(node, "half_extents")}; }
 Shape tetrahedron(const JsonNode& node) {
-    const JsonNode& vertices = node.required("vertices", "4 points [x, y, z] in m");
-    if (vertices.elements().size() != 4) vertices.fail(vertices.described(), "give 4 points [x, y, z]");
+    const JsonNode& vertices = node.require_member("vertices", "4 points [x, y, z] in m");
+    if (vertices.elements().size() != 4) vertices.fail(vertices.describe(), "give 4 points [x, y, z]");
     Tetrahedron shape;
     for (std::size_t i = 0; i < 4; ++i) shape.vertices[i] = vector3(*vertices.elements()[i]);
     if (six_volumes(shape) == 0)
@@ -112,17 +112,18 @@ constexpr std::pair<const char*, Shape (*)(const JsonNode&)> shapes[] = {
 };
 
 Shape shape(const JsonNode& node) {
-    if (!node.is_object()) node.fail(node.described(), "give an object {\"type\": .., ..}");
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"type\": .., ..}");
     std::vector<std::string> names;
     for (const auto& [name, read] : shapes) names.push_back(name);
-    const JsonNode& type = node.required("type", "one of " + listed(names));
+    const JsonNode& type = node.require_member("type", "one of " + join_with_commas(names));
     for (const auto& [name, read] : shapes)
         if (type.string() == name) {
-            node.only(keys_of(scene_keys(), fmt::format("shape {}", name)));
+            node.require_known_keys(keys_of(scene_keys(), fmt::format("shape {}", name)));
             return read(node);
         }
     const std::string meant = did_you_mean(type.string(), names);
-    type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
+    type.fail(type.describe(),
+              fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
 }
 
 Amount amount(const JsonNode& node, bool is_part) {
@@ -130,10 +131,10 @@ Amount amount(const JsonNode& node, bool is_part) {
     if (mass && density) density->fail("is given together with a mass", "give the mass or the density, not both");
     if (mass)
         return {positive(*mass, is_part ? "the mass of a part (a hole has a negative density)" : "the mass"), false};
-    if (!density) node.required("density", "the density in kg/m^3, or \"mass\" in kg");
+    if (!density) node.require_member("density", "the density in kg/m^3, or \"mass\" in kg");
     const double value = density->number();
     if (value == 0 || (value < 0 && !is_part))
-        density->fail(density->described(),
+        density->fail(density->describe(),
                       is_part ? "the density of a part must not be 0; a hole has a negative density"
                               : "the density must be > 0; only a part can be a hole (negative density)");
     return {value, true};
@@ -142,28 +143,28 @@ Amount amount(const JsonNode& node, bool is_part) {
 Matrix3<double> inertia(const JsonNode& node) {
     const char* remedy = "give 3 moments or a 3x3 matrix in kg m^2";
     const auto& e = node.elements();
-    if (e.size() != 3) node.fail(node.described(), remedy);
+    if (e.size() != 3) node.fail(node.describe(), remedy);
     if (!e[0]->is_array()) {
         for (const JsonNode* moment : e)
-            if (!moment->is_number()) moment->fail(moment->described(), remedy);
+            if (!moment->is_number()) moment->fail(moment->describe(), remedy);
         return diagonal(vector3(node));
     }
     Matrix3<double> m;
     for (int i = 0; i < 3; ++i) {
-        if (!e[i]->is_array() || e[i]->elements().size() != 3) e[i]->fail(e[i]->described(), "give a row of 3 numbers");
+        if (!e[i]->is_array() || e[i]->elements().size() != 3) e[i]->fail(e[i]->describe(), "give a row of 3 numbers");
         m[i] = vector3(*e[i]);
     }
     return m;
 }
 
-MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
-    GivenBody b;
-    const JsonNode& mass = node.required("mass", "the mass in kg");
+BodyDefinition parse_numeric_body(const JsonNode& node, const std::string&, bool is_part) {
+    NumericBody b;
+    const JsonNode& mass = node.require_member("mass", "the mass in kg");
     b.mass = mass.number();
     // a massless body of a mechanism has no moments
     const JsonNode* moments = node.find("inertia");
     if (!moments && (is_part || b.mass != 0))
-        moments = &node.required("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
+        moments = &node.require_member("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
     if (moments) b.inertia = inertia(*moments);
     if (const JsonNode* center = node.find("center_of_mass")) b.center_of_mass = vector3(*center);
     if (is_part) {
@@ -174,17 +175,17 @@ MadeOf given(const JsonNode& node, const std::string&, bool is_part) {
     return b;
 }
 
-MadeOf shaped(const JsonNode& node, const std::string&, bool is_part) {
+BodyDefinition parse_shaped_body(const JsonNode& node, const std::string&, bool is_part) {
     return ShapedBody{shape(*node.find("shape")), amount(node, is_part)};
 }
 
-MadeOf of_point_masses(const JsonNode& node, const std::string&, bool) {
+BodyDefinition parse_points_body(const JsonNode& node, const std::string&, bool) {
     const JsonNode& list = *node.find("points");
     PointsBody body;
     if (list.elements().empty()) list.fail("has no points", "give at least one [mass, x, y, z]");
     for (const JsonNode* one : list.elements()) {
         const auto& e = one->elements();
-        if (e.size() != 4) one->fail(one->described(), "give [mass in kg, x, y, z in m]");
+        if (e.size() != 4) one->fail(one->describe(), "give [mass in kg, x, y, z in m]");
         body.points.push_back({positive(*e[0], "a point's mass"), {e[1]->number(), e[2]->number(), e[3]->number()}});
     }
     return body;
@@ -195,11 +196,11 @@ Vector3<double> mesh_scale(const JsonNode& node) {
     const Vector3<double> scale =
         node.is_number() ? Vector3<double>(node.number(), node.number(), node.number()) : vector3(node);
     for (int i = 0; i < 3; ++i)
-        if (scale[i] == 0) node.fail(node.described(), "give factors in m per unit of the file, not 0");
+        if (scale[i] == 0) node.fail(node.describe(), "give factors in m per unit of the file, not 0");
     return scale;
 }
 
-MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) {
+BodyDefinition parse_mesh_body(const JsonNode& node, const std::string& directory, bool is_part) {
     const JsonNode& file = *node.find("mesh");
     const JsonNode* scale = node.find("scale");
     const Amount how_much = amount(node, is_part);
@@ -212,32 +213,33 @@ MadeOf meshed(const JsonNode& node, const std::string& directory, bool is_part) 
     }
 }
 
-MadeOf imported(const JsonNode& node, const std::string& directory, bool) {
+BodyDefinition parse_imported_body(const JsonNode& node, const std::string& directory, bool) {
     const JsonNode& import = *node.find("import");
-    import.only(keys_of(scene_keys(), "import"));
-    const JsonNode& file = import.required("file", "the path of a URDF, MJCF or SDFormat file");
-    const JsonNode& link = import.required("link", "the name of the link or body");
+    import.require_known_keys(keys_of(scene_keys(), "import"));
+    const JsonNode& file = import.require_member("file", "the path of a URDF, MJCF or SDFormat file");
+    const JsonNode& link = import.require_member("link", "the name of the link or body");
     const JsonNode* balance = import.find("balance_inertia");
     try {
-        MadeOf body = parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()),
-                                       link.string(), balance && balance->boolean(), {directory, file.string()});
-        if (auto* imported = std::get_if<ImportedBody>(&body))
-            imported->file = file.string(), imported->link = link.string();
+        BodyDefinition body =
+            parse_robot_body(robot_text(directory, file.string()), path_in(directory, file.string()), link.string(),
+                             balance && balance->boolean(), {directory, file.string()});
+        if (auto* parse_imported_body = std::get_if<ImportedBody>(&body))
+            parse_imported_body->file = file.string(), parse_imported_body->link = link.string();
         return body;
     } catch (const InputError& error) {
         import.fail(error);
     }
 }
 
-std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string& directory, bool is_part);
+std::shared_ptr<const BodySource> parse_source(const JsonNode& node, const std::string& directory, bool is_part);
 
-MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
+BodyDefinition parse_parts_body(const JsonNode& node, const std::string& directory, bool) {
     const JsonNode& list = *node.find("parts");
     if (list.elements().empty()) list.fail("has no parts", "give at least one body");
     PartsBody body;
     for (const JsonNode* one : list.elements()) {
         PartsBody::Part part;
-        part.body = source(*one, directory, true);
+        part.body = parse_source(*one, directory, true);
         if (const JsonNode* position = one->find("position")) part.position = vector3(*position);
         if (const JsonNode* orientation = one->find("orientation")) {
             part.orientation = quaternion(*orientation);
@@ -250,38 +252,38 @@ MadeOf composed(const JsonNode& node, const std::string& directory, bool) {
 }
 
 // The ways to describe a body, each identified by its key. The first also applies if no key is present.
-struct Way {
+struct BodyFormat {
     const char* key;
-    MadeOf (*read)(const JsonNode&, const std::string& directory, bool is_part);
+    BodyDefinition (*read)(const JsonNode&, const std::string& directory, bool is_part);
     const char* object;  // object name in the table of keys
 };
-const std::vector<Way>& ways() {
-    static const std::vector<Way> all{
-        {"inertia", given, "body"},           {"shape", shaped, "body of a shape"},
-        {"parts", composed, "body of parts"}, {"points", of_point_masses, "body of points"},
-        {"mesh", meshed, "body of a mesh"},   {"import", imported, "body imported"},
+const std::vector<BodyFormat>& body_formats() {
+    static const std::vector<BodyFormat> all{
+        {"inertia", parse_numeric_body, "body"},      {"shape", parse_shaped_body, "body of a shape"},
+        {"parts", parse_parts_body, "body of parts"}, {"points", parse_points_body, "body of points"},
+        {"mesh", parse_mesh_body, "body of a mesh"},  {"import", parse_imported_body, "body imported"},
     };
     return all;
 }
 
-std::shared_ptr<const BodySource> source(const JsonNode& node, const std::string& directory, bool is_part) {
-    if (!node.is_object()) node.fail(node.described(), "give an object {\"mass\": .., \"inertia\": ..}");
-    const Way* chosen = nullptr;
-    for (const Way& way : ways()) {
-        const JsonNode* told = node.find(way.key);
-        if (!told) continue;
+std::shared_ptr<const BodySource> parse_source(const JsonNode& node, const std::string& directory, bool is_part) {
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"mass\": .., \"inertia\": ..}");
+    const BodyFormat* chosen = nullptr;
+    for (const BodyFormat& candidate : body_formats()) {
+        const JsonNode* member = node.find(candidate.key);
+        if (!member) continue;
         if (chosen)
-            told->fail(fmt::format("\"{}\" is given together with \"{}\"", way.key, chosen->key),
-                       "give the mass properties in exactly one way");
-        chosen = &way;
+            member->fail(fmt::format("\"{}\" is given together with \"{}\"", candidate.key, chosen->key),
+                         "give the mass properties in exactly one way");
+        chosen = &candidate;
     }
-    if (!chosen) chosen = &ways().front();
+    if (!chosen) chosen = &body_formats().front();
     std::vector<std::string_view> keys = keys_of(scene_keys(), chosen->object);
     if (is_part) {
         const std::vector<std::string_view> more = keys_of(scene_keys(), "part");
         keys.insert(keys.end(), more.begin(), more.end());
     }
-    node.only(keys);
+    node.require_known_keys(keys);
     return body_source(chosen->read(node, directory, is_part));
 }
 
@@ -344,7 +346,7 @@ struct SourceWriter {
     static std::string json_amount(const Amount& amount) {
         return fmt::format("\"{}\": {}", amount.is_density ? "density" : "mass", shortest_decimal(amount.value));
     }
-    std::string operator()(const GivenBody& b) const {
+    std::string operator()(const NumericBody& b) const {
         return fmt::format("\"mass\": {},\n    \"inertia\": {},\n    \"center_of_mass\": {}", shortest_decimal(b.mass),
                            json_tensor(b.inertia), write_json(b.center_of_mass));
     }
@@ -376,7 +378,7 @@ struct SourceWriter {
         std::string text = "\"parts\": [";
         for (const PartsBody::Part& part : b.parts) {
             text += fmt::format("{}\n      {{{}, \"position\": {}, \"orientation\": {}}}",
-                                &part == &b.parts.front() ? "" : ",", std::visit(*this, part.body->made_of),
+                                &part == &b.parts.front() ? "" : ",", std::visit(*this, part.body->definition),
                                 write_json(part.position), write_json(part.orientation));
         }
         return text + "\n    ]";
@@ -385,11 +387,13 @@ struct SourceWriter {
 
 }  // namespace
 
-Body parse_body(const JsonNode& node, const std::string& directory) { return body_of(source(node, directory, false)); }
+Body parse_body(const JsonNode& node, const std::string& directory) {
+    return body_of(parse_source(node, directory, false));
+}
 
 std::string write_body(const Body& body) {
-    if (body.source) return std::visit(SourceWriter{}, body.source->made_of);
-    return SourceWriter{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
+    if (body.parse_source) return std::visit(SourceWriter{}, body.parse_source->definition);
+    return SourceWriter{}(NumericBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 
 }  // namespace polhode

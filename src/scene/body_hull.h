@@ -23,7 +23,7 @@ struct HullOf {
         std::vector<SupportPiece<S>> pieces;
         for (const PartsBody::Part& part : body.parts) {
             const Quaternion<S> q = normalized(cast<S>(part.orientation));
-            for (const SupportPiece<S>& piece : std::visit(*this, part.body->made_of))
+            for (const SupportPiece<S>& piece : std::visit(*this, part.body->definition))
                 pieces.push_back(placed(piece, cast<S>(part.position), q));
         }
         return pieces;
@@ -37,7 +37,7 @@ struct HullOf {
 /// Pieces whose convex hull is that of the body, in its own axes from its origin (m).
 template <class S>
 std::vector<SupportPiece<S>> hull(const BodySource& source) {
-    return std::visit(HullOf<S>{}, source.made_of);
+    return std::visit(HullOf<S>{}, source.definition);
 }
 
 }  // namespace polhode

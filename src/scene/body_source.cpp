@@ -10,16 +10,16 @@
 
 namespace polhode {
 
-std::shared_ptr<const BodySource> body_source(MadeOf made_of) {
+std::shared_ptr<const BodySource> body_source(BodyDefinition definition) {
     auto source = std::make_shared<BodySource>();
-    source->made_of = std::move(made_of);
-    source->wide = std::visit(MassPropertiesOf<Wide>{}, source->made_of);
+    source->definition = std::move(definition);
+    source->wide = std::visit(MassPropertiesOf<Wide>{}, source->definition);
     return source;
 }
 
 Body body_of(std::shared_ptr<const BodySource> source) {
     // plain numbers are exact and need no source
-    if (const auto* given = std::get_if<GivenBody>(&source->made_of))
+    if (const auto* given = std::get_if<NumericBody>(&source->definition))
         return {given->mass, given->inertia, given->center_of_mass, nullptr};
     const auto [mass, center, inertia] = mass_properties<double>(*source);
     return {mass, inertia, center, std::move(source)};
@@ -46,10 +46,10 @@ std::string norm_fault(const Quaternion<double>& q) {
 }
 
 bool has_shape(const BodySource& source) {
-    if (const auto* parts = std::get_if<PartsBody>(&source.made_of))
+    if (const auto* parts = std::get_if<PartsBody>(&source.definition))
         return std::all_of(parts->parts.begin(), parts->parts.end(),
                            [](const PartsBody::Part& part) { return has_shape(*part.body); });
-    return std::holds_alternative<ShapedBody>(source.made_of) || std::holds_alternative<MeshBody>(source.made_of);
+    return std::holds_alternative<ShapedBody>(source.definition) || std::holds_alternative<MeshBody>(source.definition);
 }
 
 }  // namespace polhode

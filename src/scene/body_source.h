@@ -21,7 +21,7 @@ struct Amount {
 };
 
 /// Mass (kg), tensor about the centre of mass (kg m^2) and centre of mass (m), given as numbers.
-struct GivenBody {
+struct NumericBody {
     double mass = 1;
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;
@@ -53,11 +53,11 @@ struct PartsBody {
 };
 
 /// Three successive rotations about coordinate axes, each by an angle in rad or degrees.
-struct EulerTurn {
+struct EulerRotation {
     std::array<int, 3> axes{0, 1, 2};
     Vector3<double> angles;
     bool in_degrees = false;
-    bool about_turned_axes = false;  ///< intrinsic: each axis follows the previous rotations; else fixed axes
+    bool intrinsic = false;  ///< intrinsic: each axis follows the previous rotations; else fixed axes
 };
 /// The inertial of a robot description. Its frame is relative to the link; the tensor is about the centre of mass in
 /// the axes of the inertial's frame.
@@ -67,22 +67,26 @@ struct ImportedBody {
     double mass = 0;
     Matrix3<double> inertia;
     Vector3<double> center_of_mass;
-    std::variant<Quaternion<double>, EulerTurn> orientation;
+    std::variant<Quaternion<double>, EulerRotation> orientation;
 };
 
-using MadeOf = std::variant<GivenBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
+using BodyDefinition = std::variant<NumericBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
+
+using GivenBody [[deprecated("renamed to NumericBody")]] = NumericBody;
+using EulerTurn [[deprecated("renamed to EulerRotation")]] = EulerRotation;
+using MadeOf [[deprecated("renamed to BodyDefinition")]] = BodyDefinition;
 
 /// The description of a body and its mass properties.
 struct BodySource {
-    MadeOf made_of;
+    BodyDefinition definition;
     MassProperties<Wide> wide;  ///< the resulting mass properties, to 113 bits
 };
 
 /// The orientation as a unit quaternion in the scalar S.
 template <class S>
-Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>& orientation) {
+Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerRotation>& orientation) {
     if (const auto* q = std::get_if<Quaternion<double>>(&orientation)) return normalized(cast<S>(*q));
-    const EulerTurn& turn = std::get<EulerTurn>(orientation);
+    const EulerRotation& turn = std::get<EulerRotation>(orientation);
     Quaternion<S> q;
     for (int i = 0; i < 3; ++i) {
         if (turn.angles[i] == 0) continue;
@@ -92,7 +96,7 @@ Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>&
         Quaternion<S> one;
         Elementary<S>::sine_cosine(S(angle / S(2)), axis[turn.axes[i]], one.w);
         one = {one.w, axis[0], axis[1], axis[2]};
-        q = turn.about_turned_axes ? q * one : one * q;
+        q = turn.intrinsic ? q * one : one * q;
     }
     return q;
 }
@@ -100,18 +104,19 @@ Quaternion<S> unit_quaternion(const std::variant<Quaternion<double>, EulerTurn>&
 /// Computes the exact real function of the source's binary64 numbers, in the scalar S.
 template <class S>
 struct MassPropertiesOf {
-    MassProperties<S> operator()(const GivenBody& given) const {
+    MassProperties<S> operator()(const NumericBody& given) const {
         return {S(given.mass), cast<S>(given.center_of_mass), symmetric(given.inertia)};
     }
     MassProperties<S> operator()(const ShapedBody& shaped) const {
         const S amount(shaped.amount.value);
-        return shaped.amount.is_density ? of_density<S>(shaped.shape, amount) : of_mass<S>(shaped.shape, amount);
+        return shaped.amount.is_density ? body_from_density<S>(shaped.shape, amount)
+                                        : body_from_mass<S>(shaped.shape, amount);
     }
     MassProperties<S> operator()(const PointsBody& body) const {
         std::vector<PointMass<S>> points;
         points.reserve(body.points.size());
         for (const PointMass<double>& point : body.points) points.push_back({S(point.mass), cast<S>(point.position)});
-        return of_points(points);
+        return body_from_points(points);
     }
     MassProperties<S> operator()(const MeshBody& body) const {
         const S amount(body.amount.value);
@@ -141,7 +146,7 @@ MassProperties<S> mass_properties(const BodySource& source) {
     } else if constexpr (std::is_same_v<S, double>) {
         return {double(source.wide.mass), cast<double>(source.wide.center), cast<double>(source.wide.inertia)};
     } else {
-        return std::visit(MassPropertiesOf<S>{}, source.made_of);
+        return std::visit(MassPropertiesOf<S>{}, source.definition);
     }
 }
 
@@ -158,11 +163,11 @@ MassProperties<S> MassPropertiesOf<S>::operator()(const PartsBody& body) const {
 template <class S>
 MassProperties<S> mass_properties(const Body& body) {
     if (body.source) return mass_properties<S>(*body.source);
-    return MassPropertiesOf<S>{}(GivenBody{body.mass, body.inertia_B, body.center_of_mass});
+    return MassPropertiesOf<S>{}(NumericBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 
 /// Creates a source with its mass properties.
-std::shared_ptr<const BodySource> body_source(MadeOf made_of);
+std::shared_ptr<const BodySource> body_source(BodyDefinition definition);
 
 /// The scene body of this source, with each number rounded once. Does not check that the numbers are physical: see
 /// validate().

@@ -10,13 +10,13 @@ namespace polhode {
 Frame parse_frame(const JsonNode& node) {
     if (node.string() == "body") return Frame::body;
     if (node.string() == "world") return Frame::world;
-    node.fail(node.described(), "give \"body\" or \"world\"");
+    node.fail(node.describe(), "give \"body\" or \"world\"");
 }
 
 std::string write_frame(Frame frame) { return frame == Frame::body ? "\"body\"" : "\"world\""; }
 
 Initial parse_initial(const JsonNode& node, bool pivoted, Initial start) {
-    node.only(keys_of(scene_keys(), "initial"));
+    node.require_known_keys(keys_of(scene_keys(), "initial"));
     if (const JsonNode* q = node.find("orientation")) start.orientation = quaternion(*q);
     if (const JsonNode* w = node.find("angular_velocity")) start.angular_velocity = vector3(*w);
     if (const JsonNode* f = node.find("angular_velocity_frame")) start.angular_velocity_frame = parse_frame(*f);

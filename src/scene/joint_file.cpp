@@ -31,18 +31,19 @@ constexpr std::pair<const char*, LoopType> loop_types[] = {
 
 // Parses the type of the object, which determines its permitted keys.
 template <class Type, std::size_t n>
-Type typed(const JsonNode& node, const std::pair<const char*, Type> (&types)[n], const char* object) {
-    if (!node.is_object()) node.fail(node.described(), "give an object {\"name\": .., \"type\": .., ..}");
+Type parse_type(const JsonNode& node, const std::pair<const char*, Type> (&types)[n], const char* object) {
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"name\": .., \"type\": .., ..}");
     std::vector<std::string> names;
     for (const auto& [name, type] : types) names.emplace_back(name);
-    const JsonNode& given = node.required("type", "one of " + listed(names));
+    const JsonNode& given = node.require_member("type", "one of " + join_with_commas(names));
     for (const auto& [name, type] : types)
         if (given.string() == name) {
-            node.only(keys_of(scene_keys(), fmt::format("{} {}", object, name)));
+            node.require_known_keys(keys_of(scene_keys(), fmt::format("{} {}", object, name)));
             return type;
         }
     const std::string meant = did_you_mean(given.string(), names);
-    given.fail(given.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
+    given.fail(given.describe(),
+               fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
 }
 
 Vector3<double> point_at(const JsonNode& node, const char* key) {
@@ -58,19 +59,19 @@ std::array<double, 2> numbers_at(const JsonNode& node, const char* key, bool two
 
 Joint joint(const JsonNode& node) {
     Joint j;
-    j.type = typed(node, joint_types, "joint");
-    j.name = node.required("name", "the joint's name").string();
-    j.parent = node.required("parent", "a body's name or \"world\"").string();
-    j.child = node.required("child", "a body's name").string();
+    j.type = parse_type(node, joint_types, "joint");
+    j.name = node.require_member("name", "the joint's name").string();
+    j.parent = node.require_member("parent", "a body's name or \"world\"").string();
+    j.child = node.require_member("child", "a body's name").string();
     j.parent_point = point_at(node, "parent_point"), j.child_point = point_at(node, "child_point");
     if (const JsonNode* q = node.find("parent_orientation")) j.parent_orientation = quaternion(*q);
     if (const JsonNode* start = node.find("initial")) parse_joint_start(*start, j);
     if (j.type == JointType::revolute || j.type == JointType::prismatic)
-        j.axes[0] = vector3(node.required("axis", "[x, y, z], in the child's axes"));
+        j.axes[0] = vector3(node.require_member("axis", "[x, y, z], in the child's axes"));
     const bool universal = j.type == JointType::universal;
     if (universal) {
-        const JsonNode& axes = node.required("axes", "two vectors [x, y, z]");
-        if (axes.elements().size() != 2) axes.fail(axes.described(), "give two axes [[x, y, z], [x, y, z]]");
+        const JsonNode& axes = node.require_member("axes", "two vectors [x, y, z]");
+        if (axes.elements().size() != 2) axes.fail(axes.describe(), "give two axes [[x, y, z], [x, y, z]]");
         for (std::size_t i = 0; i < 2; ++i) j.axes[i] = vector3(*axes.elements()[i]);
     }
     j.stiffness = numbers_at(node, "stiffness", universal), j.damping = numbers_at(node, "damping", universal);
@@ -83,25 +84,27 @@ Joint joint(const JsonNode& node) {
 
 Loop loop(const JsonNode& node) {
     Loop l;
-    l.type = typed(node, loop_types, "loop");
-    l.name = node.required("name", "the loop's name").string();
-    l.first = node.required("first", "a body's name or \"world\"").string();
-    l.second = node.required("second", "a body's name or \"world\"").string();
+    l.type = parse_type(node, loop_types, "loop");
+    l.name = node.require_member("name", "the loop's name").string();
+    l.first = node.require_member("first", "a body's name or \"world\"").string();
+    l.second = node.require_member("second", "a body's name or \"world\"").string();
     l.first_point = point_at(node, "first_point"), l.second_point = point_at(node, "second_point");
     if (l.type == LoopType::revolute) {
-        l.first_axis = vector3(node.required("first_axis", "[x, y, z], in the first body's axes"));
-        l.second_axis = vector3(node.required("second_axis", "[x, y, z], in the second body's axes"));
+        l.first_axis = vector3(node.require_member("first_axis", "[x, y, z], in the first body's axes"));
+        l.second_axis = vector3(node.require_member("second_axis", "[x, y, z], in the second body's axes"));
     }
-    if (l.type == LoopType::distance) l.length = node.required("length", "the distance in m, > 0").number();
+    if (l.type == LoopType::distance) l.length = node.require_member("length", "the distance in m, > 0").number();
     return l;
 }
 
-NamedBody named_body(const JsonNode& node, const std::string& directory, const std::set<std::string_view>& carried) {
-    if (!node.is_object()) node.fail(node.described(), "give an object {\"name\": .., \"body\": ..}");
-    node.only(keys_of(scene_keys(), "one of bodies"));
+NamedBody parse_named_body(const JsonNode& node, const std::string& directory,
+                           const std::set<std::string_view>& carried) {
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"name\": .., \"body\": ..}");
+    node.require_known_keys(keys_of(scene_keys(), "one of bodies"));
     NamedBody one;
-    one.name = node.required("name", "the body's name").string();
-    one.body = parse_body(node.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
+    one.name = node.require_member("name", "the body's name").string();
+    one.body =
+        parse_body(node.require_member("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
     const JsonNode* start = node.find("initial");
     if (start && carried.contains(one.name))
         start->fail("is given for a body that is the child of a joint",
@@ -111,7 +114,7 @@ NamedBody named_body(const JsonNode& node, const std::string& directory, const s
 }
 
 template <class Members>
-std::string list_of(const Members& members, auto&& write) {
+std::string write_list(const Members& members, auto&& write) {
     std::string text;
     for (const auto& one : members) text += (text.empty() ? "[\n    {" : ",\n    {") + write(one) + "}";
     return text.empty() ? text : text + "\n  ]";
@@ -121,7 +124,7 @@ std::string vectors(const std::array<Vector3<double>, 2>& v) {
     return fmt::format("[{}, {}]", write_json(v[0]), write_json(v[1]));
 }
 
-std::string written_start(const Joint& j) {
+std::string write_joint_start(const Joint& j) {
     const std::string x = shortest_decimal(j.coordinate[0]), rate = shortest_decimal(j.rate[0]);
     const char* dependent = j.dependent ? ", \"dependent\": true" : "";
     switch (j.type) {
@@ -140,7 +143,7 @@ std::string written_start(const Joint& j) {
     return "";
 }
 
-std::string written_joint(const Joint& j) {
+std::string write_joint(const Joint& j) {
     std::string text =
         fmt::format(R"("name": {}, "type": "{}", "parent": {}, "child": {}, "parent_point": {}, "child_point": {}, )",
                     json_string(j.name), name_of(j.type), json_string(j.parent), json_string(j.child),
@@ -151,7 +154,7 @@ std::string written_joint(const Joint& j) {
         text += ", \"axes\": " + vectors(j.axes);
     else if (j.type != JointType::spherical)
         text += ", \"axis\": " + write_json(j.axes[0]);
-    text += ", \"initial\": {" + written_start(j) + "}";
+    text += ", \"initial\": {" + write_joint_start(j) + "}";
     const bool two = j.type == JointType::universal;
     const auto numbers = [two](const std::array<double, 2>& x) { return two ? write_json(x) : shortest_decimal(x[0]); };
     const std::string rest = j.type == JointType::spherical ? write_json(j.rest_orientation) : numbers(j.rest);
@@ -159,7 +162,7 @@ std::string written_joint(const Joint& j) {
                               numbers(j.damping));
 }
 
-std::string written_loop(const Loop& l) {
+std::string write_loop(const Loop& l) {
     std::string text =
         fmt::format(R"("name": {}, "type": "{}", "first": {}, "first_point": {}, "second": {}, "second_point": {})",
                     json_string(l.name), name_of(l.type), json_string(l.first), write_json(l.first_point),
@@ -193,7 +196,7 @@ const char* name_of(LoopType type) {
 
 void parse_joint_start(const JsonNode& node, Joint& j) {
     if (j.type == JointType::fixed) node.fail("is given for a fixed joint", "remove it: a fixed joint does not move");
-    node.only(keys_of(scene_keys(), fmt::format("start {}", name_of(j.type))));
+    node.require_known_keys(keys_of(scene_keys(), fmt::format("start {}", name_of(j.type))));
     const auto one = [&](const char* key, double& value) {
         if (const JsonNode* given = node.find(key)) value = given->number();
     };
@@ -230,25 +233,26 @@ void parse_mechanism(const JsonNode& root, Scene& scene) {
     if (const JsonNode* loops = root.find("loops"))
         for (const JsonNode* one : loops->elements()) scene.loops.push_back(loop(*one));
     if (import) return;
-    const JsonNode& bodies = root.required("bodies", "a list of {\"name\": .., \"body\": ..}");
+    const JsonNode& bodies = root.require_member("bodies", "a list of {\"name\": .., \"body\": ..}");
     if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
     if (bodies.elements().size() > most_bodies)
-        bodies.fail(bodies.described(), fmt::format("give at most {} bodies", most_bodies));
+        bodies.fail(bodies.describe(), fmt::format("give at most {} bodies", most_bodies));
     const std::set<std::string_view> carried = children_of(scene);
-    for (const JsonNode* one : bodies.elements()) scene.bodies.push_back(named_body(*one, scene.directory, carried));
+    for (const JsonNode* one : bodies.elements())
+        scene.bodies.push_back(parse_named_body(*one, scene.directory, carried));
 }
 
 std::string write_bodies(const Scene& scene) {
     const std::set<std::string_view> carried = children_of(scene);
-    return list_of(scene.bodies, [&](const NamedBody& one) {
+    return write_list(scene.bodies, [&](const NamedBody& one) {
         std::string text = fmt::format("\"name\": {}, \"body\": {{{}}}", json_string(one.name), write_body(one.body));
         if (!carried.contains(one.name)) text += ",\n    \"initial\": {" + write_initial(one.initial, false, " ") + "}";
         return text;
     });
 }
 
-std::string write_joints(const Scene& scene) { return list_of(scene.joints, written_joint); }
+std::string write_joints(const Scene& scene) { return write_list(scene.joints, write_joint); }
 
-std::string write_loops(const Scene& scene) { return list_of(scene.loops, written_loop); }
+std::string write_loops(const Scene& scene) { return write_list(scene.loops, write_loop); }
 
 }  // namespace polhode

@@ -8,7 +8,7 @@ namespace polhode {
 
 double positive(const JsonNode& node, const char* what) {
     const double value = node.number();
-    if (!(value > 0)) node.fail(node.described(), fmt::format("{} must be > 0", what));
+    if (!(value > 0)) node.fail(node.describe(), fmt::format("{} must be > 0", what));
     return value;
 }
 

@@ -36,26 +36,26 @@ Frame point_frame(const JsonNode& node) {
 }
 
 Load gravity(const JsonNode& node) {
-    return Gravity{vector3(node.required("acceleration", "[x, y, z] in m/s^2, world axes")), load_window(node)};
+    return Gravity{vector3(node.require_member("acceleration", "[x, y, z] in m/s^2, world axes")), load_window(node)};
 }
 
 Load constant_torque(const JsonNode& node) {
-    return Torque{vector3(node.required("vector", "[x, y, z] in N m")),
-                  parse_frame(node.required("frame", "\"body\" or \"world\"")), load_window(node)};
+    return Torque{vector3(node.require_member("vector", "[x, y, z] in N m")),
+                  parse_frame(node.require_member("frame", "\"body\" or \"world\"")), load_window(node)};
 }
 
 Load force(const JsonNode& node) {
-    return Force{vector3(node.required("vector", "[x, y, z] in N")),
-                 parse_frame(node.required("frame", "\"body\" or \"world\"")),
-                 vector3(node.required("point", "the point of application [x, y, z] in m")), point_frame(node),
+    return Force{vector3(node.require_member("vector", "[x, y, z] in N")),
+                 parse_frame(node.require_member("frame", "\"body\" or \"world\"")),
+                 vector3(node.require_member("point", "the point of application [x, y, z] in m")), point_frame(node),
                  load_window(node)};
 }
 
 Load impulse(const JsonNode& node) {
-    return Impulse{vector3(node.required("vector", "[x, y, z] in N s")),
-                   parse_frame(node.required("frame", "\"body\" or \"world\"")),
-                   vector3(node.required("point", "the point of application [x, y, z] in m")), point_frame(node),
-                   node.required("at", "the time in s").number()};
+    return Impulse{vector3(node.require_member("vector", "[x, y, z] in N s")),
+                   parse_frame(node.require_member("frame", "\"body\" or \"world\"")),
+                   vector3(node.require_member("point", "the point of application [x, y, z] in m")), point_frame(node),
+                   node.require_member("at", "the time in s").number()};
 }
 
 Load drag(const JsonNode& node) {
@@ -72,7 +72,7 @@ Load drag(const JsonNode& node) {
 
 Load spring(const JsonNode& node) {
     Spring load;
-    load.stiffness = node.required("stiffness", "the stiffness in N m").number();
+    load.stiffness = node.require_member("stiffness", "the stiffness in N m").number();
     if (const JsonNode* rest = node.find("rest_orientation")) load.rest_orientation = quaternion(*rest);
     load.window = load_window(node);
     return load;
@@ -80,13 +80,13 @@ Load spring(const JsonNode& node) {
 
 Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
     Motor load;
-    load.joint = node.required("joint", "the name of a revolute or prismatic joint").string();
+    load.joint = node.require_member("joint", "the name of a revolute or prismatic joint").string();
     const JsonNode *torque = node.find("torque"), *along = node.find("force");
     if (torque && along)
         along->fail("is given together with \"torque\"",
                     "give \"torque\" for a revolute joint or \"force\" for a prismatic joint");
     if (!torque && !along)
-        node.required("torque", "the torque in N m on a revolute joint, or \"force\" in N on a prismatic one");
+        node.require_member("torque", "the torque in N m on a revolute joint, or \"force\" in N on a prismatic one");
     const JointType* type = type_of(joints, load.joint);
     if (type && torque && *type == JointType::prismatic)
         torque->fail("is given for a prismatic joint", "give \"force\" in N");
@@ -99,11 +99,11 @@ Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
 
 Load point_spring(const JsonNode& node) {
     PointSpring load;
-    load.first = node.required("first", "a body's name or \"world\"").string();
-    load.second = node.required("second", "a body's name or \"world\"").string();
+    load.first = node.require_member("first", "a body's name or \"world\"").string();
+    load.second = node.require_member("second", "a body's name or \"world\"").string();
     if (const JsonNode* point = node.find("first_point")) load.first_point = vector3(*point);
     if (const JsonNode* point = node.find("second_point")) load.second_point = vector3(*point);
-    load.stiffness = node.required("stiffness", "the stiffness in N/m").number();
+    load.stiffness = node.require_member("stiffness", "the stiffness in N/m").number();
     if (const JsonNode* length = node.find("rest_length")) load.rest_length = length->number();
     load.window = load_window(node);
     return load;
@@ -186,10 +186,10 @@ struct LoadWriter {
 Load parse_load(const JsonNode& node, const std::vector<Joint>& joints) {
     std::vector<std::string> names;
     for (const LoadKind& kind : load_kinds) names.emplace_back(kind.name);
-    const JsonNode& type = node.required("type", "one of " + listed(names));
+    const JsonNode& type = node.require_member("type", "one of " + join_with_commas(names));
     for (const LoadKind& kind : load_kinds) {
         if (type.string() != kind.name) continue;
-        node.only(keys_of(scene_keys(), fmt::format("load {}", kind.name)));
+        node.require_known_keys(keys_of(scene_keys(), fmt::format("load {}", kind.name)));
         Load load = kind.read ? kind.read(node) : motor(node, joints);
         if (const JsonNode* body = node.find("body")) {
             if (body->string().empty()) body->fail("is empty", "give a body's name");
@@ -202,7 +202,8 @@ Load parse_load(const JsonNode& node, const std::vector<Joint>& joints) {
         return load;
     }
     const std::string meant = did_you_mean(type.string(), names);
-    type.fail(type.described(), fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", listed(names)));
+    type.fail(type.describe(),
+              fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
 }
 
 std::string write_load(const Load& load, const std::vector<Joint>& joints) {

@@ -43,10 +43,10 @@ class Names {
         check_.fail(place, fmt::format("is \"{}\", which is not the name of a {}", one_line(name, 60), what_),
                     !meant.empty()  ? meant
                     : known.empty() ? fmt::format("the scene has no {}", what_)
-                                    : "give one of " + listed(known));
+                                    : "give one of " + join_with_commas(known));
     }
 
-    void call(const char* what) { what_ = what; }
+    void set_kind(const char* what) { what_ = what; }
 
   private:
     const SceneCheck& check_;
@@ -214,7 +214,7 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
         joints.add(fmt::format("/joints/{}/name", i), scene.joints[i].name, i);
     // motors act only on joints, not on loops
     Names moving = joints;
-    moving.call("joint");
+    moving.set_kind("joint");
     for (std::size_t i = 0; i < scene.loops.size(); ++i)
         joints.add(fmt::format("/loops/{}/name", i), scene.loops[i].name, i);
     check_bodies(check, scene, carriers(check, scene, bodies));
@@ -241,7 +241,7 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     }
 }
 
-void check_names_of_one(const SceneCheck& check, const Scene& scene) {
+void check_single_body_names(const SceneCheck& check, const Scene& scene) {
     for (const char* key : {"joints", "loops"})
         if (key[0] == 'j' ? !scene.joints.empty() : !scene.loops.empty())
             check.fail(fmt::format("/{}", key), "are given together with \"body\"",

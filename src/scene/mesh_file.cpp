@@ -104,7 +104,8 @@ void require_bounded(const Mesh& mesh, const std::string& path) {
 
 Mesh parse_obj(std::string_view text, const std::string& path) {
     // statements that do not describe the surface
-    static constexpr std::string_view read_past[] = {"vn", "vt", "vp", "g", "o", "s", "l", "p", "usemtl", "mtllib"};
+    static constexpr std::string_view ignored_keywords[] = {"vn", "vt", "vp", "g",      "o",
+                                                            "s",  "l",  "p",  "usemtl", "mtllib"};
     Mesh mesh;
     Lines lines(text, path);
     std::vector<std::string_view> words;
@@ -133,7 +134,8 @@ Mesh parse_obj(std::string_view text, const std::string& path) {
             for (std::size_t i = 2; i < corners.size(); ++i)
                 mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
             require_bounded(mesh, path);
-        } else if (std::find(std::begin(read_past), std::end(read_past), words[0]) == std::end(read_past)) {
+        } else if (std::find(std::begin(ignored_keywords), std::end(ignored_keywords), words[0]) ==
+                   std::end(ignored_keywords)) {
             lines.fail(fmt::format("begins with \"{}\"", one_line(words[0], 40)),
                        "give an OBJ file of vertices (v) and faces (f)");
         }

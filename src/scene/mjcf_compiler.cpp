@@ -14,7 +14,7 @@ std::size_t word(const RobotXml& xml, const XMLElement& at, const char* name, co
     if (!text) return fallback;
     for (std::size_t i = 0; i < words.size(); ++i)
         if (text == words[i]) return i;
-    xml.fail(at, fmt::format("has \"{}\" in {}", one_line(text, 40), name), "give one of " + listed(words));
+    xml.fail(at, fmt::format("has \"{}\" in {}", one_line(text, 40), name), "give one of " + join_with_commas(words));
 }
 
 bool flag_or(const RobotXml& xml, const XMLElement& at, const char* name, bool fallback) {
@@ -22,7 +22,7 @@ bool flag_or(const RobotXml& xml, const XMLElement& at, const char* name, bool f
 }
 
 // Lower-case letters rotate about body axes, upper-case letters about fixed axes.
-void read_sequence(const RobotXml& xml, const XMLElement& at, EulerTurn& euler) {
+void read_sequence(const RobotXml& xml, const XMLElement& at, EulerRotation& euler) {
     const char* sequence = at.Attribute("eulerseq");
     if (!sequence) return;
     const std::string_view letters = sequence;
@@ -30,7 +30,7 @@ void read_sequence(const RobotXml& xml, const XMLElement& at, EulerTurn& euler) 
     if (letters.size() != 3 || (!turned && letters.find_first_not_of("XYZ") != letters.npos))
         xml.fail(at, fmt::format("has the eulerseq \"{}\"", one_line(letters, 40)),
                  "give three letters of xyz (rotating axes) or of XYZ (fixed axes)");
-    euler.about_turned_axes = turned;
+    euler.intrinsic = turned;
     for (std::size_t i = 0; i < 3; ++i) euler.axes[i] = letters[i] - (turned ? 'x' : 'X');
 }
 

@@ -72,7 +72,7 @@ std::array<double, 3> spanned(const RobotXml& xml, const XMLElement& at, const s
         xml.fail(at, "has both pos and fromto", "remove one of them");
     const std::vector<double> v = xml.attribute(at, "fromto", 6), size = given_sizes(xml, at);
     const Vector3<Wide> a = cast<Wide>(three_of(v)), b = cast<Wide>(three_of(v, 3));
-    place = {Wide(0.5) * (a + b), turn_from_z(xml, at, "fromto", a - b)};
+    place = {Wide(0.5) * (a + b), rotation_from_z(xml, at, "fromto", a - b)};
     const double half = double(square_root(dot(b - a, b - a)) / Wide(2));
     if (size.empty()) xml.fail(at, "has no size", "give the radius or half width in m");
     if (type == "capsule" || type == "cylinder") return {size[0], half, 0};

@@ -50,14 +50,14 @@ MeshMap map_of(const RobotXml& xml, const XMLElement& asset) {
     if (asset.Attribute("scale")) map.scale = cast<Wide>(three_of(xml.attribute(asset, "scale", 3)));
     if (asset.Attribute("refquat")) {
         const std::vector<double> q = xml.attribute(asset, "refquat", 4);
-        map.turn = unit_quaternion<Wide>(xml.turn_by(asset, {q[0], q[1], q[2], q[3]}));
+        map.turn = unit_quaternion<Wide>(xml.rotate_by(asset, {q[0], q[1], q[2], q[3]}));
     }
     if (map.determinant() == Wide(0)) xml.fail(asset, "has a scale of zero", "give three numbers that are not 0");
     return map;
 }
 
 // Replaces the faces by those of the convex hull.
-void take_hull(const RobotXml& xml, const XMLElement& asset, Mesh& mesh) {
+void add_hull(const RobotXml& xml, const XMLElement& asset, Mesh& mesh) {
     if (asset.Attribute("maxhullvert") && xml.attribute(asset, "maxhullvert", 1)[0] >= 0)
         xml.fail(asset, "needs the mass of a convex hull with limited vertices (maxhullvert), which is not supported",
                  remedy);
@@ -75,7 +75,7 @@ Mesh inline_mesh(const RobotXml& xml, const XMLElement& asset) {
     if (v.size() % 3 != 0)
         xml.fail(asset, "has a count of numbers in vertex that is not a multiple of 3", "give three per point");
     if (!asset.Attribute("face")) {
-        take_hull(xml, asset, mesh);
+        add_hull(xml, asset, mesh);
         return mesh;
     }
     const std::vector<double> f = xml.numbers(asset, "face", asset.Attribute("face"), 12, 3 * most_triangles);
@@ -185,7 +185,7 @@ Extent<Wide> mjcf_mesh_extent(const RobotXml& xml, const MjcfModel& model, const
     if (shell || rule == "shell") {
         e = surface_extent(mesh, map);
     } else {
-        if (rule == "convex") take_hull(xml, asset, mesh);
+        if (rule == "convex") add_hull(xml, asset, mesh);
         e = solid_extent(mesh, map);
     }
     if (!(e.size > Wide(1e-15)))

@@ -53,7 +53,7 @@ const MjcfModel& MjcfLibrary::attached(const XMLElement& at, const MjcfModel& of
     std::vector<std::string> known;
     for (const auto& [one, element] : of.models) known.push_back(one);
     xml_.fail(at, fmt::format("attaches the model \"{}\", which no <asset><model> defines", one_line(name, 60)),
-              known.empty() ? "define it by <asset><model>" : "give one of " + listed(known));
+              known.empty() ? "define it by <asset><model>" : "give one of " + join_with_commas(known));
 }
 
 const MjcfModel& MjcfLibrary::load(const XMLElement& asset, const MjcfModel& of) {

@@ -16,7 +16,7 @@ Vector3<Wide> unit_vector(const RobotXml& xml, const XMLElement& at, const char*
 }
 
 // The rotation whose matrix has these columns, from the largest quaternion component (Shepperd 1978).
-Quaternion<Wide> turn_of_columns(const Vector3<Wide>& x, const Vector3<Wide>& y, const Vector3<Wide>& z) {
+Quaternion<Wide> rotation_from_columns(const Vector3<Wide>& x, const Vector3<Wide>& y, const Vector3<Wide>& z) {
     const Wide squares[4] = {Wide(1) + x[0] + y[1] + z[2], Wide(1) + x[0] - y[1] - z[2], Wide(1) - x[0] + y[1] - z[2],
                              Wide(1) - x[0] - y[1] + z[2]};
     int largest = 0;
@@ -46,7 +46,7 @@ Quaternion<Wide> turn_about(const RobotXml& xml, const XMLElement& at, const Mjc
 
 }  // namespace
 
-Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v) {
+Quaternion<Wide> rotation_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v) {
     const Vector3<Wide> to = unit_vector(xml, at, what, v);
     // the unnormalised quaternion to half-way between z and `to`; a half rotation about x if they are opposite
     const Quaternion<Wide> twice{Wide(1) + to[2], -to[1], to[0], Wide(0)};
@@ -54,12 +54,12 @@ Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const ch
 }
 
 Quaternion<Wide> mjcf_euler(const Vector3<double>& angles, const MjcfCompiler& compiler) {
-    EulerTurn turn = compiler.euler;
+    EulerRotation turn = compiler.euler;
     turn.angles = angles;
     return unit_quaternion<Wide>(turn);
 }
 
-Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler) {
+Quaternion<Wide> mjcf_rotation(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler) {
     const char* chosen = nullptr;
     for (const char* name : {"quat", "axisangle", "euler", "xyaxes", "zaxis"}) {
         if (!at.Attribute(name)) continue;
@@ -70,22 +70,22 @@ Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const Mjcf
     const std::string_view kind = chosen;
     if (kind == "quat") {
         const std::vector<double> v = xml.attribute(at, "quat", 4);
-        return unit_quaternion<Wide>(xml.turn_by(at, {v[0], v[1], v[2], v[3]}));
+        return unit_quaternion<Wide>(xml.rotate_by(at, {v[0], v[1], v[2], v[3]}));
     }
     if (kind == "euler") return mjcf_euler(three_of(xml.attribute(at, "euler", 3)), compiler);
     if (kind == "axisangle") return turn_about(xml, at, compiler);
-    if (kind == "zaxis") return turn_from_z(xml, at, "zaxis", cast<Wide>(three_of(xml.attribute(at, "zaxis", 3))));
+    if (kind == "zaxis") return rotation_from_z(xml, at, "zaxis", cast<Wide>(three_of(xml.attribute(at, "zaxis", 3))));
     const std::vector<double> v = xml.attribute(at, "xyaxes", 6);
     const Vector3<Wide> x = unit_vector(xml, at, "xyaxes", cast<Wide>(three_of(v)));
     const Vector3<Wide> along = cast<Wide>(three_of(v, 3));
     const Vector3<Wide> y = unit_vector(xml, at, "xyaxes", along - dot(along, x) * x);
-    return turn_of_columns(x, y, cross(x, y));
+    return rotation_from_columns(x, y, cross(x, y));
 }
 
 RobotPose mjcf_pose(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler) {
     RobotPose pose;
     if (at.Attribute("pos")) pose.position = cast<Wide>(three_of(xml.attribute(at, "pos", 3)));
-    pose.turn = mjcf_turn(xml, at, compiler);
+    pose.turn = mjcf_rotation(xml, at, compiler);
     return pose;
 }
 
@@ -113,7 +113,7 @@ ImportedBody inertial_numbers(const RobotXml& xml, const XMLElement& inertial) {
 MassProperties<Wide> mjcf_inertial(const RobotXml& xml, const XMLElement& inertial, const MjcfCompiler& compiler) {
     const ImportedBody body = inertial_numbers(xml, inertial);
     return {Wide(body.mass), cast<Wide>(body.center_of_mass),
-            rotated(cast<Wide>(body.inertia), mjcf_turn(xml, inertial, compiler))};
+            rotated(cast<Wide>(body.inertia), mjcf_rotation(xml, inertial, compiler))};
 }
 
 std::optional<ImportedBody> mjcf_given_inertial(const RobotXml& xml, const XMLElement& inertial,
@@ -121,12 +121,12 @@ std::optional<ImportedBody> mjcf_given_inertial(const RobotXml& xml, const XMLEl
     for (const char* name : {"axisangle", "xyaxes", "zaxis"})
         if (inertial.Attribute(name)) return {};
     ImportedBody body = inertial_numbers(xml, inertial);
-    mjcf_turn(xml, inertial, compiler);  // validates the orientation
+    mjcf_rotation(xml, inertial, compiler);  // validates the orientation
     if (inertial.Attribute("quat")) {
         const std::vector<double> v = xml.attribute(inertial, "quat", 4);
         body.orientation = Quaternion<double>{v[0], v[1], v[2], v[3]};
     } else if (inertial.Attribute("euler")) {
-        EulerTurn turn = compiler.euler;
+        EulerRotation turn = compiler.euler;
         turn.angles = three_of(xml.attribute(inertial, "euler", 3));
         body.orientation = turn;
     }

@@ -14,7 +14,7 @@ enum class MjcfInertia { from_geoms, from_inertials, either };
 
 /// MJCF's <compiler>. If there are several elements, the last value of each attribute applies.
 struct MjcfCompiler {
-    EulerTurn euler{{0, 1, 2}, {}, true, true};  ///< sequence and units; the angles are unused
+    EulerRotation euler{{0, 1, 2}, {}, true, true};  ///< sequence and units; the angles are unused
     bool in_degrees = true;
     MjcfInertia inertia = MjcfInertia::either;  ///< inertiafromgeom; either: geoms unless there is an <inertial>
     double first_group = 0, last_group = 5;     ///< inertiagrouprange: groups of geoms that have mass
@@ -33,9 +33,9 @@ struct MjcfCompiler {
 MjcfCompiler mjcf_compiler(const RobotXml& xml, const XMLElement& root);
 
 /// The orientation of an element by quat, axisangle, euler, xyaxes or zaxis; the identity if it has none of these.
-Quaternion<Wide> mjcf_turn(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
+Quaternion<Wide> mjcf_rotation(const RobotXml& xml, const XMLElement& at, const MjcfCompiler& compiler);
 /// The shortest rotation that maps z to the direction of v, of any nonzero length. A zero v is reported as `what`.
-Quaternion<Wide> turn_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v);
+Quaternion<Wide> rotation_from_z(const RobotXml& xml, const XMLElement& at, const char* what, const Vector3<Wide>& v);
 /// The rotation by Euler angles in the units and sequence of <compiler>.
 Quaternion<Wide> mjcf_euler(const Vector3<double>& angles, const MjcfCompiler& compiler);
 

@@ -24,8 +24,8 @@ LinkInertial read_inertial(const RobotXml& xml, XMLElement& root, const std::str
 
 }  // namespace
 
-MadeOf parse_robot_body(std::string_view text, const std::string& path, const std::string& link, bool balance_inertia,
-                        const RobotFiles& files) {
+BodyDefinition parse_robot_body(std::string_view text, const std::string& path, const std::string& link,
+                                bool balance_inertia, const RobotFiles& files) {
     tinyxml2::XMLDocument document;
     parse_robot_xml(document, text, path);
     const RobotXml xml(path, files);
@@ -45,9 +45,9 @@ MadeOf parse_robot_body(std::string_view text, const std::string& path, const st
         body->hash = content_hash(text);
         return *body;
     }
-    return GivenBody{double(properties.mass),
-                     round_tensor(repair.inertia),
-                     {double(properties.center[0]), double(properties.center[1]), double(properties.center[2])}};
+    return NumericBody{double(properties.mass),
+                       round_tensor(repair.inertia),
+                       {double(properties.center[0]), double(properties.center[1]), double(properties.center[2])}};
 }
 
 }  // namespace polhode

@@ -57,7 +57,7 @@ std::string robot_text(const std::string& directory, const std::string& file) {
     const std::string name = (std::filesystem::path(folder) / file).lexically_normal().generic_string();
     const std::string_view text = builtin_robot_text(name);
     if (text.empty())
-        throw InputError(name, "", "is not a built-in file", "give one of " + listed(builtin_robot_names()));
+        throw InputError(name, "", "is not a built-in file", "give one of " + join_with_commas(builtin_robot_names()));
     return std::string(text);
 }
 

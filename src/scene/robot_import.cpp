@@ -15,7 +15,7 @@ namespace {
 RobotBase robot_base(const JsonNode& node) {
     if (node.string() == "fixed") return RobotBase::fixed;
     if (node.string() == "free") return RobotBase::free;
-    node.fail(node.described(), "give \"fixed\" or \"free\"");
+    node.fail(node.describe(), "give \"fixed\" or \"free\"");
 }
 
 NamedBody* free_body(Scene& scene, const std::string& name) {
@@ -46,15 +46,15 @@ void parse_start(const JsonNode& node, Scene& scene) {
         if (free_body(scene, one.name)) names.push_back(one.name);
     const std::string meant = did_you_mean(node.key(), names);
     node.fail("is neither a joint nor a free body of the robot",
-              meant.empty() ? "give one of " + listed(names) : meant);
+              meant.empty() ? "give one of " + join_with_commas(names) : meant);
 }
 
 }  // namespace
 
 void parse_robot_import(const JsonNode& node, bool scene_has_gravity, Scene& scene) {
-    if (!node.is_object()) node.fail(node.described(), "give an object {\"file\": ..}");
-    node.only(keys_of(scene_keys(), "import of a robot"));
-    const std::string& file = node.required("file", "the path of a URDF, MJCF or SDFormat file").string();
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"file\": ..}");
+    node.require_known_keys(keys_of(scene_keys(), "import of a robot"));
+    const std::string& file = node.require_member("file", "the path of a URDF, MJCF or SDFormat file").string();
     RobotOptions options;
     options.scene_has_gravity = scene_has_gravity;
     if (const JsonNode* base = node.find("base")) options.base = robot_base(*base);

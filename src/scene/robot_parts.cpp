@@ -46,7 +46,7 @@ const XMLElement& named_element(const RobotXml& xml, const XMLElement& root, con
         throw InputError(xml.path(), "", fmt::format("has no {} \"{}\"", tag, one_line(name, 60)),
                          !meant.empty()  ? meant
                          : names.empty() ? fmt::format("give a file with a named {}", tag)
-                                         : "give one of " + listed(names));
+                                         : "give one of " + join_with_commas(names));
     }
     if (found.size() > 1)
         xml.fail(*found[1], fmt::format("is a second {} \"{}\"", tag, one_line(name, 60)),
@@ -67,7 +67,7 @@ std::size_t RobotNames::find(const XMLElement& at, const std::string& name) cons
     for (const auto& [one, index] : index_) known.push_back(one);
     const std::string meant = did_you_mean(name, known);
     xml_.fail(at, fmt::format("refers to \"{}\", which is not a {}", one_line(name, 60), what_),
-              !meant.empty() ? meant : "give one of " + listed(known));
+              !meant.empty() ? meant : "give one of " + join_with_commas(known));
 }
 
 namespace {

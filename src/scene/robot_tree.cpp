@@ -32,12 +32,12 @@ class RobotMerger {
         carrier_.assign(robot_.links.size(), none);
         for (std::size_t j = 0; j < robot_.joints.size(); ++j) carrier_[robot_.joints[j].child] = j;
         robot_.places.resize(robot_.links.size());
-        const bool as_usual = options.base == RobotBase::as_usual;
-        hold_roots(as_usual ? robot_.roots_are_free : options.base == RobotBase::free);
+        const bool format_default = options.base == RobotBase::format_default;
+        connect_roots(format_default ? robot_.roots_are_free : options.base == RobotBase::free);
         children_.resize(robot_.links.size());
         for (std::size_t j = 0; j < robot_.joints.size(); ++j)
             if (robot_.joints[j].parent != RobotJoint::world) children_[robot_.joints[j].parent].push_back(j);
-        gone_.assign(robot_.links.size(), false);
+        removed_.assign(robot_.links.size(), false);
     }
 
     // works from the leaves of the trees to their roots
@@ -50,19 +50,19 @@ class RobotMerger {
         if (order.size() < robot_.links.size())
             throw InputError(path_, "", "has joints that form a cycle",
                              "joints must form a tree: close chains by \"loops\" in the scene");
-        for (std::size_t k = order.size(); k-- > 0;) pass_on_tensor(order[k]);
+        for (std::size_t k = order.size(); k-- > 0;) move_tensor(order[k]);
         for (std::size_t k = order.size(); k-- > 0;)
             if (!robot_.links[order[k]].mass) merge_link(order[k]);
         // a link that is fixed to another link does not need a possible tensor of its own
         for (std::size_t k = order.size(); k-- > 0;)
-            if (!gone_[order[k]] && has_impossible_tensor(order[k])) merge_impossible(order[k]);
+            if (!removed_[order[k]] && has_impossible_tensor(order[k])) merge_impossible(order[k]);
         for (const std::size_t i : order)
-            if (!gone_[i]) repair(i);
+            if (!removed_[i]) repair(i);
     }
 
     void build(Scene& scene) {
         for (std::size_t i = 0; i < robot_.links.size(); ++i)
-            if (!gone_[i]) build_link(i, scene);
+            if (!removed_[i]) build_link(i, scene);
         if (scene.bodies.empty())
             throw InputError(path_, "", "has no link with a mass", "give at least one link an <inertial>");
         require_motion();
@@ -77,8 +77,8 @@ class RobotMerger {
         } else if (!options_.scene_has_gravity) {
             scene.assumed.push_back("gravity: none; neither the file nor the scene defines it");
         }
-        for (const auto& [what, names] : robot_.assumed) scene.assumed.push_back(phrase(what, names));
-        for (const auto& [what, names] : robot_.omitted) scene.omitted.push_back(phrase(what, names));
+        for (const auto& [what, names] : robot_.assumed) scene.assumed.push_back(format_note(what, names));
+        for (const auto& [what, names] : robot_.omitted) scene.omitted.push_back(format_note(what, names));
     }
 
   private:
@@ -97,7 +97,7 @@ class RobotMerger {
         return place.empty() ? "" : fmt::format("{}: {}", one_line(path_, 200), place);
     }
 
-    void hold_roots(bool are_free) {
+    void connect_roots(bool are_free) {
         std::set<std::string, std::less<>> names;
         for (const RobotJoint& joint : robot_.joints) names.insert(joint.name);
         for (std::size_t i = 0; i < robot_.links.size(); ++i) {
@@ -123,7 +123,7 @@ class RobotMerger {
         std::vector<std::size_t>& children = children_[i];
         const auto child = std::find_if(children.begin(), children.end(),
                                         [&](std::size_t j) { return robot_.joints[j].motion == RobotMotion::fixed; });
-        gone_[i] = true;
+        removed_[i] = true;
         if (children.empty()) {
             if (joint.parent != RobotJoint::world) std::erase(children_[joint.parent], carrier_[i]);
             // a massless leaf moves nothing, and its own motion is undetermined
@@ -139,7 +139,7 @@ class RobotMerger {
             make_universal(i, joint, children[0]);
         } else {
             // keep it as a massless body; the scene's mass matrix determines whether it can move
-            gone_[i] = false;
+            removed_[i] = false;
             robot_.links[i].mass = MassProperties<Wide>{};
             note_assumed("links without mass between moving joints", link.name);
         }
@@ -159,10 +159,10 @@ class RobotMerger {
 
     // replaces link i by the child that is fixed to it, with the child's frame
     void merge_down(std::size_t i, RobotJoint& joint, std::size_t fixed, const char* heading) {
-        const RobotJoint tie = robot_.joints[fixed];
-        const std::size_t c = tie.child;
-        const RobotPose back = inverse(tie.placement);
-        joint.placement = joint.placement * tie.placement;
+        const RobotJoint fixed_joint = robot_.joints[fixed];
+        const std::size_t c = fixed_joint.child;
+        const RobotPose back = inverse(fixed_joint.placement);
+        joint.placement = joint.placement * fixed_joint.placement;
         joint.point = back * joint.point;
         for (Vector3<Wide>& axis : joint.axes) axis = rotate(back.turn, axis);
         joint.child = c, carrier_[c] = carrier_[i];
@@ -176,12 +176,12 @@ class RobotMerger {
     }
 
     // Two hinge axes and their distance, in the frame of the link between them.
-    struct Meeting {
+    struct HingePair {
         Vector3<Wide> p, a, b, n, d;
         Wide across = 0;
     };
-    Meeting meeting_of(const RobotJoint& joint, const RobotJoint& second) const {
-        Meeting m;
+    HingePair hinge_pair(const RobotJoint& joint, const RobotJoint& second) const {
+        HingePair m;
         m.p = joint.point, m.a = joint.axes[0];
         m.d = second.placement * second.point - m.p, m.b = rotate(second.placement.turn, second.axes[0]);
         m.n = cross(m.a, m.b), m.across = dot(m.n, m.n);
@@ -191,7 +191,7 @@ class RobotMerger {
         if (joint.motion != RobotMotion::revolute || children.size() != 1) return false;
         const RobotJoint& second = robot_.joints[children[0]];
         if (second.motion != RobotMotion::revolute) return false;
-        const Meeting m = meeting_of(joint, second);
+        const HingePair m = hinge_pair(joint, second);
         const Wide apart = dot(m.d, m.n);
         return m.across > Wide(1e-12) * dot(m.a, m.a) * dot(m.b, m.b) &&
                apart * apart <= Wide(1e-18) * dot(m.d, m.d) * m.across;
@@ -199,7 +199,7 @@ class RobotMerger {
 
     void make_universal(std::size_t i, RobotJoint& joint, std::size_t second_joint) {
         const RobotJoint& second = robot_.joints[second_joint];
-        const auto [p, a, b, n, d, across] = meeting_of(joint, second);
+        const auto [p, a, b, n, d, across] = hinge_pair(joint, second);
         const Vector3<Wide> meeting = p + (dot(cross(d, b), n) / across) * a;
         const RobotPose back = inverse(second.placement);
         const std::size_t c = second.child;
@@ -215,20 +215,20 @@ class RobotMerger {
     }
 
     // Adds the tensor of a link with mass 0 to a link that is fixed to it.
-    void pass_on_tensor(std::size_t i) {
+    void move_tensor(std::size_t i) {
         RobotLink& link = robot_.links[i];
         if (!link.mass || link.mass->mass > Wide(0)) return;
         const MassProperties<Wide> tensor = *link.mass;
         link.mass.reset();
         if (tensor.inertia == Matrix3<Wide>()) return;
         const RobotJoint& joint = joint_of(i);
-        const auto tie = std::find_if(children_[i].begin(), children_[i].end(), [&](std::size_t j) {
+        const auto fixed_joint = std::find_if(children_[i].begin(), children_[i].end(), [&](std::size_t j) {
             return robot_.joints[j].motion == RobotMotion::fixed && robot_.links[robot_.joints[j].child].mass;
         });
         if (joint.motion == RobotMotion::fixed) {
             if (joint.parent != RobotJoint::world) add_mass(joint.parent, tensor, joint.placement);
-        } else if (tie != children_[i].end()) {
-            add_mass(robot_.joints[*tie].child, tensor, inverse(robot_.joints[*tie].placement));
+        } else if (fixed_joint != children_[i].end()) {
+            add_mass(robot_.joints[*fixed_joint].child, tensor, inverse(robot_.joints[*fixed_joint].placement));
         } else {
             return note("inertia tensors of links with mass 0", link.name);
         }
@@ -245,7 +245,7 @@ class RobotMerger {
         RobotLink& link = robot_.links[i];
         const RobotJoint joint = joint_of(i);
         if (joint.motion == RobotMotion::fixed) {
-            gone_[i] = true;
+            removed_[i] = true;
             if (joint.parent == RobotJoint::world) {
                 link.mass.reset();
                 merge_up(i, joint, "links fixed to the world with an impossible inertia tensor, which has no effect");
@@ -256,7 +256,7 @@ class RobotMerger {
         }
         for (const std::size_t j : children_[i]) {
             if (robot_.joints[j].motion != RobotMotion::fixed) continue;
-            gone_[i] = true;
+            removed_[i] = true;
             add_mass(robot_.joints[j].child, *link.mass, inverse(robot_.joints[j].placement));
             return merge_down(i, joint_of(i), j, "links with an impossible inertia tensor, merged with their children");
         }
@@ -287,7 +287,7 @@ class RobotMerger {
     void require_motion() const {
         const RobotLink* first = nullptr;
         for (std::size_t i = 0; i < robot_.links.size(); ++i) {
-            if (gone_[i]) continue;
+            if (removed_[i]) continue;
             if (joint_of(i).motion != RobotMotion::fixed) return;
             if (!first) first = &robot_.links[i];
         }
@@ -348,12 +348,12 @@ class RobotMerger {
             one.initial.orientation = round_to_double(place->turn);
             one.initial.position_W = round_to_double(*place * link.mass->center);
         } else {
-            scene.joints.push_back(built(joint));
+            scene.joints.push_back(make_joint(joint));
         }
         scene.bodies.push_back(std::move(one));
     }
 
-    Joint built(const RobotJoint& from) const {
+    Joint make_joint(const RobotJoint& from) const {
         Joint joint;
         joint.name = from.name, joint.place = full_place(from.place);
         joint.type = from.motion == RobotMotion::revolute    ? JointType::revolute
@@ -380,15 +380,15 @@ class RobotMerger {
     }
 
     // "limits of joints: a, b, c"; long lists end with their number of entries
-    static std::string phrase(const std::string& what, const std::vector<std::string>& names) {
+    static std::string format_note(const std::string& what, const std::vector<std::string>& names) {
         constexpr std::size_t most = 8;
-        std::vector<std::string> listed_names;
+        std::vector<std::string> unique_names;
         for (const std::string& name : names)
-            if (!name.empty() && listed_names.size() < most &&
-                std::find(listed_names.begin(), listed_names.end(), name) == listed_names.end())
-                listed_names.push_back(one_line(name, 200));
-        if (names.size() > most) listed_names.push_back(fmt::format("{} in total", names.size()));
-        return listed_names.empty() ? what : what + ": " + listed(listed_names);
+            if (!name.empty() && unique_names.size() < most &&
+                std::find(unique_names.begin(), unique_names.end(), name) == unique_names.end())
+                unique_names.push_back(one_line(name, 200));
+        if (names.size() > most) unique_names.push_back(fmt::format("{} in total", names.size()));
+        return unique_names.empty() ? what : what + ": " + join_with_commas(unique_names);
     }
 
     Robot robot_;
@@ -396,7 +396,7 @@ class RobotMerger {
     const std::string& path_;
     std::vector<std::size_t> carrier_;                // index of the joint that carries each link
     std::vector<std::vector<std::size_t>> children_;  // indices of the joints whose parent is this link
-    std::vector<bool> gone_;
+    std::vector<bool> removed_;
 };
 
 }  // namespace

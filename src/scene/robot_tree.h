@@ -17,7 +17,7 @@
 namespace polhode {
 
 /// Whether root links are fixed or free if the file does not specify it.
-enum class RobotBase { as_usual, fixed, free };
+enum class RobotBase { format_default, fixed, free };
 
 /// The pose of one frame in another: v_outer = rotate(turn, v_inner) + position.
 struct RobotPose {
@@ -80,7 +80,7 @@ struct Robot {
 /// Which robot to read from a file, and how.
 struct RobotOptions {
     std::string model;  ///< SDFormat: the model to read, "outer::inner" if nested; empty: all models
-    RobotBase base = RobotBase::as_usual;
+    RobotBase base = RobotBase::format_default;
     bool balance_inertia = false;    ///< accept tensors that break the triangle inequality by any amount
     bool scene_has_gravity = false;  ///< the scene has its own gravity load, which takes precedence
 };

@@ -108,7 +108,7 @@ Matrix3<double> RobotXml::tensor(const std::vector<double>& v) {
     return m;
 }
 
-RobotTurn RobotXml::turn_by(const XMLElement& at, const Quaternion<double>& q) const {
+RobotRotation RobotXml::rotate_by(const XMLElement& at, const Quaternion<double>& q) const {
     const double length = norm(q);
     if (!(length > 1e-100 && length < 1e100))
         fail(at, "has a quaternion of length zero or beyond 1e100", "give a unit quaternion");

@@ -19,7 +19,7 @@ namespace polhode {
 using tinyxml2::XMLElement;
 
 /// A quaternion of any nonzero length, or three rotations.
-using RobotTurn = std::variant<Quaternion<double>, EulerTurn>;
+using RobotRotation = std::variant<Quaternion<double>, EulerRotation>;
 
 /// The origin of an element copied from another file. The element's user data points to it.
 struct RobotOrigin {
@@ -64,7 +64,7 @@ class RobotXml {
     double checked_mass(const XMLElement& at, double mass) const;
     /// The tensor with the entries xx yy zz xy xz yz, without checks.
     static Matrix3<double> tensor(const std::vector<double>& v);
-    RobotTurn turn_by(const XMLElement& at, const Quaternion<double>& q) const;
+    RobotRotation rotate_by(const XMLElement& at, const Quaternion<double>& q) const;
 
   private:
     std::string path_;
@@ -78,7 +78,7 @@ inline Vector3<double> three_of(const std::vector<double>& v, std::size_t from =
 }
 
 /// Roll, pitch, yaw: rotations about the fixed axes x, y, z.
-inline EulerTurn roll_pitch_yaw(const Vector3<double>& angles, bool in_degrees) {
+inline EulerRotation roll_pitch_yaw(const Vector3<double>& angles, bool in_degrees) {
     return {{0, 1, 2}, angles, in_degrees, false};
 }
 

@@ -98,6 +98,6 @@ void check_initial(const SceneCheck& check, const std::string& place, const Init
 void check_mechanism(const SceneCheck& check, const Scene& scene);
 
 /// Checks that the loads of a scene of one body name no bodies.
-void check_names_of_one(const SceneCheck& check, const Scene& scene);
+void check_single_body_names(const SceneCheck& check, const Scene& scene);
 
 }  // namespace polhode

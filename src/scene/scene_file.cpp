@@ -20,11 +20,11 @@ namespace polhode {
 namespace {
 
 Plane plane(const JsonNode& node) {
-    node.only(keys_of(scene_keys(), "plane"));
+    node.require_known_keys(keys_of(scene_keys(), "plane"));
     Plane p;
-    p.normal_W = vector3(node.required("normal", "[x, y, z], world axes, towards the body"));
+    p.normal_W = vector3(node.require_member("normal", "[x, y, z], world axes, towards the body"));
     if (const JsonNode* offset = node.find("offset")) p.offset = offset->number();
-    p.restitution = node.required("restitution", "the coefficient of restitution, 0 to 1").number();
+    p.restitution = node.require_member("restitution", "the coefficient of restitution, 0 to 1").number();
     if (const JsonNode* friction = node.find("friction")) p.friction = friction->number();
     return p;
 }
@@ -48,18 +48,19 @@ bool has_several(const JsonNode& root) {
 }
 
 Scene scene(const JsonNode& root, const std::string& directory) {
-    if (!root.is_object()) root.fail(root.described(), "give an object {\"name\": .., \"duration\": .., \"body\": ..}");
-    root.only(keys_of(scene_keys(), "scene"));
+    if (!root.is_object()) root.fail(root.describe(), "give an object {\"name\": .., \"duration\": .., \"body\": ..}");
+    root.require_known_keys(keys_of(scene_keys(), "scene"));
     Scene s;
     s.directory = directory;
-    s.name = root.required("name", "the scene's name").string();
+    s.name = root.require_member("name", "the scene's name").string();
     if (const JsonNode* about = root.find("about")) s.about = about->string();
     if (const JsonNode* source = root.find("source")) s.source = source->string();
-    s.duration = root.required("duration", "the duration in s, > 0").number();
+    s.duration = root.require_member("duration", "the duration in s, > 0").number();
     if (has_several(root)) {
         parse_mechanism(root, s);
     } else {
-        s.body = parse_body(root.required("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
+        s.body =
+            parse_body(root.require_member("body", "the mass properties {\"mass\": .., \"inertia\": ..}"), directory);
         if (const JsonNode* pivot = root.find("pivot")) s.pivot = vector3(*pivot);
         if (const JsonNode* start = root.find("initial")) s.initial = parse_initial(*start, s.pivot.has_value());
     }
@@ -68,7 +69,7 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* planes = root.find("planes"))
         for (const JsonNode* one : planes->elements()) s.planes.push_back(plane(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {
-        tolerated->only(keys_of(scene_keys(), "tolerated"));
+        tolerated->require_known_keys(keys_of(scene_keys(), "tolerated"));
         for (const JsonNode* error : tolerated->members()) s.tolerated[error->key()] = error->number();
         if (s.tolerated.empty())
             tolerated->fail("is empty", "give limits such as {\"attitude\": 1e-3}, or remove \"tolerated\"");
@@ -134,7 +135,7 @@ Scene parse_scene(std::string_view text, const std::string& file, const std::str
         validate(parsed, file);
     } catch (const InputError& error) {
         if (!is_imported) throw;
-        throw error.moved_to(file, place_in_robot(parsed, error.place()));
+        throw error.relocate(file, place_in_robot(parsed, error.place()));
     }
     return parsed;
 }
@@ -153,7 +154,7 @@ Scene find_scene(const std::string& name_or_path) {
     if (path_like || is_file(name_or_path)) return read_scene(name_or_path);
     const std::string meant = scenes_meant(name_or_path);
     throw InputError(name_or_path, "", "is neither a built-in scene nor a file",
-                     meant.empty() ? "built-in scenes: " + listed(builtin_scene_names()) : meant);
+                     meant.empty() ? "built-in scenes: " + join_with_commas(builtin_scene_names()) : meant);
 }
 
 }  // namespace polhode

@@ -82,7 +82,7 @@ class SdfReader {
         }
         const std::string meant = did_you_mean(name, names);
         xml_.fail(tree_.top(), fmt::format("has no model \"{}\"", one_line(name, 60)),
-                  !meant.empty() ? meant : "give one of " + listed(names));
+                  !meant.empty() ? meant : "give one of " + join_with_commas(names));
     }
 
     bool is_static(const SdfEntity& entity) const { return tree_.scope_of(entity).is_static; }
@@ -99,17 +99,17 @@ class SdfReader {
                 model = tree_.scope_of(tree_.entities()[model]).frame;
             if (is_static(link)) {
                 const std::size_t owner = tree_.scope_of(link).frame;
-                still_.insert(tree_.entities()[owner].name);
+                static_models_.insert(tree_.entities()[owner].name);
             } else {
                 moving.insert(model);
             }
         }
         if (prefix_.empty() && moving.size() == 1) prefix_ = tree_.entities()[*moving.begin()].name + "::";
-        for (const std::string& name : still_)
+        for (const std::string& name : static_models_)
             robot_.assumed["static models, treated as part of the world"].push_back(name);
     }
 
-    std::string written(const std::string& name) const {
+    std::string short_name(const std::string& name) const {
         return name.starts_with(prefix_) ? name.substr(prefix_.size()) : name;
     }
 
@@ -117,10 +117,10 @@ class SdfReader {
         const SdfEntity& entity = tree_.entities()[index];
         if (entity.kind != SdfKind::link) return;
         if (entity.at->FirstChildElement("collision"))
-            robot_.omitted["contact shapes of links"].push_back(written(entity.name));
+            robot_.omitted["contact shapes of links"].push_back(short_name(entity.name));
         if (is_static(entity) || !tree_.is_within(index, chosen_)) return;
         RobotLink link;
-        link.name = written(entity.name), link.place = xml_.place_of(*entity.at);
+        link.name = short_name(entity.name), link.place = xml_.place_of(*entity.at);
         link.mass = mass_of(inertial_of(xml_, tree_, index, link.name, robot_.assumed));
         if (link.mass->mass == 0) {
             robot_.assumed["links of mass 0, whose inertia tensors are ignored"].push_back(link.name);
@@ -132,7 +132,7 @@ class SdfReader {
     }
 
     [[noreturn]] void fail_without_links() const {
-        const bool has_static = !still_.empty();
+        const bool has_static = !static_models_.empty();
         xml_.fail(tree_.top(), has_static ? "has no movable <model>: all are static" : "has no <model> with a link",
                   has_static ? "remove <static> from one of them" : "give a model with a link");
     }
@@ -150,18 +150,20 @@ class SdfReader {
         return tree_.link_of(tree_.find(at, name, joint.scope), at);
     }
 
-    bool is_taken(std::size_t link) const { return link == SdfTree::world || link_index_[link] != RobotJoint::world; }
+    bool is_imported(std::size_t link) const {
+        return link == SdfTree::world || link_index_[link] != RobotJoint::world;
+    }
 
     void read_joint(const SdfEntity& entity) {
         const std::size_t parent = end_of(entity, "parent"), child = end_of(entity, "child");
-        const std::string name = unique_name(written(entity.name));
+        const std::string name = unique_name(short_name(entity.name));
         if (parent == child && parent == SdfTree::world) return;  // inside a static model
         if (parent == child)
             xml_.fail(*entity.at, fmt::format("joint \"{}\" has the same link as parent and child", one_line(name, 60)),
                       "give two different links");
-        if (!is_taken(parent) || !is_taken(child)) {
+        if (!is_imported(parent) || !is_imported(child)) {
             const bool touches =
-                (parent != SdfTree::world && is_taken(parent)) || (child != SdfTree::world && is_taken(child));
+                (parent != SdfTree::world && is_imported(parent)) || (child != SdfTree::world && is_imported(child));
             if (touches) robot_.omitted["joints to models that are not imported"].push_back(name);
             return;
         }
@@ -203,7 +205,7 @@ class SdfReader {
     SdfTree tree_;
     std::size_t chosen_;                   // the selected model, or the world for all
     std::string prefix_;                   // omitted from names
-    std::set<std::string> still_;          // static models
+    std::set<std::string> static_models_;  // static models
     std::vector<std::size_t> link_index_;  // index in the robot of each entity
     std::set<std::string> joint_names_;
     std::vector<SdfJoint> joints_;
@@ -211,7 +213,7 @@ class SdfReader {
 };
 
 // All links with this name, alone or qualified by models.
-std::vector<std::size_t> links_named(const SdfTree& tree, const std::string& name, std::vector<std::string>& names) {
+std::vector<std::size_t> find_links(const SdfTree& tree, const std::string& name, std::vector<std::string>& names) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < tree.entities().size(); ++i) {
         const SdfEntity& one = tree.entities()[i];
@@ -222,15 +224,15 @@ std::vector<std::size_t> links_named(const SdfTree& tree, const std::string& nam
     return found;
 }
 
-LinkInertial inertial_in(const RobotXml& xml, SdfTree& tree, const std::string& link) {
+LinkInertial find_inertial(const RobotXml& xml, SdfTree& tree, const std::string& link) {
     std::vector<std::string> names;
-    const std::vector<std::size_t> found = links_named(tree, link, names);
+    const std::vector<std::size_t> found = find_links(tree, link, names);
     if (found.empty()) {
         const std::string meant = did_you_mean(link, names);
         throw InputError(xml.path(), "", fmt::format("has no link \"{}\"", one_line(link, 60)),
                          !meant.empty()  ? meant
                          : names.empty() ? "give a file with a named link"
-                                         : "give one of " + listed(names));
+                                         : "give one of " + join_with_commas(names));
     }
     if (found.size() > 1)
         xml.fail(*tree.entities()[found[1]].at, fmt::format("is a second link \"{}\"", one_line(link, 60)),
@@ -247,10 +249,10 @@ LinkInertial inertial_in(const RobotXml& xml, SdfTree& tree, const std::string& 
 LinkInertial sdf_link_inertial(const RobotXml& xml, const XMLElement& root, const std::string& link) {
     try {
         SdfTree tree(xml, root, false);
-        return inertial_in(xml, tree, link);
+        return find_inertial(xml, tree, link);
     } catch (const SdfNeedsInclude&) {
         SdfTree tree(xml, root);
-        return inertial_in(xml, tree, link);
+        return find_inertial(xml, tree, link);
     }
 }
 

@@ -111,7 +111,7 @@ void SdfTree::add_model(const XMLElement& at, std::size_t scope, SdfKind kind, c
     const XMLElement* still = at.FirstChildElement("static");
     if (include && include->FirstChildElement("static")) still = include->FirstChildElement("static");
     own.is_static = scopes_[scope].is_static || (kind == SdfKind::model && sdf_flag(xml_, still));
-    entities_[index].own = scopes_.size(), entities_[index].include = include;
+    entities_[index].own_scope = scopes_.size(), entities_[index].include = include;
     if (kind == SdfKind::model) scopes_[scope].models.push_back(index);
     scopes_.push_back(own);
     const std::size_t scope_index = scopes_.size() - 1;
@@ -201,7 +201,7 @@ void SdfTree::place(SdfEntity& entity) {
 // The <pose> places the model's frame, or the frame named by placement_frame.
 RobotPose SdfTree::place_model(const SdfEntity& entity) {
     const XMLElement* pose = xml_.optional_child(*entity.at, "pose");
-    int version = scopes_[entity.own].version;
+    int version = scopes_[entity.own_scope].version;
     std::string frame = entity.at->Attribute("placement_frame") ? entity.at->Attribute("placement_frame") : "";
     if (entity.include) {
         const XMLElement* other = xml_.optional_child(*entity.include, "pose");
@@ -219,7 +219,7 @@ RobotPose SdfTree::place_model(const SdfEntity& entity) {
     const std::size_t base = find(pose ? *pose : *entity.at, sdf_relative_to(pose, version), entity.scope);
     RobotPose local = pose_in(base, entity.scope) * sdf_pose(xml_, pose);
     if (frame.empty()) return local;
-    return local * inverse(pose_in(find(*entity.at, frame, entity.own), entity.own));
+    return local * inverse(pose_in(find(*entity.at, frame, entity.own_scope), entity.own_scope));
 }
 
 std::size_t SdfTree::link_of(std::size_t index, const XMLElement& at, int depth) const {
@@ -229,7 +229,7 @@ std::size_t SdfTree::link_of(std::size_t index, const XMLElement& at, int depth)
                   "attach it to a link");
     if (entity.kind == SdfKind::world) return world;
     const bool is_model = entity.kind == SdfKind::model || entity.kind == SdfKind::merged;
-    const SdfScope& own = scopes_[is_model ? entity.own : entity.scope];
+    const SdfScope& own = scopes_[is_model ? entity.own_scope : entity.scope];
     if (own.is_static) return world;
     if (entity.kind == SdfKind::link) return index;
     if (entity.kind == SdfKind::joint) {
@@ -242,7 +242,7 @@ std::size_t SdfTree::link_of(std::size_t index, const XMLElement& at, int depth)
     }
     const char* canonical = entity.at->Attribute("canonical_link");
     if (canonical && *canonical) {
-        const std::size_t link = find(*entity.at, canonical, entity.own);
+        const std::size_t link = find(*entity.at, canonical, entity.own_scope);
         if (entities_[link].kind != SdfKind::link)
             xml_.fail(*entity.at, fmt::format("has the canonical_link \"{}\", which is not a link", canonical),
                       "give a link of the model");

@@ -30,7 +30,7 @@ struct SdfEntity {
     const XMLElement* at = nullptr;
     std::string name;                     ///< qualified; empty for the world
     std::size_t scope = 0;                ///< the scope that contains it
-    std::size_t own = 0;                  ///< models: the scope that the model defines
+    std::size_t own_scope = 0;            ///< models: the scope that the model defines
     const XMLElement* include = nullptr;  ///< included models: the <include>
     enum class State { unknown, sought, known } state = State::unknown;
     RobotPose local;  ///< pose in the frame of its scope, once known

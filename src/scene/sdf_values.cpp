@@ -66,7 +66,7 @@ SdfPlace sdf_place(const RobotXml& xml, const XMLElement& pose) {
     if (format == "quat_xyzw") {
         if (in_degrees) xml.fail(pose, "is a quaternion in degrees", "remove \"degrees\"");
         const std::vector<double> v = xml.content(pose, 7);
-        return {three_of(v), xml.turn_by(pose, {v[6], v[3], v[4], v[5]})};
+        return {three_of(v), xml.rotate_by(pose, {v[6], v[3], v[4], v[5]})};
     }
     const std::vector<double> v = xml.content(pose, 6);
     return {three_of(v), roll_pitch_yaw(three_of(v, 3), in_degrees)};

@@ -29,7 +29,7 @@ std::string sdf_child_text(const RobotXml& xml, const XMLElement& of, const char
 /// Position and rotation as written.
 struct SdfPlace {
     Vector3<double> position;  ///< m
-    RobotTurn turn;
+    RobotRotation turn;
 };
 /// The numbers of a <pose>; an empty one is the identity.
 SdfPlace sdf_place(const RobotXml& xml, const XMLElement& pose);

@@ -270,7 +270,7 @@ void validate(const Scene& scene, const std::string& file) {
         check_body(check, "/body", scene.body);
         check_initial(check, "/initial", scene.initial);
         check_pivot(check, scene);
-        check_names_of_one(check, scene);
+        check_single_body_names(check, scene);
     }
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const std::string place = fmt::format("/loads/{}", i);

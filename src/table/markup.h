@@ -9,7 +9,7 @@
 namespace polhode {
 
 /// Formats a number to three significant digits: "0.0333", "5.9e-5"; "nan", "inf", "-inf".
-std::string number_for_people(double value);
+std::string format_readable_number(double value);
 
 /// For each column, whether it has at least one number and no text. Such columns are aligned to the right.
 std::vector<bool> number_columns(const Table& table);

@@ -127,11 +127,11 @@ std::string latex_text(const std::string& text) {
 std::string latex_number(double value) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return value > 0 ? "$\\infty$" : "$-\\infty$";
-    return fmt::format("\\num{{{}}}", number_for_people(value));
+    return fmt::format("\\num{{{}}}", format_readable_number(value));
 }
 
 // Allows line breaks before the capitals in aLongNameOfAProgram.
-std::string with_breaks_in_long_names(const std::string& text) {
+std::string insert_name_breaks(const std::string& text) {
     constexpr std::size_t long_name = 14;
     const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
     const auto is_capital = [](char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; };
@@ -158,13 +158,13 @@ std::string latex_cell_text(const Cell& cell) {
     for (const std::string_view end : {"\\_", "\\{", "/", "=", ":"})
         for (std::size_t at = text.find(end); at != text.npos; at = text.find(end, at + end.size()))
             text.insert(at + end.size(), "\\allowbreak{}");
-    return with_breaks_in_long_names(text);
+    return insert_name_breaks(text);
 }
 
 std::size_t printed_characters(const Cell& cell) {
     if (const double* real = std::get_if<double>(&cell)) {
         // a minus sign is as wide as two digits
-        const std::string number = number_for_people(*real);
+        const std::string number = format_readable_number(*real);
         return number.size() + static_cast<std::size_t>(std::ranges::count(number, '-'));
     }
     const std::string text = text_of(cell);

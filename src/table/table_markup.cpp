@@ -87,7 +87,7 @@ std::string markdown_text(const std::string& text) {
     return out;
 }
 
-std::string number_for_people(double value) {
+std::string format_readable_number(double value) {
     if (!std::isfinite(value)) return text_of(value);
     const Rounded number = rounded(value);
     const std::string plain = plain_decimals(value, number);
@@ -110,7 +110,7 @@ std::vector<bool> number_columns(const Table& table) {
 
 std::string markdown(const Table& table) {
     require_rectangular(table);
-    const auto lines = written(table, markdown_text, number_for_people);
+    const auto lines = written(table, markdown_text, format_readable_number);
     const std::vector<bool> right = number_columns(table);
     std::vector<std::size_t> widths(table.columns.size(), 3);
     for (const auto& line : lines) {

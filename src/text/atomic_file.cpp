@@ -96,7 +96,8 @@ int create_temporary(const std::string& target, std::string& name) {
         const std::string ending = by + std::to_string(counter++) + std::string(temporary_ending);
         const std::string beginning = path.filename().string().substr(0, longest_name - ending.size());
         name = (path.parent_path() / (beginning + ending)).string();
-        const int file = uncut([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
+        const int file =
+            retry_if_interrupted([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
         if (file >= 0 || errno != EEXIST) return file;
     }
     return -1;
@@ -142,7 +143,7 @@ void write_atomically(const std::string& path, std::string_view text) {
     const bool exists = ::stat(target.c_str(), &old) == 0;
     if (exists && S_ISDIR(old.st_mode)) fail_of_file(path, "cannot be written", EISDIR);
     if (exists && !S_ISREG(old.st_mode)) {
-        const int file = uncut([&] { return ::open(target.c_str(), O_WRONLY | O_CLOEXEC); });
+        const int file = retry_if_interrupted([&] { return ::open(target.c_str(), O_WRONLY | O_CLOEXEC); });
         if (file < 0) fail_of_file(path, "cannot be opened", errno);
         int error = write_all(file, text);
         if (const int fault = close_file(file); error == 0) error = fault;
@@ -152,7 +153,7 @@ void write_atomically(const std::string& path, std::string_view text) {
     // The new name survives a power failure once its directory is synced. A directory that is writable but not
     // readable cannot be synced. Opening it first detects any other error before anything has changed.
     const int directory =
-        uncut([&] { return ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+        retry_if_interrupted([&] { return ::open(directory_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0 && errno != EACCES) fail_of_file(path, "cannot be created", errno);
     std::string temporary;
     const int file = create_temporary(target, temporary);
@@ -162,10 +163,12 @@ void write_atomically(const std::string& path, std::string_view text) {
         fail_of_file(path, "cannot be created", error);
     }
     int error = write_all(file, text);
-    if (error == 0 && exists && uncut([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
-    if (error == 0 && uncut([&] { return ::fsync(file); }) != 0) error = errno;
+    if (error == 0 && exists && retry_if_interrupted([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0)
+        error = errno;
+    if (error == 0 && retry_if_interrupted([&] { return ::fsync(file); }) != 0) error = errno;
     if (const int fault = close_file(file); error == 0) error = fault;
-    if (error == 0 && uncut([&] { return ::rename(temporary.c_str(), target.c_str()); }) != 0) error = errno;
+    if (error == 0 && retry_if_interrupted([&] { return ::rename(temporary.c_str(), target.c_str()); }) != 0)
+        error = errno;
     if (error != 0) {
         ::unlink(temporary.c_str());
         if (directory >= 0) ::close(directory);

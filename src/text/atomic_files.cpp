@@ -15,7 +15,7 @@ namespace polhode {
 namespace {
 
 // the largest number of temporary files that a killed process may leave
-constexpr std::size_t most_at_once = 1024;
+constexpr std::size_t max_batch_size = 1024;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ AtomicFiles::AtomicFiles(std::string folder) : folder_(std::move(folder)) {}
 AtomicFiles::~AtomicFiles() { drop(); }
 
 void AtomicFiles::drop() {
-    for (const Written& written : batch_) ::unlink(written.temporary.c_str());
+    for (const PendingFile& written : batch_) ::unlink(written.temporary.c_str());
     batch_.clear();
 }
 
@@ -34,29 +34,31 @@ void AtomicFiles::add(const std::string& name, std::string_view text) {
     const bool exists = ::lstat(path.c_str(), &old) == 0;
     if (exists && !S_ISREG(old.st_mode))
         fail_of_file(path, "is not a regular file", S_ISDIR(old.st_mode) ? EISDIR : EEXIST);
-    if (batch_.size() >= most_at_once) commit();
-    Written written{path, ""};
+    if (batch_.size() >= max_batch_size) commit();
+    PendingFile written{path, ""};
     const int file = create_temporary(path, written.temporary);
     if (file < 0) fail_of_file(path, "cannot be created", errno);
     batch_.push_back(std::move(written));
     int error = write_all(file, text);
-    if (error == 0 && exists && uncut([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0) error = errno;
+    if (error == 0 && exists && retry_if_interrupted([&] { return ::fchmod(file, old.st_mode & 07777); }) != 0)
+        error = errno;
     if (const int fault = close_file(file); error == 0) error = fault;
     if (error != 0) fail_of_file(path, "cannot be written", error);
 }
 
 void AtomicFiles::commit() {
     if (batch_.empty()) return;
-    const int directory = uncut([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    const int directory =
+        retry_if_interrupted([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0) fail_of_file(folder_, "cannot be opened", errno);
     // syncs the whole file system and thus the batch; with fsync() each file would wait for a flush of the disk's
     // cache
-    int error = uncut([&] { return ::syncfs(directory); }) != 0 ? errno : 0;
+    int error = retry_if_interrupted([&] { return ::syncfs(directory); }) != 0 ? errno : 0;
     const char* what = "cannot be synced";
     std::size_t renamed = 0;
     while (error == 0 && renamed < batch_.size()) {
-        const Written& written = batch_[renamed];
-        if (uncut([&] { return ::rename(written.temporary.c_str(), written.path.c_str()); }) != 0)
+        const PendingFile& written = batch_[renamed];
+        if (retry_if_interrupted([&] { return ::rename(written.temporary.c_str(), written.path.c_str()); }) != 0)
             error = errno, what = "cannot be written to";
         else
             ++renamed;

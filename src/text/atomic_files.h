@@ -26,13 +26,13 @@ class AtomicFiles {
     void commit();
 
   private:
-    struct Written {
+    struct PendingFile {
         std::string path, temporary;
     };
     void drop();
 
     std::string folder_;
-    std::vector<Written> batch_;
+    std::vector<PendingFile> batch_;
 };
 
 }  // namespace polhode

@@ -32,7 +32,7 @@ AtomicStream::AtomicStream(std::string path) : path_(std::move(path)) {
     remove_abandoned(folder());
     file_ = create_temporary(target_, temporary_);
     if (file_ < 0) fail("cannot be created", errno);
-    if (!exists || uncut([&] { return ::fchmod(file_, old.st_mode & 07777); }) == 0) return;
+    if (!exists || retry_if_interrupted([&] { return ::fchmod(file_, old.st_mode & 07777); }) == 0) return;
     const int error = errno;
     ::close(file_);
     ::unlink(temporary_.c_str());
@@ -53,7 +53,7 @@ void AtomicStream::fail(const char* what, int error) const { fail_of_file(path_,
 
 void AtomicStream::write_at(std::string_view bytes, std::size_t* offset) {
     while (!bytes.empty()) {
-        const ssize_t count = uncut([&] {
+        const ssize_t count = retry_if_interrupted([&] {
             return offset ? ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(*offset))
                           : ::write(file_, bytes.data(), bytes.size());
         });
@@ -83,14 +83,16 @@ void AtomicStream::write_over_beginning(std::string_view bytes) {
 }
 
 void AtomicStream::commit() {
-    int error = is_regular() && uncut([&] { return ::fsync(file_); }) != 0 ? errno : 0;
+    int error = is_regular() && retry_if_interrupted([&] { return ::fsync(file_); }) != 0 ? errno : 0;
     if (const int fault = close_file(std::exchange(file_, -1)); error == 0) error = fault;
-    if (error == 0 && is_regular() && uncut([&] { return ::rename(temporary_.c_str(), target_.c_str()); }) != 0)
+    if (error == 0 && is_regular() &&
+        retry_if_interrupted([&] { return ::rename(temporary_.c_str(), target_.c_str()); }) != 0)
         error = errno;
     if (error != 0) fail("cannot be written", error);
     committed_ = true;
     if (!is_regular()) return;
-    const int directory = uncut([&] { return ::open(folder().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    const int directory =
+        retry_if_interrupted([&] { return ::open(folder().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (directory < 0) return;  // a directory may be writable but not readable
     error = sync_folder(directory);
     ::close(directory);

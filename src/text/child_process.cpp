@@ -97,7 +97,7 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
     ChildRun run;
     const std::string name = arguments.empty() ? "" : one_line(arguments.front(), 200);
     if (name.empty()) {
-        run.fault = "no program is given", run.was_not_found = true;
+        run.fault = "no program is given", run.not_found = true;
         return run;
     }
     const File streams[] = {temporary_file(), temporary_file(), temporary_file()};
@@ -111,8 +111,8 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
     const auto begin = Clock::now();
     pid_t process = 0;
     if (const int refused = start(arguments, streams, process); refused != 0) {
-        run.was_not_found = refused == ENOENT;
-        run.fault = !run.was_not_found ? fmt::format("{} could not be started: {}", name, std::strerror(refused))
+        run.not_found = refused == ENOENT;
+        run.fault = !run.not_found ? fmt::format("{} could not be started: {}", name, std::strerror(refused))
                     : name.find('/') == std::string::npos ? name + " was not found on the PATH"
                                                           : name + " was not found";
         return run;
@@ -121,8 +121,8 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
     // poll short programs often and long ones rarely
     auto pause = std::chrono::microseconds(50);
     while (!has_ended(process)) {
-        run.was_out_of_time = Clock::now() - begin >= limits.time;
-        if (run.was_out_of_time) {
+        run.timed_out = Clock::now() - begin >= limits.time;
+        if (run.timed_out) {
             run.fault = fmt::format("{} was stopped after {:g} s", running, limits.time.count());
         } else if (size_of(out.get()) > limits.output_bytes || size_of(errors.get()) > limits.output_bytes) {
             run.fault = fmt::format("{} was stopped: it wrote more than {} bytes", running, limits.output_bytes);
@@ -148,8 +148,8 @@ ChildRun run_child(const std::vector<std::string>& arguments, std::string_view i
         run.fault = fmt::format("{} was terminated by signal {}", running, WTERMSIG(status));
     else if (WEXITSTATUS(status) != 0)
         run.fault = fmt::format("{} exited with code {}", running, WEXITSTATUS(status));
-    if (const std::string said = last_line_of(errors.get()); !run.fault.empty() && !said.empty())
-        run.fault += ": " + said;
+    if (const std::string last_line = last_line_of(errors.get()); !run.fault.empty() && !last_line.empty())
+        run.fault += ": " + last_line;
     return run;
 }
 

@@ -18,11 +18,11 @@ struct ChildLimits {
 
 /// How a child process ended, and its output.
 struct ChildRun {
-    std::string fault;             ///< why it did not exit by itself with code 0, in one line; else empty
-    std::string output;            ///< standard output up to the end of the run
-    bool was_not_found = false;    ///< the program does not exist
-    bool was_out_of_time = false;  ///< it was killed at the time limit
-    double seconds = 0;            ///< wall clock, from start to end
+    std::string fault;       ///< why it did not exit by itself with code 0, in one line; else empty
+    std::string output;      ///< standard output up to the end of the run
+    bool not_found = false;  ///< the program does not exist
+    bool timed_out = false;  ///< it was killed at the time limit
+    double seconds = 0;      ///< wall clock, from start to end
 };
 
 /// Runs the program `arguments[0]` with these arguments and without a shell. A name without a slash is looked up on

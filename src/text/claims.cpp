@@ -55,15 +55,15 @@ std::optional<Claims::Claim> Claims::take(std::string_view key) const {
     const long long byte = std::strtoll(content_hash(key).substr(0, digits).c_str(), nullptr, 16);
     if (lock_byte(file_, F_WRLCK, byte) == 0) return Claim(file_, byte);
     if (errno == EAGAIN || errno == EACCES) return {};
-    tell_unlocked(path_, errno);
+    warn_unlocked(path_, errno);
     return Claim(-1, 0);
 }
 
-void tell_unlocked(const std::string& path, int error) {
+void warn_unlocked(const std::string& path, int error) {
     static std::mutex mutex;
-    static std::set<std::string> told;
+    static std::set<std::string> reported;
     const std::lock_guard lock(mutex);
-    if (!told.insert(path).second) return;
+    if (!reported.insert(path).second) return;
     const std::string line = "polhode: " + one_line(path, 500) + ": cannot be locked: " + std::strerror(error) +
                              "; continues as if no other run used this folder\n";
     static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere

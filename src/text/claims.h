@@ -42,6 +42,6 @@ class Claims {
 };
 
 /// Reports on standard error, once per process, that the file cannot be locked and that work continues without locks.
-void tell_unlocked(const std::string& path, int error);
+void warn_unlocked(const std::string& path, int error);
 
 }  // namespace polhode

@@ -21,16 +21,18 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text), file_(file) { read_past_mark(); }
+CsvLines::CsvLines(std::string_view text, const std::string& file) : rest_(text), file_(file) {
+    skip_byte_order_mark();
+}
 
 CsvLines::CsvLines(Source source, const std::string& file)
     : source_(std::move(source)), held_(longest_line + 2 + block, '\0'), file_(file) {
     // a pipe may return one byte at a time
     while (rest_.size() < 3 && refill()) continue;
-    read_past_mark();
+    skip_byte_order_mark();
 }
 
-void CsvLines::read_past_mark() {
+void CsvLines::skip_byte_order_mark() {
     if (!rest_.starts_with("\xef\xbb\xbf")) return;
     rest_.remove_prefix(3);
     note("line 1 begins with a byte order mark");
@@ -39,16 +41,16 @@ void CsvLines::read_past_mark() {
 // Reads more text behind the unread rest. Returns false at the end.
 bool CsvLines::refill() {
     if (!source_) return false;
-    const std::size_t kept = rest_.size();
-    if (kept > 0) std::memmove(held_.data(), rest_.data(), kept);
-    const std::size_t count = source_(held_.data() + kept, block);
-    rest_ = std::string_view(held_).substr(0, kept + count);
+    const std::size_t unread = rest_.size();
+    if (unread > 0) std::memmove(held_.data(), rest_.data(), unread);
+    const std::size_t count = source_(held_.data() + unread, block);
+    rest_ = std::string_view(held_).substr(0, unread + count);
     if (count == 0) source_ = nullptr;
     return count > 0;
 }
 
 // Whether the remaining lines are all blank.
-bool CsvLines::nothing_is_left() {
+bool CsvLines::is_exhausted() {
     do {
         if (rest_.find_first_not_of(" \t\r\n") != rest_.npos) return false;
         rest_ = {};
@@ -68,8 +70,8 @@ bool CsvLines::next() {
         ++number_;
         if (!line_.empty() && line_.back() == '\r') {
             line_.remove_suffix(1);
-            if (!returns_) note(fmt::format("line {} ends in a carriage return", number_));
-            returns_ = true;
+            if (!has_carriage_returns_) note(fmt::format("line {} ends in a carriage return", number_));
+            has_carriage_returns_ = true;
         }
         if (line_.size() > longest_line)
             throw InputError(file_, place(), "is longer than 64 KiB", "check the line breaks of the file");
@@ -79,7 +81,7 @@ bool CsvLines::next() {
         if (line_.starts_with('#')) continue;
         if (!trimmed(line_).empty()) break;
         // blank lines are allowed only at the end
-        if (nothing_is_left()) return false;
+        if (is_exhausted()) return false;
         throw InputError(file_, place(), "is blank", "remove the line");
     }
     split();
@@ -104,8 +106,9 @@ std::vector<std::size_t> CsvLines::header(const std::vector<std::string>& names)
         const auto found = std::find(names.begin(), names.end(), cells_[i]);
         if (found == names.end()) {
             const std::string meant = did_you_mean(cells_[i], names);
-            throw InputError(file_, place, cells_[i].empty() ? "has no name" : "is named " + one_line(cells_[i], 60),
-                             fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", listed(names)));
+            throw InputError(
+                file_, place, cells_[i].empty() ? "has no name" : "is named " + one_line(cells_[i], 60),
+                fmt::format("{}{}known columns: {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
         }
         const std::size_t index = static_cast<std::size_t>(found - names.begin());
         if (std::find(places.begin(), places.end(), index) != places.end())

@@ -35,7 +35,7 @@ class CsvLines {
     /// lengths.
     std::size_t rows_left() const { return rest_.size() / (line_.size() + 1) + 2; }
     /// What was tolerated and skipped ("line 1 begins with a byte order mark"), or an empty text.
-    const std::string& read_past() const { return read_past_; }
+    const std::string& skipped_content() const { return skipped_content_; }
 
     /// Parses the current line as a header and returns the index in `names` of each cell. Throws InputError for
     /// semicolons or tabs in place of commas, an unknown name, or a name given twice.
@@ -43,10 +43,10 @@ class CsvLines {
 
   private:
     void refuse_other_separators() const;
-    void note(const std::string& what) { read_past_ += (read_past_.empty() ? "" : ", ") + what; }
-    void read_past_mark();
+    void note(const std::string& what) { skipped_content_ += (skipped_content_.empty() ? "" : ", ") + what; }
+    void skip_byte_order_mark();
     bool refill();
-    bool nothing_is_left();
+    bool is_exhausted();
     void split();
 
     Source source_;
@@ -54,9 +54,9 @@ class CsvLines {
     std::string_view rest_, line_;
     const std::string& file_;
     long number_ = 0;
-    bool returns_ = false;  // a line ended in \r\n
+    bool has_carriage_returns_ = false;  // a line ended in \r\n
     std::vector<std::string_view> cells_;
-    std::string read_past_;
+    std::string skipped_content_;
 };
 
 }  // namespace polhode

@@ -13,7 +13,7 @@ namespace polhode {
 class InputFile {
   public:
     /// Opens `path`. Refuses a device, a socket, a directory or a FIFO without blocking on it.
-    InputFile(const std::string& path, std::string called, std::string expected, FileKinds kinds);
+    InputFile(const std::string& path, std::string display_name, std::string expected, FileKinds kinds);
     ~InputFile();
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
@@ -30,7 +30,7 @@ class InputFile {
     [[noreturn]] void refuse(const std::string& fault) const;
 
   private:
-    std::string called_, expected_;
+    std::string display_name_, expected_;
     int descriptor_ = -1;
     std::optional<std::size_t> size_;
 };

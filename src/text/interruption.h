@@ -11,25 +11,26 @@ namespace polhode {
 class Interruption {
   public:
     /// Returns true if the work should stop.
-    using Question = std::function<bool()>;
+    using Callback = std::function<bool()>;
 
     /// For the thread that was asked to do the work.
-    explicit Interruption(Question asked) : own_(std::move(asked)), former_(std::exchange(current_, &own_)) {}
+    explicit Interruption(Callback callback)
+        : callback_(std::move(callback)), previous_(std::exchange(current_, &callback_)) {}
     /// For a helper thread: it uses current() of the thread that it helps, which must outlive this object.
-    explicit Interruption(const Question* of_another) : former_(std::exchange(current_, of_another)) {}
-    ~Interruption() { current_ = former_; }
+    explicit Interruption(const Callback* inherited) : previous_(std::exchange(current_, inherited)) {}
+    ~Interruption() { current_ = previous_; }
     Interruption(const Interruption&) = delete;
     Interruption& operator=(const Interruption&) = delete;
 
     /// What this thread polls; null if it cannot be interrupted.
-    static const Question* current() { return current_; }
+    static const Callback* current() { return current_; }
     /// Whether the work should stop.
-    static bool is_wanted() { return current_ && (*current_)(); }
+    static bool is_requested() { return current_ && (*current_)(); }
 
   private:
-    static inline thread_local const Question* current_ = nullptr;
-    Question own_;
-    const Question* former_;
+    static inline thread_local const Callback* current_ = nullptr;
+    Callback callback_;
+    const Callback* previous_;
 };
 
 }  // namespace polhode

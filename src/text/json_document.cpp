@@ -185,7 +185,7 @@ std::string JsonNode::pointer() const {
     return parent_->pointer() + "/" + (parent_->is_array() ? std::to_string(index_) : pointer_token(key_));
 }
 
-std::string JsonNode::described() const {
+std::string JsonNode::describe() const {
     switch (kind_) {
         case JsonKind::boolean:
             return boolean_ ? "is true" : "is false";
@@ -209,7 +209,7 @@ void JsonNode::fail(const std::string& fault, const std::string& remedy) const {
 void JsonNode::fail(const InputError& inner) const { throw InputError(*file_, pointer(), inner); }
 
 void JsonNode::expect(JsonKind kind) const {
-    if (kind_ != kind) fail(described(), fmt::format("give {}", name_of(kind)));
+    if (kind_ != kind) fail(describe(), fmt::format("give {}", name_of(kind)));
 }
 
 double JsonNode::number() const {
@@ -219,7 +219,7 @@ double JsonNode::number() const {
 
 long JsonNode::whole_number() const {
     expect(JsonKind::number);
-    if (std::trunc(number_) != number_ || std::abs(number_) > 0x1p53) fail(described(), "give a whole number");
+    if (std::trunc(number_) != number_ || std::abs(number_) > 0x1p53) fail(describe(), "give a whole number");
     return static_cast<long>(number_);
 }
 
@@ -249,18 +249,18 @@ const JsonNode* JsonNode::find(std::string_view key) const {
     return nullptr;
 }
 
-const JsonNode& JsonNode::required(std::string_view key, std::string_view expected) const {
+const JsonNode& JsonNode::require_member(std::string_view key, std::string_view expected) const {
     if (const JsonNode* member = find(key)) return *member;
     throw InputError(*file_, pointer() + "/" + pointer_token(key), "is missing", fmt::format("give {}", expected));
 }
 
-void JsonNode::only(const std::vector<std::string_view>& known) const {
+void JsonNode::require_known_keys(const std::vector<std::string_view>& known) const {
     for (const JsonNode* member : members()) {
         if (std::find(known.begin(), known.end(), member->key_) != known.end()) continue;
         const std::vector<std::string> keys(known.begin(), known.end());
         const std::string meant = did_you_mean(member->key_, keys);
         member->fail("is an unknown key",
-                     fmt::format("{}{}known keys: {}", meant, meant.empty() ? "" : " ", listed(keys)));
+                     fmt::format("{}{}known keys: {}", meant, meant.empty() ? "" : " ", join_with_commas(keys)));
     }
 }
 

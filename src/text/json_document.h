@@ -47,16 +47,16 @@ class JsonNode {
     /// The member of an object, or nullptr if there is none. Throws if this is not an object.
     const JsonNode* find(std::string_view key) const;
     /// The member of an object. If it is missing, throws an error that tells the user to give `expected`.
-    const JsonNode& required(std::string_view key, std::string_view expected) const;
+    const JsonNode& require_member(std::string_view key, std::string_view expected) const;
     /// Throws at the first member whose key is not among `known`. The message lists the known keys and the near miss.
-    void only(const std::vector<std::string_view>& known) const;
+    void require_known_keys(const std::vector<std::string_view>& known) const;
 
     /// Throws InputError at this value.
     [[noreturn]] void fail(const std::string& fault, const std::string& remedy) const;
     /// Throws InputError at this value for an error in a file that it refers to.
     [[noreturn]] void fail(const InputError& inner) const;
     /// "is a string", "is -1", "has 2 elements": the first words of an error message.
-    std::string described() const;
+    std::string describe() const;
 
   private:
     friend class JsonBuilder;

@@ -43,10 +43,10 @@ void connect(int (&ends)[2]) {
 }  // namespace
 
 LineProcess::LineProcess(const std::vector<std::string>& arguments)
-    : name_(arguments.empty() ? "" : one_line(arguments.front(), 200)), chatter_(std::tmpfile()) {
+    : name_(arguments.empty() ? "" : one_line(arguments.front(), 200)), captured_output_(std::tmpfile()) {
     int input[2], output[2];
     connect(input), connect(output);
-    if (name_.empty() || !chatter_ || input[0] < 0 || output[0] < 0) {
+    if (name_.empty() || !captured_output_ || input[0] < 0 || output[0] < 0) {
         fault_.fault = name_.empty() ? "no program is given"
                                      : fmt::format("{} could not be started: {}", name_, std::strerror(errno));
     } else {
@@ -59,8 +59,8 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
         posix_spawn_file_actions_t actions;
         posix_spawn_file_actions_init(&actions);
         posix_spawn_file_actions_adddup2(&actions, input[1], STDIN_FILENO);
-        posix_spawn_file_actions_adddup2(&actions, fileno(chatter_.get()), STDOUT_FILENO);
-        posix_spawn_file_actions_adddup2(&actions, fileno(chatter_.get()), STDERR_FILENO);
+        posix_spawn_file_actions_adddup2(&actions, fileno(captured_output_.get()), STDOUT_FILENO);
+        posix_spawn_file_actions_adddup2(&actions, fileno(captured_output_.get()), STDERR_FILENO);
         posix_spawn_file_actions_adddup2(&actions, answers, answers_descriptor);
         posix_spawnattr_t attributes;
         posix_spawnattr_init(&attributes);
@@ -72,10 +72,9 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
         close(answers);
         if (refused != 0) {
             process_ = 0;
-            fault_.was_not_found = refused == ENOENT;
-            fault_.fault = fault_.was_not_found
-                               ? name_ + " was not found"
-                               : fmt::format("{} could not be started: {}", name_, std::strerror(refused));
+            fault_.not_found = refused == ENOENT;
+            fault_.fault = fault_.not_found ? name_ + " was not found"
+                                            : fmt::format("{} could not be started: {}", name_, std::strerror(refused));
         }
     }
     for (const int end : {input[1], output[1]})
@@ -86,18 +85,18 @@ LineProcess::LineProcess(const std::vector<std::string>& arguments)
 }
 
 LineProcess::~LineProcess() {
-    if (process_ > 0) die("was stopped: it is no longer needed");
+    if (process_ > 0) terminate("was stopped: it is no longer needed");
     for (const int end : {input_, output_})
         if (end >= 0) close(end);
 }
 
 LineAnswer LineProcess::next(std::chrono::duration<double> time) {
-    if (!alive()) return fault_;
+    if (!is_alive()) return fault_;
     return read_line(after(time), time);
 }
 
 LineAnswer LineProcess::ask(std::string_view question, std::chrono::duration<double> time) {
-    if (!alive()) return fault_;
+    if (!is_alive()) return fault_;
     const Clock::time_point until = after(time);
     if (!write_all(std::string(question) + '\n', until)) return fault_;
     return read_line(until, time);
@@ -116,42 +115,43 @@ bool LineProcess::write_all(std::string_view text, Clock::time_point until) {
                 poll(&waiting, 1, milliseconds_until(until));
                 continue;
             }
-            die("was stopped: it did not read its input within the time limit", true);
+            terminate("was stopped: it did not read its input within the time limit", true);
             return false;
         }
-        die("");
+        terminate("");
         return false;
     }
     return true;
 }
 
 LineAnswer LineProcess::read_line(Clock::time_point until, std::chrono::duration<double> time) {
-    std::size_t looked_at = 0;
+    std::size_t searched_size = 0;
     for (;;) {
-        if (const std::size_t end = unread_.find('\n', looked_at); end != std::string::npos) {
+        if (const std::size_t end = unread_.find('\n', searched_size); end != std::string::npos) {
             LineAnswer answer;
             answer.line = unread_.substr(0, end);
             unread_.erase(0, end + 1);
             return answer;
         }
-        looked_at = unread_.size();
-        if (looked_at > longest_answer) return die(fmt::format("was stopped: it wrote more than {} bytes", looked_at));
+        searched_size = unread_.size();
+        if (searched_size > longest_answer)
+            return terminate(fmt::format("was stopped: it wrote more than {} bytes", searched_size));
         char buffer[65536];
         const ssize_t got = read(output_, buffer, sizeof buffer);
         if (got > 0) {
             unread_.append(buffer, static_cast<std::size_t>(got));
             continue;
         }
-        if (got == 0 || (errno != EAGAIN && errno != EINTR)) return die("");
+        if (got == 0 || (errno != EAGAIN && errno != EINTR)) return terminate("");
         if (Clock::now() >= until)
-            return die(fmt::format("was stopped: it did not answer within {:.3g} s", time.count()), true);
+            return terminate(fmt::format("was stopped: it did not answer within {:.3g} s", time.count()), true);
         pollfd waiting{output_, POLLIN, 0};
         poll(&waiting, 1, milliseconds_until(until));
     }
 }
 
 // Kills the process group. If `what` is empty, the process ended by itself, and the fault reports how.
-LineAnswer LineProcess::die(std::string what, bool out_of_time) {
+LineAnswer LineProcess::terminate(std::string what, bool out_of_time) {
     int status = 0;
     if (what.empty()) {
         // it has closed its end of the socket; wait up to 1 s for it to exit
@@ -168,8 +168,9 @@ LineAnswer LineProcess::die(std::string what, bool out_of_time) {
         what = WIFSIGNALED(status)        ? fmt::format("was terminated by signal {}", WTERMSIG(status))
                : WEXITSTATUS(status) != 0 ? fmt::format("exited with code {}", WEXITSTATUS(status))
                                           : "exited without an answer";
-    fault_.fault = fmt::format("{} {}", program_name(name_), what), fault_.was_out_of_time = out_of_time;
-    if (const std::string said = last_line_of(chatter_.get()); !said.empty()) fault_.fault += ": " + said;
+    fault_.fault = fmt::format("{} {}", program_name(name_), what), fault_.timed_out = out_of_time;
+    if (const std::string last_line = last_line_of(captured_output_.get()); !last_line.empty())
+        fault_.fault += ": " + last_line;
     return fault_;
 }
 

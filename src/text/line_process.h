@@ -12,10 +12,10 @@ namespace polhode {
 
 /// The result of a request.
 struct LineAnswer {
-    std::string line;              ///< without its line end
-    std::string fault;             ///< why there is no line, in one line; else empty
-    bool was_not_found = false;    ///< the program does not exist
-    bool was_out_of_time = false;  ///< no answer within the time limit
+    std::string line;        ///< without its line end
+    std::string fault;       ///< why there is no line, in one line; else empty
+    bool not_found = false;  ///< the program does not exist
+    bool timed_out = false;  ///< no answer within the time limit
 };
 
 /// A child process in its own process group. It reads requests from its standard input and writes answers to its file
@@ -35,11 +35,11 @@ class LineProcess {
     /// Writes the request, which must not contain a line end, and waits for the answer. `time` is the limit.
     LineAnswer ask(std::string_view question, std::chrono::duration<double> time);
     /// Whether it can answer requests.
-    bool alive() const { return fault_.fault.empty(); }
+    bool is_alive() const { return fault_.fault.empty(); }
 
   private:
     LineAnswer read_line(std::chrono::steady_clock::time_point until, std::chrono::duration<double> time);
-    LineAnswer die(std::string what, bool out_of_time = false);
+    LineAnswer terminate(std::string what, bool out_of_time = false);
     bool write_all(std::string_view text, std::chrono::steady_clock::time_point until);
 
     struct CloseFile {
@@ -48,7 +48,7 @@ class LineProcess {
 
     std::string name_;
     int process_ = 0, input_ = -1, output_ = -1;
-    std::unique_ptr<std::FILE, CloseFile> chatter_;  ///< captured standard output and error
+    std::unique_ptr<std::FILE, CloseFile> captured_output_;  ///< captured standard output and error
     std::string unread_;
     LineAnswer fault_;
 };

@@ -12,13 +12,13 @@
 namespace polhode {
 namespace {
 
-std::string shortened(std::string_view text, std::size_t limit) {
+std::string shorten(std::string_view text, std::size_t limit) {
     if (text.size() <= limit) return std::string(text);
     const auto inside_sequence = [&](std::size_t i) {
         return i > 0 && i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0u) == 0x80u;
     };
-    const std::size_t kept = limit > 3 ? limit - 3 : 0;
-    std::size_t head = kept * 2 / 3, tail = text.size() - (kept - head);
+    const std::size_t available = limit > 3 ? limit - 3 : 0;
+    std::size_t head = available * 2 / 3, tail = text.size() - (available - head);
     while (inside_sequence(head)) --head;
     while (inside_sequence(tail)) ++tail;
     return std::string(text.substr(0, head)) + "..." + std::string(text.substr(tail));
@@ -44,7 +44,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string one_line(std::string_view text, std::size_t limit) {
     // a long text is cut before escaping, to bound the work
-    std::string escaped, source = shortened(text, limit);
+    std::string escaped, source = shorten(text, limit);
     for (std::string_view rest = source; !rest.empty();) {
         std::uint32_t point = 0;
         const std::size_t length = sequence_length(rest, point);
@@ -63,7 +63,7 @@ std::string one_line(std::string_view text, std::size_t limit) {
         }
         rest.remove_prefix(length > 0 ? length : 1);
     }
-    return shortened(escaped, limit);
+    return shorten(escaped, limit);
 }
 
 std::size_t first_invalid_utf8(std::string_view text) {
@@ -102,7 +102,9 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     return nearest.empty() ? std::string() : fmt::format("did you mean {}?", fmt::join(nearest, " or "));
 }
 
-std::string listed(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string join_with_commas(const std::vector<std::string>& words) {
+    return fmt::format("{}", fmt::join(words, ", "));
+}
 
 InputError::InputError(const std::string& file, const std::string& place, Rest rest)
     : std::runtime_error(one_line(file, 200) + ": " + (place.empty() ? "" : one_line(place, 300) + ": ") + rest.text),
@@ -116,7 +118,7 @@ InputError::InputError(const std::string& file, const std::string& place, const 
 InputError::InputError(const std::string& file, const std::string& place, const InputError& inner)
     : InputError(file, one_line(place, 100), Rest{one_line(inner.what(), 900)}) {}
 
-InputError InputError::moved_to(const std::string& file, const std::string& place) const {
+InputError InputError::relocate(const std::string& file, const std::string& place) const {
     return {file, place, rest_};
 }
 

@@ -21,7 +21,7 @@ class InputError : public std::runtime_error {
     /// Place of the error in its file; empty for the whole file.
     const std::string& place() const { return place_; }
     /// The same fault and remedy at another place.
-    InputError moved_to(const std::string& file, const std::string& place) const;
+    InputError relocate(const std::string& file, const std::string& place) const;
 
   private:
     struct Rest {
@@ -50,6 +50,6 @@ std::vector<std::string> near_misses(std::string_view word, const std::vector<st
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
 /// The words joined by commas: "a, b, c".
-std::string listed(const std::vector<std::string>& words);
+std::string join_with_commas(const std::vector<std::string>& words);
 
 }  // namespace polhode

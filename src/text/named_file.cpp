@@ -62,9 +62,9 @@ std::string read_named_text(const std::string& folder, const std::string& name, 
     return read_whole_file(path_inside(folder, name), path_in(folder, name), largest, expected, FileKinds::regular);
 }
 
-std::string read_whole_file(const std::string& path, const std::string& called, std::size_t largest,
+std::string read_whole_file(const std::string& path, const std::string& display_name, std::size_t largest,
                             const char* expected, FileKinds kinds) {
-    InputFile file(path, called, expected, kinds);
+    InputFile file(path, display_name, expected, kinds);
     const auto refuse_size = [&] {
         file.refuse(largest >> 20 > 0 ? fmt::format("is larger than {} MiB", largest >> 20)
                                       : fmt::format("is larger than {} bytes", largest));

@@ -37,7 +37,7 @@ enum class FileKinds {
 
 /// The text of a file of at most `largest` bytes. Refuses a device, a socket, a directory or a FIFO without blocking
 /// on it. Throws InputError that names the file as `called` and, in the remedy, what was `expected`.
-std::string read_whole_file(const std::string& path, const std::string& called, std::size_t largest,
+std::string read_whole_file(const std::string& path, const std::string& display_name, std::size_t largest,
                             const char* expected, FileKinds kinds);
 
 }  // namespace polhode

@@ -28,7 +28,7 @@ void parallel_for(std::size_t count, int jobs, const Work& work) {
     std::mutex failure_mutex;
     {
         // declared before the threads, which are joined before later declarations are destroyed
-        const Interruption::Question* interruption = Interruption::current();
+        const Interruption::Callback* interruption = Interruption::current();
         const auto help = [&] {
             const Interruption inherited(interruption);
             for (std::size_t i = next++; i < count; i = next++) {

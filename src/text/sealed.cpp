@@ -33,15 +33,15 @@ std::optional<std::string> read_sealed(const std::string& path) {
     if (!file) return {};
     const std::string text(std::istreambuf_iterator<char>(file), {});
     std::optional<std::string> body = unseal(text);
-    if (!body) tell_damaged(path);
+    if (!body) warn_damaged(path);
     return body;
 }
 
-void tell_damaged(const std::string& path) {
+void warn_damaged(const std::string& path) {
     static std::mutex mutex;
-    static std::set<std::string> told;
+    static std::set<std::string> reported;
     const std::lock_guard lock(mutex);
-    if (!told.insert(path).second) return;
+    if (!reported.insert(path).second) return;
     const std::string line = "polhode: " + one_line(path, 500) +
                              ": corrupted (wrong checksum); it is treated as missing and recomputed when needed\n";
     static_cast<void>(std::fputs(line.c_str(), stderr));  // a failure cannot be reported anywhere

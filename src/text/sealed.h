@@ -19,6 +19,6 @@ std::optional<std::string> unseal(std::string_view text);
 std::optional<std::string> read_sealed(const std::string& path);
 
 /// Reports a corrupted file on standard error, once per process, as read_sealed() does.
-void tell_damaged(const std::string& path);
+void warn_damaged(const std::string& path);
 
 }  // namespace polhode

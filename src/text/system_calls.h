@@ -14,7 +14,7 @@ namespace polhode {
 
 /// Repeats a call that returns a negative value and sets errno, as long as a signal interrupts it (EINTR).
 template <class Call>
-auto uncut(Call&& call) {
+auto retry_if_interrupted(Call&& call) {
     auto result = call();
     while (result < 0 && errno == EINTR) result = call();
     return result;
@@ -28,7 +28,7 @@ auto uncut(Call&& call) {
 /// Writes the whole text. Returns 0 or the error number.
 inline int write_all(int file, std::string_view text) {
     while (!text.empty()) {
-        const ssize_t count = uncut([&] { return ::write(file, text.data(), text.size()); });
+        const ssize_t count = retry_if_interrupted([&] { return ::write(file, text.data(), text.size()); });
         if (count < 0) return errno;
         if (count == 0) return EIO;  // the file accepted no bytes and gave no reason
         text.remove_prefix(static_cast<std::size_t>(count));
@@ -42,7 +42,7 @@ inline int close_file(int file) { return ::close(file) != 0 && errno != EINTR ? 
 /// Syncs an open folder, so that a name just given in it survives a power failure. Returns 0 or the error number; a
 /// file system that cannot sync folders is not an error.
 inline int sync_folder(int folder) {
-    const bool failed = uncut([&] { return ::fsync(folder); }) != 0;
+    const bool failed = retry_if_interrupted([&] { return ::fsync(folder); }) != 0;
     return failed && errno != EINVAL && errno != ENOTSUP && errno != EROFS ? errno : 0;
 }
 

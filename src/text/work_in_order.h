@@ -28,25 +28,25 @@ void work_in_order(int threads, const Read& read, const Work& work, const Write&
     std::mutex mutex;    // protects the following variables
     std::condition_variable room;
     std::map<std::size_t, Piece> waiting;  // finished pieces whose predecessors are not written yet
-    std::size_t begun = 0, written = 0;
-    bool ended = false, failed = false, writing = false;
+    std::size_t started = 0, written = 0;
+    bool finished = false, failed = false, writing = false;
 
     const auto next = [&](std::size_t& number) -> std::optional<Piece> {
-        const std::lock_guard turn(reading);
+        const std::lock_guard reading_lock(reading);
         {
             std::unique_lock lock(mutex);
-            room.wait(lock, [&] { return ended || begun - written < 2 * workers; });
-            if (ended) return {};
+            room.wait(lock, [&] { return finished || started - written < 2 * workers; });
+            if (finished) return {};
         }
         std::optional<Piece> piece = read();
         const std::lock_guard lock(mutex);
-        if (!piece) ended = true;
-        number = begun;
-        begun += piece ? 1 : 0;
+        if (!piece) finished = true;
+        number = started;
+        started += piece ? 1 : 0;
         return piece;
     };
     // a thread that finishes a piece while no other thread writes, writes all pieces that are due
-    const auto hand_in = [&](std::size_t number, Piece piece) {
+    const auto submit = [&](std::size_t number, Piece piece) {
         std::unique_lock lock(mutex);
         waiting.emplace(number, std::move(piece));
         if (writing) return;
@@ -66,11 +66,11 @@ void work_in_order(int threads, const Read& read, const Work& work, const Write&
             std::size_t number = 0;
             while (std::optional<Piece> piece = next(number)) {
                 work(*piece);
-                hand_in(number, std::move(*piece));
+                submit(number, std::move(*piece));
             }
         } catch (...) {
             const std::lock_guard lock(mutex);
-            ended = failed = true;
+            finished = failed = true;
             room.notify_all();
             throw;
         }

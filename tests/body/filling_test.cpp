@@ -24,7 +24,7 @@ const Shape solids[] = {Box{{0.5, 1.25, 2}},
 
 // The error comes from cells cut by the surface: at most 2 % of the size and of the largest moment as measured.
 void expect_fills(const std::vector<PointMass<double>>& points, const Shape& shape, double tolerance) {
-    const MassProperties<double> sum = of_points(points), whole = of_mass<double>(shape, 3);
+    const MassProperties<double> sum = body_from_points(points), whole = body_from_mass<double>(shape, 3);
     EXPECT_NEAR(sum.mass, 3, 1e-11);
     const double size = std::max({whole.inertia[0][0], whole.inertia[1][1], whole.inertia[2][2]});
     for (int i = 0; i < 3; ++i) {

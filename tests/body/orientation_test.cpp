@@ -173,14 +173,14 @@ TEST(NearestRotation, OfAnyScale) {
 /// The slide's algorithm returns a rotation. The first column keeps its direction; the third is perpendicular to the
 /// first two columns of A.
 RC_GTEST_PROP(Reorthogonalised, IsARotationAndKeepsTheFirstColumn, ()) {
-    const Matrix3<double> A = stretched(1.5).whole, B = reorthogonalised(A);
+    const Matrix3<double> A = stretched(1.5).whole, B = reorthogonalise(A);
     RC_ASSERT(orthogonality_defect(B) < angle_roundings);
     RC_ASSERT(std::abs(determinant(B) - 1) < angle_roundings);
     const auto column = [](const Matrix3<double>& m, int j) { return Vector3<double>(m[0][j], m[1][j], m[2][j]); };
     RC_ASSERT(length(cross(column(A, 0), column(B, 0))) < 2 * angle_roundings);
     RC_ASSERT(std::abs(dot(column(A, 1), column(B, 2))) < 2 * angle_roundings);
     // a rotation is returned unchanged
-    RC_ASSERT(largest_difference(reorthogonalised(B), B) < angle_roundings);
+    RC_ASSERT(largest_difference(reorthogonalise(B), B) < angle_roundings);
 }
 
 RC_GTEST_PROP(Skew, IsTheCrossProduct, ()) {

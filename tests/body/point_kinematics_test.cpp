@@ -34,8 +34,8 @@ RC_GTEST_PROP(PointOfABody, MovesAsItTurns, ()) {
 
 RC_GTEST_PROP(PointOfABody, TellsTheRateAcrossItsArm, ()) {
     const Vector3<double> w = moderate_vector(), r = moderate_arm();
-    const Vector3<double> told = angular_velocity_of_point(r, velocity_of_point(w, r));
-    RC_ASSERT(distance(told, across(w, r)) < arm_roundings);
+    const Vector3<double> derived = angular_velocity_of_point(r, velocity_of_point(w, r));
+    RC_ASSERT(distance(derived, across(w, r)) < arm_roundings);
     // the full angular velocity is recovered where the arm is perpendicular to the axis
     const Vector3<double> square = across(r, w + Vector3<double>(0, 0, 10));
     const Vector3<double> axis = w + Vector3<double>(0, 0, 10);
@@ -44,9 +44,9 @@ RC_GTEST_PROP(PointOfABody, TellsTheRateAcrossItsArm, ()) {
 
 RC_GTEST_PROP(PointOfABody, TellsTheAccelerationOfTheTurn, ()) {
     const Vector3<double> w = moderate_vector(), alpha = moderate_vector(), r = moderate_arm();
-    const Vector3<double> told = angular_acceleration_of_point(r, acceleration_of_point(w, alpha, r));
+    const Vector3<double> derived = angular_acceleration_of_point(r, acceleration_of_point(w, alpha, r));
     const Vector3<double> centripetal = (dot(w, r) / dot(r, r)) * cross(r, w);
-    RC_ASSERT(distance(told, across(alpha, r) + centripetal) < arm_roundings);
+    RC_ASSERT(distance(derived, across(alpha, r) + centripetal) < arm_roundings);
 }
 
 /// The sum of L = r x p over all points of a body about its centre of mass is I w.

@@ -72,7 +72,7 @@ double round(double radius, double z) { return std::sqrt(std::max(0.0, radius * 
 TEST(Shapes, AreTheIntegralsOverTheirSlices) {
     const auto expect = [](const Shape& shape, const std::vector<double>& bounds,
                            const std::function<Slice(double)>& f) {
-        expect_near(of_density<double>(shape, 3), by_slices(bounds, f), 1e-11);
+        expect_near(body_from_density<double>(shape, 3), by_slices(bounds, f), 1e-11);
     };
     expect(Box{{0.5, 1.25, 2}}, {-2, 2}, [](double) { return Slice{2.5, 2.5 * 0.25 / 3, 2.5 * 1.5625 / 3}; });
     expect(SolidSphere{1.5}, {-1.5, 1.5}, [](double z) { return ring(round(1.5, z), 0); });
@@ -90,7 +90,7 @@ TEST(Shapes, AreTheIntegralsOverTheirSlices) {
     expect(Torus{2, 0.5}, {-0.5, 0.5}, [](double z) { return ring(2 + round(0.5, z), 2 - round(0.5, z)); });
     // these slices are measured from the base, the frustum from its centre of mass: only the centres may differ
     const MassProperties<double> from_base = by_slices({0, 2}, [](double z) { return ring(0.75 - 0.25 * z, 0); });
-    MassProperties<double> frustum = of_density<double>(Frustum{0.75, 0.25, 2}, 3);
+    MassProperties<double> frustum = body_from_density<double>(Frustum{0.75, 0.25, 2}, 3);
     EXPECT_EQ(frustum.center[2], 0);
     frustum.center = from_base.center;
     expect_near(frustum, from_base, 1e-11);
@@ -100,14 +100,14 @@ TEST(Shapes, AreTheIntegralsOverTheirSlices) {
 TEST(Shapes, ThinOnesAreLimits) {
     constexpr double thin = 1e-6;
     const auto expect = [](const Shape& limit, const Shape& near, double tolerance) {
-        expect_near(of_mass<double>(near, 2), of_mass<double>(limit, 2), tolerance);
+        expect_near(body_from_mass<double>(near, 2), body_from_mass<double>(limit, 2), tolerance);
     };
     expect(ThinRod{3}, Cylinder{thin, 1.5}, 1e-11);
     expect(ThinDisc{1.5}, Cylinder{1.5, thin}, 1e-11);
     expect(ThinPlate{{0.5, 1.5}}, Box{{0.5, 1.5, thin}}, 1e-11);
     expect(HollowSphere{1.5, 1.5}, HollowSphere{1.5, 1.5 - thin}, 2e-6);
-    EXPECT_NEAR(of_mass<double>(HollowSphere{1.5, 1.5}, 2).inertia[0][0], 2 * 2 * 1.5 * 1.5 / 3, 1e-15);
-    EXPECT_EQ(of_mass<double>(Frustum{0.5, 0, 2}, 1).inertia, of_mass<double>(Cone{0.5, 2}, 1).inertia);
+    EXPECT_NEAR(body_from_mass<double>(HollowSphere{1.5, 1.5}, 2).inertia[0][0], 2 * 2 * 1.5 * 1.5 / 3, 1e-15);
+    EXPECT_EQ(body_from_mass<double>(Frustum{0.5, 0, 2}, 1).inertia, body_from_mass<double>(Cone{0.5, 2}, 1).inertia);
     expect(Cylinder{0.5, 1}, Frustum{0.5, 0.5, 2}, 1e-15);
     expect(SolidSphere{0.5}, Capsule{0.5, 0}, 1e-15);
 }
@@ -124,7 +124,7 @@ Quaternion<double> any_turn() {
 RC_GTEST_PROP(Shapes, TetrahedronIsItsCubature, ()) {
     Tetrahedron t;
     for (Vector3<double>& v : t.vertices) v = any_vector(2);
-    const MassProperties<double> found = of_mass<double>(t, 1.5);
+    const MassProperties<double> found = body_from_mass<double>(t, 1.5);
     const double near = (5 + 3 * std::sqrt(5)) / 20, far = (5 - std::sqrt(5)) / 20;
     std::vector<PointMass<double>> points;
     for (int i = 0; i < 4; ++i) {
@@ -132,7 +132,7 @@ RC_GTEST_PROP(Shapes, TetrahedronIsItsCubature, ()) {
         for (int j = 0; j < 4; ++j) p = p + (i == j ? near : far) * t.vertices[j];
         points.push_back({1.5 / 4, p});
     }
-    expect_near(of_points(points), found, 1e-13);
+    expect_near(body_from_points(points), found, 1e-13);
 }
 
 Mesh mesh_of(const Tetrahedron& t) {
@@ -163,7 +163,7 @@ RC_GTEST_PROP(Mesh, IsTheBodyThatItBounds, ()) {
     Mesh mesh = mesh_of(box);
     RC_ASSERT(mesh_fault(mesh).empty());
     for (Vector3<double>& v : mesh.vertices) v = position + rotate(turn, v);
-    const MassProperties<double> expected = placed(of_density<double>(box, 2.5), position, turn);
+    const MassProperties<double> expected = placed(body_from_density<double>(box, 2.5), position, turn);
     expect_near(of_mesh(mesh, 2.5), expected, 1e-13);
     const double volume = enclosed_volume(mesh);
     RC_ASSERT(std::abs(volume * 2.5 - expected.mass) <= 1e-14 * expected.mass);
@@ -174,7 +174,7 @@ RC_GTEST_PROP(Mesh, IsTheBodyThatItBounds, ()) {
 
     Tetrahedron t;
     for (Vector3<double>& v : t.vertices) v = any_vector(2);
-    const MassProperties<double> whole = of_density<double>(t, 2);
+    const MassProperties<double> whole = body_from_density<double>(t, 2);
     if (is_left_handed(t)) std::swap(t.vertices[0], t.vertices[1]);
     if (whole.mass > 0.01) expect_near(of_mesh(mesh_of(t), 2), whole, 1e-11);
 }
@@ -239,13 +239,13 @@ RC_GTEST_PROP(Mesh, ScaleMultipliesCoordinates, ()) {
 RC_GTEST_PROP(Composite, PartsMakeTheWhole, ()) {
     const double a = any(0.1, 1), b = any(0.1, 1), c = any(0.2, 1);
     const Quaternion<double> none{1, 0, 0, 0}, about_x{0, 1, 0, 0};
-    const auto box = [&](double half) { return of_density<double>(Box{{a, b, half}}, 3); };
+    const auto box = [&](double half) { return body_from_density<double>(Box{{a, b, half}}, 3); };
     const MassProperties<double> halves =
         composite<double>({placed(box(c / 2), {0, 0, c / 2}, none), placed(box(c / 2), {0, 0, -c / 2}, about_x)});
     expect_near(halves, box(c), 1e-14);
-    const MassProperties<double> cored =
-        composite<double>({of_density<double>(SolidSphere{1.5}, 2), of_density<double>(SolidSphere{0.75}, -2)});
-    expect_near(cored, of_density<double>(HollowSphere{1.5, 0.75}, 2), 1e-14);
+    const MassProperties<double> cored = composite<double>(
+        {body_from_density<double>(SolidSphere{1.5}, 2), body_from_density<double>(SolidSphere{0.75}, -2)});
+    expect_near(cored, body_from_density<double>(HollowSphere{1.5, 0.75}, 2), 1e-14);
     // rotating the whole equals rotating each part
     const Vector3<double> position = any_vector(3);
     const Quaternion<double> turn = any_turn();

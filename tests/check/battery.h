@@ -113,12 +113,12 @@ class Engine {
             const V w = inverse_I_ * rotated_back(q0, L);
             w_ = w;
             lose(dt);
-            const Real kept = length_of(w) > 0 ? length_of(w_) / length_of(w) : Real(1);
+            const Real momentum_factor = length_of(w) > 0 ? length_of(w_) / length_of(w) : Real(1);
             v_ = v0 + dt * dv;
             lose_speed(dt);
             q_ = next_attitude(q0, turning(q0, w_), dt);
             take_tensor(q_);
-            if (k_.gyroscopic == 1 && !k_.wrong_side) w_ = kept * (inverse_I_ * rotated_back(q_, L));
+            if (k_.gyroscopic == 1 && !k_.wrong_side) w_ = momentum_factor * (inverse_I_ * rotated_back(q_, L));
             x_ = x_ + dt * v_;
         }
         if (kind_ == EngineKind::midpoint) lose(dt), lose_speed(dt);

@@ -152,7 +152,7 @@ Count verdict(const Job& job, const std::vector<Diagnosis>& found) {
 }
 
 // Counts the diagnoses of every `stride`-th job that has a file.
-Counts count_jobs(const std::vector<Job>& jobs, const Written& written, std::size_t stride, std::string& told) {
+Counts count_jobs(const std::vector<Job>& jobs, const Written& written, std::size_t stride, std::string& failures) {
     Counts counts;
     std::mutex lock;
     parallel_for(jobs.size() / stride, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {
@@ -164,10 +164,10 @@ Counts count_jobs(const std::vector<Job>& jobs, const Written& written, std::siz
         const std::lock_guard guard(lock);
         counts[job.sound ? "sound" : job.name()] += count;
         if (job.sound ? count.silent : count.right) return;
-        told += fmt::format("{}, {}, {}, engine {}:", written.name, job.name(), job.scene->name,
-                            static_cast<int>(job.kind));
-        for (const Diagnosis& d : found) told += " " + d.fault;
-        told += "\n";
+        failures += fmt::format("{}, {}, {}, engine {}:", written.name, job.name(), job.scene->name,
+                                static_cast<int>(job.kind));
+        for (const Diagnosis& d : found) failures += " " + d.fault;
+        failures += "\n";
     });
     return counts;
 }
@@ -176,7 +176,7 @@ constexpr battery::EngineKind all_kinds[] = {battery::EngineKind::world_rate, ba
                                              battery::EngineKind::midpoint};
 
 // Counts engines with one fault and sound engines.
-Counts counted(const Written& written, std::size_t stride, std::string& told) {
+Counts count_faults(const Written& written, std::size_t stride, std::string& failures) {
     const std::vector<battery::Fault> faults = battery::faults(), sound = battery::sound_engines();
     const std::vector<Scene> scenes = battery::scenes();
     std::vector<Job> jobs;
@@ -187,11 +187,11 @@ Counts counted(const Written& written, std::size_t stride, std::string& told) {
                 if (!written.exact || engine.substeps == 1) jobs.push_back({&scene, {}, kind, &engine});
             for (const battery::Fault& fault : faults) jobs.push_back({&scene, {&fault}, kind});
         }
-    return count_jobs(jobs, written, stride, told);
+    return count_jobs(jobs, written, stride, failures);
 }
 
 // Counts engines with two faults.
-Counts counted_pairs(const Written& written, std::size_t stride, std::string& told) {
+Counts count_pairs(const Written& written, std::size_t stride, std::string& failures) {
     const std::vector<battery::Fault> faults = battery::faults();
     const std::vector<Scene> scenes = battery::scenes();
     const auto named = [&](const std::string& name) {
@@ -204,11 +204,11 @@ Counts counted_pairs(const Written& written, std::size_t stride, std::string& to
             for (const auto& [first, second] : battery::pairs_of_faults())
                 jobs.push_back({&scene, {named(first), named(second)}, kind});
         }
-    return count_jobs(jobs, written, stride, told);
+    return count_jobs(jobs, written, stride, failures);
 }
 
 // Counts bouncing balls and boxes with this number of steps and rows per second.
-Counts counted_impacts(double hertz, std::string& told) {
+Counts count_impacts(double hertz, std::string& failures) {
     Counts counts;
     for (const plane_battery::Case& c : plane_battery::cases()) {
         const auto add = [&](const std::string& name, const std::vector<std::string>& words,
@@ -219,9 +219,9 @@ Counts counted_impacts(double hertz, std::string& told) {
             Count& count = counts[name];
             ++(found.empty() ? count.silent : right ? count.right : count.wrong);
             if (right || (found.empty() && words.empty())) return;
-            told += fmt::format("{} Hz, {}, {}:", hertz, name, c.scene.name);
-            for (const Diagnosis& d : found) told += " " + d.fault;
-            told += "\n";
+            failures += fmt::format("{} Hz, {}, {}:", hertz, name, c.scene.name);
+            for (const Diagnosis& d : found) failures += " " + d.fault;
+            failures += "\n";
         };
         add("sound", {}, {});
         for (const plane_battery::Fault& fault : plane_battery::faults())
@@ -242,39 +242,39 @@ double percent(int part, int whole) { return whole == 0 ? 0 : 100.0 * part / who
 class Battery : public ::testing::TestWithParam<Written> {};
 
 // The goals: at 240 Hz and above, at least 95 % correct and at most 1 % wrong; at 60 Hz, 85 % and 2 %.
-void expect_goals(const Counts& counts, bool coarse, bool bare, const std::string& told) {
+void expect_goals(const Counts& counts, bool coarse, bool bare, const std::string& failures) {
     const Count sum = sum_of_faults(counts);
     // in a part of the battery, one file can be more than 1 %
     const int spare = sum.all() < 200 ? 1 : 0;
-    EXPECT_GE(percent(sum.right + spare, sum.all()), coarse ? 85 : 95) << told;
-    EXPECT_LE(percent(sum.wrong - spare, sum.all()), coarse || bare ? 2 : 1) << told;
+    EXPECT_GE(percent(sum.right + spare, sum.all()), coarse ? 85 : 95) << failures;
+    EXPECT_LE(percent(sum.wrong - spare, sum.all()), coarse || bare ? 2 : 1) << failures;
     if (const auto sound = counts.find("sound"); sound != counts.end()) {
-        EXPECT_EQ(sound->second.silent, sound->second.all()) << told;
+        EXPECT_EQ(sound->second.silent, sound->second.all()) << failures;
     }
 }
 bool is_coarse(const Written& written) { return written.hertz <= 60 && !written.exact; }
 
 // Runs a part of the battery with the goals of the whole battery.
 TEST_P(Battery, FaultsAreNamedAndSoundFilesAreNot) {
-    std::string told;
-    const Counts counts = counted(GetParam(), optimised_build ? 19 : 997, told);
+    std::string failures;
+    const Counts counts = count_faults(GetParam(), optimised_build ? 19 : 997, failures);
     if (!optimised_build) {
         if (const auto sound = counts.find("sound"); sound != counts.end()) {
-            EXPECT_EQ(sound->second.silent, sound->second.all()) << told;
+            EXPECT_EQ(sound->second.silent, sound->second.all()) << failures;
         }
         GTEST_SKIP() << "too few files for rates in an unoptimised build";
     }
     ASSERT_GT(sum_of_faults(counts).all(), 15);
-    expect_goals(counts, is_coarse(GetParam()), GetParam().bare, told);
+    expect_goals(counts, is_coarse(GetParam()), GetParam().bare, failures);
 }
 
 // Runs a part of the pairs at 60 and 240 Hz.
 TEST(BatteryOfPairs, FaultsAreNamed) {
     for (const Written& written : all_written) {
         if (written.name != std::string("60 Hz") && written.name != std::string("240 Hz")) continue;
-        std::string told;
-        const Counts counts = counted_pairs(written, optimised_build ? 11 : 199, told);
-        if (optimised_build) expect_goals(counts, is_coarse(written), false, told);
+        std::string failures;
+        const Counts counts = count_pairs(written, optimised_build ? 11 : 199, failures);
+        if (optimised_build) expect_goals(counts, is_coarse(written), false, failures);
     }
     if (!optimised_build) GTEST_SKIP() << "too few files for rates in an unoptimised build";
 }
@@ -282,8 +282,8 @@ TEST(BatteryOfPairs, FaultsAreNamed) {
 TEST(BatteryOfImpacts, FaultsAreNamedAndSoundBouncesAreNot) {
     for (const double hertz : {60.0, 240.0, 1000.0}) {
         if (!optimised_build && hertz > 60) continue;
-        std::string told;
-        expect_goals(counted_impacts(hertz, told), hertz <= 60, false, told);
+        std::string failures;
+        expect_goals(count_impacts(hertz, failures), hertz <= 60, false, failures);
     }
 }
 
@@ -311,7 +311,7 @@ TEST(BatteryTable, IsWritten) {
     if (!path) GTEST_SKIP() << "POLHODE_BATTERY does not name a file";
     const char* const given = std::getenv("POLHODE_BATTERY_STRIDE");
     const std::size_t stride = given ? std::stoul(given) : 1;
-    std::string told;
+    std::string failures;
     std::string text = fmt::format(
         "# Diagnoses of check\n\n"
         "Three small engines with {} faults run {} scenes (tests/check/battery.h). They share no code with the\n"
@@ -335,7 +335,7 @@ TEST(BatteryTable, IsWritten) {
                            sound.all(), sound.all() - sound.silent);
     };
     for (const Written& written : all_written) {
-        const Counts counts = counted(written, stride, told);
+        const Counts counts = count_faults(written, stride, failures);
         text += row(written.name, counts), add_to(by_fault, counts);
     }
     text += table_by_fault(by_fault, "By fault, over all kinds of file:", false);
@@ -346,7 +346,7 @@ TEST(BatteryTable, IsWritten) {
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
         battery::pairs_of_faults().size());
     for (const Written& written : all_written) {
-        const Counts counts = counted_pairs(written, stride, told);
+        const Counts counts = count_pairs(written, stride, failures);
         const Count sum = sum_of_faults(counts);
         text +=
             fmt::format("| {} | {} | {} | {} | {} | {} | {:.1f} | {:.1f} |\n", written.name, sum.right, sum.both,
@@ -362,12 +362,12 @@ TEST(BatteryTable, IsWritten) {
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
         plane_battery::faults().size());
     for (const double hertz : {60.0, 240.0, 1000.0}) {
-        const Counts counts = counted_impacts(hertz, told);
+        const Counts counts = count_impacts(hertz, failures);
         text += row(fmt::format("{} Hz", hertz), counts), add_to(by_impact, counts);
     }
     text += table_by_fault(by_impact, "By fault of impacts, over all kinds of file:", false);
     std::ofstream(path) << text;
-    if (const char* const names = std::getenv("POLHODE_BATTERY_FAILURES")) std::ofstream(names) << told;
+    if (const char* const names = std::getenv("POLHODE_BATTERY_FAILURES")) std::ofstream(names) << failures;
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 #include "check/battery.h"
 #include "check/check_files.h"
+#include "check/file_errors.h"
 #include "check/impact_faults.h"
-#include "check/judge.h"
 #include "check/known_update.h"
 #include "integrators/method.h"
 #include "integrators/truth/reference.h"
@@ -62,10 +62,10 @@ TEST(Diagnosis, ALoadOfTheWrongSizeIsToldBeforeAMass) {
         std::get<Force>(given.loads[0]).vector = factor * std::get<Force>(scene.loads[0]).vector;
         const auto found =
             diagnose(scene, battery::run<double>(given, {}, EngineKind::world_rate, 1.0 / 90, 1, 180)).faults;
-        const std::vector<std::string> told = words(found);
-        ASSERT_FALSE(told.empty()) << factor;
-        EXPECT_EQ(told[0], "force_scaled") << factor;
-        EXPECT_TRUE(factor == 0.04 || std::ranges::find(told, "density_scaled") != told.end()) << factor;
+        const std::vector<std::string> found_words = words(found);
+        ASSERT_FALSE(found_words.empty()) << factor;
+        EXPECT_EQ(found_words[0], "force_scaled") << factor;
+        EXPECT_TRUE(factor == 0.04 || std::ranges::find(found_words, "density_scaled") != found_words.end()) << factor;
         EXPECT_EQ(found[0].message.find("one of 4 substeps") != std::string::npos, factor == 0.25);
     }
 }
@@ -98,11 +98,11 @@ TEST(Diagnosis, APermutationThatLaterRowsRefuteIsNotTold) {
         for (const double hertz : {90.0, 250.0}) {
             Knobs knobs;
             knobs.tensor = tensor;
-            const std::vector<std::string> told =
+            const std::vector<std::string> found_words =
                 words(diagnose(scene, battery::run<double>(scene, knobs, EngineKind::world_rate, 1 / hertz, 1,
                                                            static_cast<int>(2 * hertz)))
                           .faults);
-            EXPECT_EQ(told, std::vector<std::string>{word}) << hertz;
+            EXPECT_EQ(found_words, std::vector<std::string>{word}) << hertz;
         }
 }
 
@@ -141,10 +141,10 @@ TEST(Diagnosis, TermsThatTheOriginsAccelerationLacksAreTold) {
                     std::vector<std::string> wanted;
                     if (!centripetal) wanted.push_back("origin_without_centripetal_term");
                     if (!euler) wanted.push_back("origin_without_euler_term");
-                    std::vector<std::string> told =
+                    std::vector<std::string> found_words =
                         words(diagnose(scene, battery::run<double>(scene, knobs, kind, 1 / hertz, 1, 120)).faults);
-                    std::ranges::sort(told);
-                    EXPECT_EQ(told, wanted) << hertz << static_cast<int>(kind);
+                    std::ranges::sort(found_words);
+                    EXPECT_EQ(found_words, wanted) << hertz << static_cast<int>(kind);
                 }
 }
 
@@ -164,9 +164,9 @@ TEST(Diagnosis, VelocitiesOfTheOriginAreTold) {
                 if (named_origin) file.has_position = false, file.has_origin = true;
                 // not a known fault: ox,oy,oz hold the centre of mass, and vx,vy,vz the velocity of the origin
                 if (named_origin && !position) continue;
-                const std::vector<std::string> told = words(diagnose(scene, file).faults);
-                EXPECT_EQ(told, std::vector<std::string>{position && !named_origin ? "origin_for_center_of_mass"
-                                                                                   : "velocity_of_origin"})
+                const std::vector<std::string> found_words = words(diagnose(scene, file).faults);
+                EXPECT_EQ(found_words, std::vector<std::string>{position && !named_origin ? "origin_for_center_of_mass"
+                                                                                          : "velocity_of_origin"})
                     << has_rate << named_origin << position;
             }
 }
@@ -183,24 +183,24 @@ TEST(Diagnosis, EventsAreSaidInWords) {
         << found[0].message;
 }
 
-TEST(FollowedUpdate, MatchesWhatAMethodWrote) {
+TEST(UpdateMatch, MatchesWhatAMethodWrote) {
     const Scene scene = plain_scene();
     for (const double hertz : {60.0, 137.0}) {
-        const auto followed = followed_update(scene, of_method(scene, "gyroscopic_explicit", 1 / hertz, 120), 2, 1e-15);
+        const auto followed = identify_update(scene, of_method(scene, "gyroscopic_explicit", 1 / hertz, 120), 2, 1e-15);
         ASSERT_TRUE(followed);
         EXPECT_EQ(followed->method, "gyroscopic_explicit");
-        EXPECT_TRUE(followed->matches && !followed->left_at);
+        EXPECT_TRUE(followed->matches && !followed->departure_time);
         EXPECT_NEAR(followed->step * hertz, 1, 1e-9);
         EXPECT_NE(followed->message.find("the file matches the gyroscopic_explicit update"), std::string::npos);
     }
     // several steps per row
-    const auto coarse = followed_update(scene, of_method(scene, "gyroscopic_explicit", 1.0 / 70, 60, 7), 7, 1e-15);
+    const auto coarse = identify_update(scene, of_method(scene, "gyroscopic_explicit", 1.0 / 70, 60, 7), 7, 1e-15);
     ASSERT_TRUE(coarse);
     EXPECT_TRUE(coarse->matches);
     EXPECT_NEAR(coarse->step, 1.0 / 70, 1e-9);
 }
 
-TEST(FollowedUpdate, TellsTheRowAtWhichItIsLeft) {
+TEST(UpdateMatch, TellsTheRowAtWhichItIsLeft) {
     const Scene scene = plain_scene();
     TrajectoryFile file = of_method(scene, "gyroscopic_explicit", 1.0 / 100, 600);
     // from this row on, half the angular velocity
@@ -212,14 +212,14 @@ TEST(FollowedUpdate, TellsTheRowAtWhichItIsLeft) {
         const double t = file.rows[400 + k].t;
         file.rows[400 + k] = rest.rows[k], file.rows[400 + k].t = t;
     }
-    const auto followed = followed_update(scene, file, 1, 1e-15);
-    ASSERT_TRUE(followed && followed->matches && followed->left_at);
-    EXPECT_NEAR(*followed->left_at, 4.01, 1e-9);
+    const auto followed = identify_update(scene, file, 1, 1e-15);
+    ASSERT_TRUE(followed && followed->matches && followed->departure_time);
+    EXPECT_NEAR(*followed->departure_time, 4.01, 1e-9);
     EXPECT_NE(followed->message.find("departs from it at t = 4.01 s, where |w| drops"), std::string::npos)
         << followed->message;
 }
 
-TEST(FollowedUpdate, ResemblesWhatItDoesNotMatch) {
+TEST(UpdateMatch, ResemblesWhatItDoesNotMatch) {
     const Scene scene = plain_scene();
     TrajectoryFile file = of_method(scene, "gyroscopic_explicit", 1.0 / 30, 120);
     for (std::size_t k = 0; k < file.rows.size(); ++k) {
@@ -227,20 +227,20 @@ TEST(FollowedUpdate, ResemblesWhatItDoesNotMatch) {
         const double off = 1e-4 * std::sin(static_cast<double>(k));
         row.q = normalized(Quaternion<double>{row.q.w, row.q.x + off, row.q.y, row.q.z - off});
     }
-    const auto followed = followed_update(scene, file, 1, 1e-15);
+    const auto followed = identify_update(scene, file, 1, 1e-15);
     ASSERT_TRUE(followed);
     EXPECT_FALSE(followed->matches);
     EXPECT_NE(followed->message.find("the file resembles the "), std::string::npos);
     // a file with a correct attitude has no update
     Scene still = scene;
     still.initial.angular_velocity = {};
-    EXPECT_FALSE(followed_update(still, of_method(still, "gyroscopic_explicit", 1.0 / 30, 60), 1, 1e-15));
+    EXPECT_FALSE(identify_update(still, of_method(still, "gyroscopic_explicit", 1.0 / 30, 60), 1, 1e-15));
 }
 
-TEST(FollowedUpdate, IsNoneOfImpactsWhereThereIsNoPlane) {
+TEST(UpdateMatch, IsNoneOfImpactsWhereThereIsNoPlane) {
     const Scene scene = plain_scene();
     for (const char* name : {"gyroscopic_none", "gyroscopic_explicit", "gyroscopic_implicit"}) {
-        const auto followed = followed_update(scene, of_method(scene, name, 1.0 / 60, 60), 1, 1e-15);
+        const auto followed = identify_update(scene, of_method(scene, name, 1.0 / 60, 60), 1, 1e-15);
         ASSERT_TRUE(followed) << name;
         EXPECT_FALSE(find_method(followed->method)->planes) << followed->method;
     }
@@ -330,15 +330,15 @@ TEST(ImpactFaults, BouncesThatComeAStepLateAreTold) {
 }
 
 // The rotation does not depend on the position, so its energy is compared without v.
-TEST(Judge, ComparesTheEnergyOfRotationWithoutTheVelocity) {
+TEST(FileErrorAccumulator, ComparesTheEnergyOfRotationWithoutTheVelocity) {
     Scene scene = plain_scene();
     scene.loads.push_back(Gravity{{0, 0, -9.81}, {}});
     scene.initial.velocity_W = {30, 0, 0};
     TrajectoryFile file = of_method(scene, "gyroscopic_explicit", 1.0 / 60, 60);
     std::vector<double> times;
     for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
-    const Judgement judged = judge(scene, file, reference(scene, times));
-    ASSERT_TRUE(judged["energy"]);
+    const FileErrors file_errors = compute_file_errors(scene, file, reference(scene, times));
+    ASSERT_TRUE(file_errors["energy"]);
     // rotational energy computed from the file's w
     const auto energy = [&](const TrajectoryRow& row) {
         const V3 w = rotate_back(row.q, row.angular_velocity_W);
@@ -347,15 +347,15 @@ TEST(Judge, ComparesTheEnergyOfRotationWithoutTheVelocity) {
     double largest = 0;
     for (const TrajectoryRow& row : file.rows)
         largest = std::max(largest, std::abs(energy(row) / energy(file.rows[0]) - 1));
-    EXPECT_NEAR(judged["energy"]->max, largest, 1e-12);
+    EXPECT_NEAR(file_errors["energy"]->max, largest, 1e-12);
     EXPECT_GT(largest, 1e-6);
     // a force at a point fixed in the world makes the rotation depend on the position
     scene.loads.push_back(Force{{1, 0, 0}, Frame::world, {0, 0, 1}, Frame::world, {}});
-    EXPECT_FALSE(judge(scene, file, reference(scene, times))["energy"]);
+    EXPECT_FALSE(compute_file_errors(scene, file, reference(scene, times))["energy"]);
 }
 
 // NaN counts as the largest error: in one piece and in several, for one body and for several.
-TEST(Judge, NotANumberIsTheLargestError) {
+TEST(FileErrorAccumulator, NotANumberIsTheLargestError) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_TRUE(is_larger<double>(nan, 3) && is_larger<double>(2, 1) && !is_larger<double>(1, 1) &&
                 !is_larger<double>(5, nan) && !is_larger<double>(nan, nan));
@@ -365,15 +365,15 @@ TEST(Judge, NotANumberIsTheLargestError) {
     std::vector<double> times;
     for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
     const Reference truth = reference(scene, times);
-    Judge whole(scene, file, JudgedIn::binary64), later(scene, file, JudgedIn::binary64);
+    FileErrorAccumulator whole(scene, file, ErrorArithmetic::binary64), later(scene, file, ErrorArithmetic::binary64);
     const std::span<const ReferenceSample> samples = truth.samples;
     whole.add(0, samples.first(15));
     later.add(15, samples.subspan(15));
     whole.append(later);
-    for (const Judgement& judged : {judge(scene, file, truth), whole.result()}) {
-        EXPECT_TRUE(std::isnan(judged["omega"]->max));
-        EXPECT_EQ(judged["omega"]->max_time, file.rows[20].t);
-        EXPECT_TRUE(std::ranges::any_of(judged.over_time,
+    for (const FileErrors& file_errors : {compute_file_errors(scene, file, truth), whole.result()}) {
+        EXPECT_TRUE(std::isnan(file_errors["omega"]->max));
+        EXPECT_EQ(file_errors["omega"]->max_time, file.rows[20].t);
+        EXPECT_TRUE(std::ranges::any_of(file_errors.over_time,
                                         [](const ErrorSpan& span) { return std::isnan(span.error["omega"]); }));
     }
     const Scene pair = find_scene("mechanisms/double_pendulum");
@@ -390,7 +390,7 @@ TEST(Judge, NotANumberIsTheLargestError) {
     for (const Sample& s : run.samples)
         several.rows.push_back({s.t, s.q, rotate(s.q, s.angular_velocity_B), s.position_W, s.velocity_W});
     several.rows[9].velocity_W[0] = nan;
-    EXPECT_TRUE(std::isnan(judge(timed, several, right)["velocity"]->max));
+    EXPECT_TRUE(std::isnan(compute_file_errors(timed, several, right)["velocity"]->max));
 }
 
 }  // namespace

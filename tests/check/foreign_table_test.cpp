@@ -106,7 +106,7 @@ std::string fault_of(const std::string& text, const ColumnNames& names, std::vec
     CheckedFile checked;
     checked.path = "f";
     try {
-        prepared_file(nullptr, {}, names, text, checked, gaps);
+        prepare_file(nullptr, {}, names, text, checked, gaps);
     } catch (const InputError& error) {
         return error.what();
     }

@@ -1,4 +1,4 @@
-// Rows with NaN, and errors over time compared with the errors of judge().
+// Rows with NaN, and errors over time compared with the errors of compute_file_errors().
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -78,14 +78,14 @@ TEST(ErrorOverTime, HasTheLargestThatTheJudgeFinds) {
         const TrajectoryFile file = solved(scene, samples);
         std::vector<double> times;
         for (const TrajectoryRow& row : file.rows) times.push_back(row.t);
-        const Judgement judgement = judge(scene, file, reference(scene, times));
+        const FileErrors file_errors = compute_file_errors(scene, file, reference(scene, times));
         for (const char* measure : {"attitude", "omega", "energy", "momentum"}) {
             const ErrorOverTime errors = error_over_time(scene, file, measure, "run.csv");
             ASSERT_EQ(errors.fault, "");
             ASSERT_EQ(errors.error.size(), file.rows.size());
             const double largest = std::ranges::max(errors.error);
-            EXPECT_NEAR(largest, judgement[measure]->max, 1e-6 * largest + 2e-15) << measure;
-            EXPECT_NEAR(errors.error.back(), judgement[measure]->final, 1e-6 * largest + 2e-15) << measure;
+            EXPECT_NEAR(largest, file_errors[measure]->max, 1e-6 * largest + 2e-15) << measure;
+            EXPECT_NEAR(errors.error.back(), file_errors[measure]->final, 1e-6 * largest + 2e-15) << measure;
         }
     }
 }
@@ -100,10 +100,10 @@ TEST(ErrorOverTime, OfSeveralBodiesIsTheWorstOnes) {
                                                  QuaternionColumns::by_name, body_names(scene));
     std::vector<double> times;
     for (std::size_t k = 0; k < file.rows.size(); k += file.bodies_at_once()) times.push_back(file.rows[k].t);
-    const Judgement judgement = judge(scene, file, reference(scene, times));
+    const FileErrors file_errors = compute_file_errors(scene, file, reference(scene, times));
     const ErrorOverTime errors = error_over_time(scene, file, "attitude", "run.csv");
     EXPECT_EQ(errors.error.size(), 51U);
-    EXPECT_EQ(std::ranges::max(errors.error), judgement["attitude"]->max);
+    EXPECT_EQ(std::ranges::max(errors.error), file_errors["attitude"]->max);
 }
 
 TEST(ErrorOverTime, RefusesWhatTheFileDoesNotTell) {

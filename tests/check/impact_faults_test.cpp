@@ -31,7 +31,7 @@ TrajectoryFile of_engine(Scene scene, const char* method, double hertz) {
 }
 
 TEST(ImpactFaults, RestitutionIsTold) {
-    int told = 0;
+    int found_count = 0;
     for (const char* name : {"bouncing_ball", "tumbling_box_bounce", "capsule_bounce", "damped_box_bounce"})
         for (const auto& [method, hertz] :
              {std::pair{"impact_stepping", 240.0}, {"impact_stepping", 1000.0}, {"cvode_impacts", 240.0}}) {
@@ -44,10 +44,10 @@ TEST(ImpactFaults, RestitutionIsTold) {
                 // this method never corrects the depth of a contact
                 if (method == std::string("impact_stepping") && d.fault == "penetration_kept") continue;
                 EXPECT_EQ(d.fault, "restitution_wrong") << name << method << hertz;
-                ++told;
+                ++found_count;
             }
         }
-    EXPECT_GE(told, 9);
+    EXPECT_GE(found_count, 9);
 }
 
 TEST(ImpactFaults, APlaneThatIsNotSeenIsTold) {
@@ -63,7 +63,7 @@ TEST(ImpactFaults, APlaneThatIsNotSeenIsTold) {
 
 // A ball comes to rest inside the plane. A slop, and a penetration below the travel of a row, are accepted.
 TEST(ImpactFaults, ADepthThatIsKeptIsTold) {
-    int told = 0;
+    int found_count = 0;
     for (const plane_battery::Case& c : plane_battery::cases()) {
         if (!(c.radius > 0) || c.scene.planes[0].restitution > 0.6) continue;
         for (const double hertz : {60.0, 240.0, 1000.0})
@@ -79,10 +79,10 @@ TEST(ImpactFaults, ADepthThatIsKeptIsTold) {
                 EXPECT_EQ(found[0].fault, "penetration_kept");
                 EXPECT_NE(found[0].message.find("0.03 m inside plane 0 from t = "), std::string::npos)
                     << found[0].message;
-                ++told;
+                ++found_count;
             }
     }
-    EXPECT_GE(told, 3);
+    EXPECT_GE(found_count, 3);
 }
 
 // Bounces from many heights with many restitutions, down to rest, with several impacts within a row.

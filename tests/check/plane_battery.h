@@ -140,7 +140,7 @@ class Engine {
         s_.w = rotate(q_, w);
         q_ = q_ * Quaternion<double>{std::cos(angle), s * w[0], s * w[1], s * w[2]};
     }
-    void strike() {
+    void apply_impact() {
         const V3 r = deepest(), point = s_.v + cross(s_.w, r);
         const double speed = dot(n_, point);
         if (!(speed < 0)) return;
@@ -174,7 +174,7 @@ class Engine {
                 (depth() > 0 ? closed : open) = middle;
             }
             fly_for(open);
-            strike();
+            apply_impact();
             left -= open;
             // a ball that falls back within the step rests
             if (radius_ > 0 && (impacts > 3 || dot(n_, s_.v) < -0.5 * dot(n_, g_) * h)) {

@@ -36,7 +36,7 @@ TrajectoryFile shown(const TrajectoryFile& steps, double frames, bool interpolat
     return file;
 }
 
-std::string told(const Scene& scene, const TrajectoryFile& file) {
+std::string describe_faults(const Scene& scene, const TrajectoryFile& file) {
     std::string faults;
     for (const Diagnosis& d : diagnose(scene, file).faults) faults += d.fault + " ";
     return faults;
@@ -48,8 +48,8 @@ TEST(RowFaults, RowsBetweenStepsAreTold) {
         const TrajectoryFile steps = steps_of(scene, 60, 200);
         EXPECT_TRUE(rows_between_steps(steps).empty()) << scene.name;
         for (const double frames : {144.0, 165.0, 240.0}) {
-            EXPECT_EQ(told(scene, shown(steps, frames, false)), "rows_repeated ") << scene.name << frames;
-            EXPECT_EQ(told(scene, shown(steps, frames, true)), "rows_interpolated ") << scene.name << frames;
+            EXPECT_EQ(describe_faults(scene, shown(steps, frames, false)), "rows_repeated ") << scene.name << frames;
+            EXPECT_EQ(describe_faults(scene, shown(steps, frames, true)), "rows_interpolated ") << scene.name << frames;
             ++seen;
         }
     }
@@ -59,14 +59,14 @@ TEST(RowFaults, RowsBetweenStepsAreTold) {
 TEST(RowFaults, LengthsOfQuaternions) {
     const Scene scene = battery::scenes().front();
     TrajectoryFile file = steps_of(scene, 60, 60);
-    EXPECT_TRUE(lengths_of_quaternions(file).empty());
+    EXPECT_TRUE(find_length_faults(file).empty());
     // q + (h/2) w q
     for (std::size_t k = 1; k < file.rows.size(); ++k) {
         const Vector3<double> half = (1.0 / 120) * file.rows[k].angular_velocity_W;
         const Quaternion<double> q = file.rows[k - 1].q, change = Quaternion<double>{0, half[0], half[1], half[2]} * q;
         file.rows[k].q = {q.w + change.w, q.x + change.x, q.y + change.y, q.z + change.z};
     }
-    const std::vector<Diagnosis> found = lengths_of_quaternions(file);
+    const std::vector<Diagnosis> found = find_length_faults(file);
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].fault, "quaternion_not_normalised");
     EXPECT_NEAR(found[0].error, norm(file.rows.back().q) - 1, 1e-15);
@@ -82,7 +82,7 @@ TEST(RowFaults, QuaternionsThatAreSeldomNormalised) {
                     knobs.first_order = true, knobs.normalised_every = every;
                     const auto kind = battery::EngineKind::world_rate;
                     const auto file = battery::run<double>(scene, knobs, kind, 1 / hertz / substeps, substeps, 120);
-                    const std::vector<Diagnosis> found = lengths_of_quaternions(file);
+                    const std::vector<Diagnosis> found = find_length_faults(file);
                     ASSERT_EQ(found.size(), 1u) << scene.name << hertz << " " << every;
                     EXPECT_EQ(found[0].fault, "quaternion_seldom_normalised");
                     const std::string rows = "only every " + std::to_string(every) + " rows";
@@ -91,13 +91,13 @@ TEST(RowFaults, QuaternionsThatAreSeldomNormalised) {
                     TrajectoryFile other = file;
                     Quaternion<double>& q = other.rows[50].q;
                     q = {1.01 * q.w, 1.01 * q.x, 1.01 * q.y, 1.01 * q.z};
-                    EXPECT_TRUE(lengths_of_quaternions(other).empty() ||
-                                lengths_of_quaternions(other)[0].fault != "quaternion_seldom_normalised");
+                    EXPECT_TRUE(find_length_faults(other).empty() ||
+                                find_length_faults(other)[0].fault != "quaternion_seldom_normalised");
                 }
     // rounding to binary32 is not such a pattern
     for (const Scene& scene : battery::scenes())
         EXPECT_TRUE(
-            lengths_of_quaternions(battery::run<float>(scene, {}, battery::EngineKind::world_rate, 1.0 / 1000, 1, 400))
+            find_length_faults(battery::run<float>(scene, {}, battery::EngineKind::world_rate, 1.0 / 1000, 1, 400))
                 .empty())
             << scene.name;
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "build_kind.h"
-#include "check/judge.h"
+#include "check/file_errors.h"
 #include "motion/trajectory_csv.h"
 
 namespace polhode {
@@ -146,7 +146,7 @@ struct BrokenCase {
     const char* name;
     void (*broken)(PendulumFaults&);
     std::vector<std::string> words;  // correct diagnoses
-    const char* said;                // part of the message
+    const char* message_part;        // part of the message
 };
 const std::vector<BrokenCase> cases{
     {"damping missing", [](PendulumFaults& k) { k.damping = 0; }, {"joint_damping_missing"}, "\"shoulder\""},
@@ -189,7 +189,7 @@ const std::vector<BrokenCase> cases{
 
 class SystemFault : public ::testing::TestWithParam<std::size_t> {};
 
-std::string told(const std::vector<Diagnosis>& faults) {
+std::string describe_faults(const std::vector<Diagnosis>& faults) {
     std::string all;
     for (const Diagnosis& d : faults) all += d.fault + ": " + d.message + "\n";
     return all;
@@ -213,10 +213,10 @@ TEST_P(SystemFault, IsNamedAtEveryRate) {
             EXPECT_TRUE(std::ranges::any_of(found,
                                             [&](const Diagnosis& d) {
                                                 return std::ranges::find(one.words, d.fault) != one.words.end() &&
-                                                       d.message.find(one.said) != std::string::npos;
+                                                       d.message.find(one.message_part) != std::string::npos;
                                             }))
                 << one.name << " at " << hertz << " Hz, way " << way << "\n"
-                << told(found);
+                << describe_faults(found);
         }
 }
 INSTANTIATE_TEST_SUITE_P(Of, SystemFault, ::testing::Range(std::size_t{0}, cases.size()));
@@ -229,7 +229,7 @@ TEST(SystemSearch, ASoundEngineIsToldNothing) {
             PendulumFaults knobs;
             knobs.runge_kutta = way == 1, knobs.substeps = way == 2 ? 4 : 1;
             const std::vector<Diagnosis> found = diagnose_system(scene, recorded(knobs, hertz)).faults;
-            EXPECT_TRUE(found.empty()) << hertz << " Hz, way " << way << "\n" << told(found);
+            EXPECT_TRUE(found.empty()) << hertz << " Hz, way " << way << "\n" << describe_faults(found);
         }
 }
 
@@ -250,11 +250,11 @@ TEST(SystemSearch, TwoFaultsAreBothNamed) {
     PendulumFaults knobs;
     knobs.motor = 0, knobs.gravity_on_upper = knobs.gravity_on_lower = 0.8;
     const std::vector<Diagnosis> found = diagnose_system(scene, recorded(knobs, 240)).faults;
-    ASSERT_EQ(found.size(), 2u) << told(found);
+    ASSERT_EQ(found.size(), 2u) << describe_faults(found);
     const auto has = [&](const char* word) {
         return std::ranges::any_of(found, [&](const Diagnosis& d) { return d.fault == word; });
     };
-    EXPECT_TRUE(has("motor_missing") && has("gravity_scaled")) << told(found);
+    EXPECT_TRUE(has("motor_missing") && has("gravity_scaled")) << describe_faults(found);
 }
 
 TEST(SystemSearch, ColumnsThatAreReadWronglyAreTold) {
@@ -311,7 +311,7 @@ TEST(SystemSearch, AFileWithSomeOfTheBodiesIsComparedInThose) {
             sample.t = 0.5 * k, sample.q.w = 1.0;
             truth.samples.push_back(sample);
         }
-    const Judgement found = judge(scene, file, truth);
+    const FileErrors found = compute_file_errors(scene, file, truth);
     EXPECT_NEAR(found["attitude"]->max, 2 * std::acos(0.6), 1e-12);
     EXPECT_EQ(found.worst_body, "lower");
     EXPECT_FALSE(found["joint_gap"] || found["energy"] || found["omega"]);

@@ -122,7 +122,7 @@ inline void body(std::string_view bytes) {
         require(body.mass > 0 && tensor_fault(body.inertia_B).empty(), "a link has no mass or an impossible tensor");
         return body;
     });
-    for (const RobotBase base : {RobotBase::as_usual, RobotBase::free, RobotBase::fixed}) robot(bytes, base);
+    for (const RobotBase base : {RobotBase::format_default, RobotBase::free, RobotBase::fixed}) robot(bytes, base);
 }
 
 inline void experiment(std::string_view text) {
@@ -144,7 +144,7 @@ inline void trajectory(std::string_view text) {
     std::optional<TrajectoryFile> file = parsed([&] { return parse_trajectory(text, "fuzz"); });
     if (!file) return;
     // this remark concerns the original text; the written file has none
-    file->read_past.clear();
+    file->skipped_content.clear();
     require(parse_trajectory(write_trajectory(*file), "written") == *file, "a trajectory does not read back");
     require(samples_of(*file, Vector3<double>(1, 2, 3)).size() == file->rows.size(), "samples are lost");
     // another quaternion order keeps all rows; converting axes twice restores the file; the clock stays monotonic
@@ -292,14 +292,14 @@ inline void columns(std::string_view text) {
         for (const std::string& remark : found->remarks) require_one_line(remark);
         auto file = parsed([&] { return parse_foreign_trajectory(table, "fuzz", found->columns); });
         if (!file) continue;
-        file->read_past.clear();
+        file->skipped_content.clear();
         require(parse_trajectory(write_trajectory(*file), "written") == *file, "a foreign table does not read back");
     }
     parsed([&] {
         CheckedFile checked;
         checked.path = "fuzz";
         std::vector<std::size_t> gaps;
-        const TrajectoryFile file = prepared_file(nullptr, {}, names, table, checked, &gaps);
+        const TrajectoryFile file = prepare_file(nullptr, {}, names, table, checked, &gaps);
         require(std::ranges::is_sorted(gaps), "gaps are not sorted");
         require(gaps.empty() || gaps.back() <= file.rows.size(), "a gap is beyond the end");
         for (const std::string& remark : checked.remarks) require_one_line(remark);

@@ -10,7 +10,7 @@
 
 #include "integrators/method.h"
 #include "integrators/scenes.h"
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 namespace polhode {
 namespace {

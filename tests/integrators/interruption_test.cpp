@@ -19,20 +19,20 @@ namespace polhode {
 namespace {
 
 /// Returns true from call n + 1 on.
-Interruption::Question yes_after(std::atomic<int>& asked, int n) {
+Interruption::Callback yes_after(std::atomic<int>& asked, int n) {
     return [&asked, n] { return ++asked > n; };
 }
 
 TEST(Interruption, IsWantedByNobodyAtFirst) {
-    EXPECT_FALSE(Interruption::is_wanted());
+    EXPECT_FALSE(Interruption::is_requested());
     {
-        const Interruption outer(Interruption::Question([] { return true; }));
-        EXPECT_TRUE(Interruption::is_wanted());
+        const Interruption outer(Interruption::Callback([] { return true; }));
+        EXPECT_TRUE(Interruption::is_requested());
         {
-            const Interruption inner(Interruption::Question([] { return false; }));
-            EXPECT_FALSE(Interruption::is_wanted());
+            const Interruption inner(Interruption::Callback([] { return false; }));
+            EXPECT_FALSE(Interruption::is_requested());
         }
-        EXPECT_TRUE(Interruption::is_wanted());
+        EXPECT_TRUE(Interruption::is_requested());
     }
     EXPECT_EQ(Interruption::current(), nullptr);
 }
@@ -90,7 +90,7 @@ TEST(Interruption, EndsEnsemblesRowByRow) {
 TEST(Interruption, IsInheritedByThreadsThatHelp) {
     std::atomic<int> asked = 0, seen = 0;
     const Interruption interruption(yes_after(asked, 0));
-    parallel_for(8, 4, [&](std::size_t) { seen += Interruption::is_wanted() ? 1 : 0; });
+    parallel_for(8, 4, [&](std::size_t) { seen += Interruption::is_requested() ? 1 : 0; });
     EXPECT_EQ(seen, 8);
 }
 

@@ -14,7 +14,7 @@ namespace polhode {
 namespace {
 
 using V3 = Vector3<double>;
-using KeptNames = std::vector<std::string>;
+using QuantityNames = std::vector<std::string>;
 
 NamedBody skew_body(const char* name) {
     NamedBody body;
@@ -88,11 +88,11 @@ void walk(const Problem& problem, const See& see) {
 }
 
 // Checks the names of the invariants. Named ones are constant along the motion, other energies and momenta change.
-void expect_kept(const char* what, const Scene& scene, KeptNames expected) {
+void expect_conserved(const char* what, const Scene& scene, QuantityNames expected) {
     SCOPED_TRACE(what);
     const Problem problem = pose(scene);
     const std::vector<Conserved> all = conserved_by_mechanism(problem);
-    KeptNames names;
+    QuantityNames names;
     for (const Conserved& one : all) names.push_back(one.name);
     std::ranges::sort(names), std::ranges::sort(expected);
     EXPECT_EQ(names, expected);
@@ -133,48 +133,49 @@ void expect_kept(const char* what, const Scene& scene, KeptNames expected) {
             } else if (one.name.ends_with("along u")) {
                 EXPECT_NEAR(dot(vector, one.direction), one.value.at(0), same) << one.name;
             } else {
-                const V3 kept = vector - dot(vector, one.direction) * one.direction;
-                for (int i = 0; i < 3; ++i) EXPECT_NEAR(kept[i], one.value.at(i), same) << one.name << ' ' << i;
+                const V3 projection = vector - dot(vector, one.direction) * one.direction;
+                for (int i = 0; i < 3; ++i) EXPECT_NEAR(projection[i], one.value.at(i), same) << one.name << ' ' << i;
             }
         }
 }
 
 const Gravity falling{{0, 0, -9.81}, {}};
-const std::string keeps_energy = "energy", keeps_L = "angular momentum", keeps_p = "linear momentum",
+const std::string conserves_energy = "energy", keeps_L = "angular momentum", keeps_p = "linear momentum",
                   keeps_L_across = keeps_L + " perpendicular to u", keeps_p_across = keeps_p + " perpendicular to u",
                   keeps_L_along = keeps_L + " along u";
 
 TEST(ConservedByMechanism, InFlight) {
-    expect_kept("nothing acts", flying_pair(), {keeps_energy, keeps_L, keeps_p});
-    expect_kept("gravity", flying_pair({falling}), {keeps_energy, keeps_L, keeps_p_across});
-    expect_kept("gravity twice along one line", flying_pair({falling, Gravity{{0, 0, 2}, {}}}),
-                {keeps_energy, keeps_L, keeps_p_across});
-    expect_kept("gravity along two lines", flying_pair({falling, Gravity{{1, 0, 0}, {0.25, 1}}}), {keeps_L});
-    expect_kept("torque, world axes", flying_pair({Torque{{0, 2, 0}, Frame::world, {}, "arm"}}),
-                {keeps_L_across, keeps_p});
-    expect_kept("torque, body axes", flying_pair({Torque{{0, 2, 0}, Frame::body, {}, "arm"}}), {keeps_p});
-    expect_kept("a zero torque", flying_pair({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}),
-                {keeps_energy, keeps_L, keeps_p});
-    expect_kept("force, world axes, at a point of the body", flying_pair({force_at({1, 2, 0}, Frame::world)}),
-                {keeps_energy, keeps_p_across});
-    expect_kept("force at a point of the world", flying_pair({force_at({1, 2, 0}, Frame::world, Frame::world)}),
-                {keeps_p_across});
-    expect_kept("force, body axes", flying_pair({force_at({1, 2, 0}, Frame::body)}), {});
-    expect_kept("drag of turning", flying_pair({Drag{{0.5, 0.5, 0.5}, 0, {}, "base"}}), {keeps_p});
-    expect_kept("drag", flying_pair({Drag{{}, 0.5, {}, "base"}}), {});
-    expect_kept("a torsional spring", flying_pair({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}), {keeps_energy, keeps_p});
-    expect_kept("a spring between the bodies",
-                flying_pair({PointSpring{"base", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
-                {keeps_energy, keeps_L, keeps_p});
-    expect_kept("a spring to the world", flying_pair({PointSpring{"world", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
-                {keeps_energy});
-    expect_kept("a motor", flying_pair({Motor{"hinge", 2, {}}}), {keeps_L, keeps_p});
+    expect_conserved("nothing acts", flying_pair(), {conserves_energy, keeps_L, keeps_p});
+    expect_conserved("gravity", flying_pair({falling}), {conserves_energy, keeps_L, keeps_p_across});
+    expect_conserved("gravity twice along one line", flying_pair({falling, Gravity{{0, 0, 2}, {}}}),
+                     {conserves_energy, keeps_L, keeps_p_across});
+    expect_conserved("gravity along two lines", flying_pair({falling, Gravity{{1, 0, 0}, {0.25, 1}}}), {keeps_L});
+    expect_conserved("torque, world axes", flying_pair({Torque{{0, 2, 0}, Frame::world, {}, "arm"}}),
+                     {keeps_L_across, keeps_p});
+    expect_conserved("torque, body axes", flying_pair({Torque{{0, 2, 0}, Frame::body, {}, "arm"}}), {keeps_p});
+    expect_conserved("a zero torque", flying_pair({Torque{{0, 0, 0}, Frame::world, {}, "arm"}}),
+                     {conserves_energy, keeps_L, keeps_p});
+    expect_conserved("force, world axes, at a point of the body", flying_pair({force_at({1, 2, 0}, Frame::world)}),
+                     {conserves_energy, keeps_p_across});
+    expect_conserved("force at a point of the world", flying_pair({force_at({1, 2, 0}, Frame::world, Frame::world)}),
+                     {keeps_p_across});
+    expect_conserved("force, body axes", flying_pair({force_at({1, 2, 0}, Frame::body)}), {});
+    expect_conserved("drag of turning", flying_pair({Drag{{0.5, 0.5, 0.5}, 0, {}, "base"}}), {keeps_p});
+    expect_conserved("drag", flying_pair({Drag{{}, 0.5, {}, "base"}}), {});
+    expect_conserved("a torsional spring", flying_pair({Spring{3, {0.6, 0.8, 0, 0}, {}, "arm"}}),
+                     {conserves_energy, keeps_p});
+    expect_conserved("a spring between the bodies",
+                     flying_pair({PointSpring{"base", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}),
+                     {conserves_energy, keeps_L, keeps_p});
+    expect_conserved("a spring to the world",
+                     flying_pair({PointSpring{"world", {1, 0, 0}, "arm", {0, 1, 1}, 3, 0.5, {}}}), {conserves_energy});
+    expect_conserved("a motor", flying_pair({Motor{"hinge", 2, {}}}), {keeps_L, keeps_p});
     Scene damped = flying_pair();
     damped.joints[0].damping[0] = 0.5;
-    expect_kept("a damper", damped, {keeps_L, keeps_p});
+    expect_conserved("a damper", damped, {keeps_L, keeps_p});
     Scene sprung = flying_pair();
     sprung.joints[0].stiffness[0] = 5, sprung.joints[0].rest[0] = 0.5;
-    expect_kept("a joint's spring", sprung, {keeps_energy, keeps_L, keeps_p});
+    expect_conserved("a joint's spring", sprung, {conserves_energy, keeps_L, keeps_p});
 }
 
 TEST(ConservedByMechanism, WithImpulses) {
@@ -187,56 +188,58 @@ TEST(ConservedByMechanism, WithImpulses) {
     ASSERT_EQ(before.size(), 3u);
     ASSERT_EQ(after.size(), 3u);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(after[2].value[i] - before[2].value[i], V3(1, 0.5, 0)[i], 1e-14);
-    expect_kept("later, world axes", flying_pair({impulse(Frame::world, 0.25)}), {keeps_p_across});
-    expect_kept("later, body axes", flying_pair({impulse(Frame::body, 0.25)}), {});
+    expect_conserved("later, world axes", flying_pair({impulse(Frame::world, 0.25)}), {keeps_p_across});
+    expect_conserved("later, body axes", flying_pair({impulse(Frame::body, 0.25)}), {});
 }
 
 TEST(ConservedByMechanism, HungOnAPoint) {
     const auto ball = JointType::spherical;
-    expect_kept("at the origin, nothing acts", hung_pair(ball, {}, {}), {keeps_energy, keeps_L});
-    expect_kept("at the origin, gravity", hung_pair(ball, {}, {}, {falling}), {keeps_energy, keeps_L_along});
-    expect_kept("elsewhere, nothing acts", hung_pair(ball, {0, 1, 0}, {}), {keeps_energy, keeps_L_along});
-    expect_kept("under the origin, gravity", hung_pair(ball, {0, 0, -2}, {}, {falling}), {keeps_energy, keeps_L_along});
-    expect_kept("beside the origin, gravity", hung_pair(ball, {1, 0, 0}, {}, {falling}), {keeps_energy});
-    expect_kept("a torque about it", hung_pair(ball, {}, {}, {Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
-    expect_kept("a torque across the vertical",
-                hung_pair(ball, {}, {}, {falling, Torque{{1, 0, 0}, Frame::world, {}, "lower"}}), {keeps_L_along});
-    expect_kept("a torque about the vertical",
-                hung_pair(ball, {}, {}, {falling, Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
-    expect_kept("drag", hung_pair(ball, {}, {}, {falling, Drag{{0.5, 0.5, 0.5}, 0, {}, "lower"}}), {});
-    expect_kept("a spring within",
-                hung_pair(ball, {}, {}, {falling, PointSpring{"upper", {}, "lower", {1, 0, 0}, 4, 0.5, {}}}),
-                {keeps_energy, keeps_L_along});
+    expect_conserved("at the origin, nothing acts", hung_pair(ball, {}, {}), {conserves_energy, keeps_L});
+    expect_conserved("at the origin, gravity", hung_pair(ball, {}, {}, {falling}), {conserves_energy, keeps_L_along});
+    expect_conserved("elsewhere, nothing acts", hung_pair(ball, {0, 1, 0}, {}), {conserves_energy, keeps_L_along});
+    expect_conserved("under the origin, gravity", hung_pair(ball, {0, 0, -2}, {}, {falling}),
+                     {conserves_energy, keeps_L_along});
+    expect_conserved("beside the origin, gravity", hung_pair(ball, {1, 0, 0}, {}, {falling}), {conserves_energy});
+    expect_conserved("a torque about it", hung_pair(ball, {}, {}, {Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
+    expect_conserved("a torque across the vertical",
+                     hung_pair(ball, {}, {}, {falling, Torque{{1, 0, 0}, Frame::world, {}, "lower"}}), {keeps_L_along});
+    expect_conserved("a torque about the vertical",
+                     hung_pair(ball, {}, {}, {falling, Torque{{0, 0, 1}, Frame::world, {}, "lower"}}), {});
+    expect_conserved("drag", hung_pair(ball, {}, {}, {falling, Drag{{0.5, 0.5, 0.5}, 0, {}, "lower"}}), {});
+    expect_conserved("a spring within",
+                     hung_pair(ball, {}, {}, {falling, PointSpring{"upper", {}, "lower", {1, 0, 0}, 4, 0.5, {}}}),
+                     {conserves_energy, keeps_L_along});
     Scene damped = hung_pair(ball, {}, {}, {falling});
     damped.joints[0].damping[0] = 0.5;
-    expect_kept("a damper to the world", damped, {});
+    expect_conserved("a damper to the world", damped, {});
     damped.joints[0].damping[0] = 0, damped.joints[1].damping[0] = 0.5;
-    expect_kept("a damper within", damped, {keeps_L_along});
+    expect_conserved("a damper within", damped, {keeps_L_along});
 }
 
 TEST(ConservedByMechanism, HungOnAnAxis) {
     const auto hinge = JointType::revolute;
-    expect_kept("gravity along it", hung_pair(hinge, {0, 0, 1}, {0, 0, 1}, {falling}), {keeps_energy, keeps_L_along});
-    expect_kept("gravity across it", hung_pair(hinge, {}, {1, 0, 0}, {falling}), {keeps_energy});
-    expect_kept("nothing acts", hung_pair(hinge, {}, {1, 0, 0}), {keeps_energy, keeps_L_along});
-    expect_kept("beside the origin", hung_pair(hinge, {0, 1, 0}, {1, 0, 0}), {keeps_energy});
+    expect_conserved("gravity along it", hung_pair(hinge, {0, 0, 1}, {0, 0, 1}, {falling}),
+                     {conserves_energy, keeps_L_along});
+    expect_conserved("gravity across it", hung_pair(hinge, {}, {1, 0, 0}, {falling}), {conserves_energy});
+    expect_conserved("nothing acts", hung_pair(hinge, {}, {1, 0, 0}), {conserves_energy, keeps_L_along});
+    expect_conserved("beside the origin", hung_pair(hinge, {0, 1, 0}, {1, 0, 0}), {conserves_energy});
     Scene sprung = hung_pair(hinge, {}, {1, 0, 0});
     sprung.joints[0].stiffness[0] = 4;
-    expect_kept("a spring to the world", sprung, {keeps_energy});
-    expect_kept("a motor on the world", hung_pair(hinge, {}, {1, 0, 0}, {Motor{"first", 2, {}}}), {});
-    expect_kept("a slide", hung_pair(JointType::prismatic, {}, {1, 0, 0}), {keeps_energy});
-    expect_kept("a universal joint", hung_pair(JointType::universal, {}, {1, 0, 0}), {keeps_energy});
+    expect_conserved("a spring to the world", sprung, {conserves_energy});
+    expect_conserved("a motor on the world", hung_pair(hinge, {}, {1, 0, 0}, {Motor{"first", 2, {}}}), {});
+    expect_conserved("a slide", hung_pair(JointType::prismatic, {}, {1, 0, 0}), {conserves_energy});
+    expect_conserved("a universal joint", hung_pair(JointType::universal, {}, {1, 0, 0}), {conserves_energy});
 
     // a second tree joined to the world
     Scene two = hung_pair(hinge, {}, {1, 0, 0});
     two.bodies.push_back(skew_body("beside"));
     two.joints.push_back(turning_joint("third", hinge, "world", "beside", {-2, 0, 0}));
-    expect_kept("two hinges on one line", two, {keeps_energy, keeps_L_along});
+    expect_conserved("two hinges on one line", two, {conserves_energy, keeps_L_along});
     two.joints.back().axes[0] = {0, 1, 0};
-    expect_kept("two hinges on two lines", two, {keeps_energy});
+    expect_conserved("two hinges on two lines", two, {conserves_energy});
     two.joints.back() = turning_joint("third", JointType::spherical, "world", "beside");
     two.joints.back().parent_point = {3, 0, 0};
-    expect_kept("a hinge and a point of its line", two, {keeps_energy, keeps_L_along});
+    expect_conserved("a hinge and a point of its line", two, {conserves_energy, keeps_L_along});
 
     Scene closed = hung_pair(hinge, {}, {0, 0, 1}, {falling});
     Loop rod;

@@ -14,7 +14,7 @@ namespace {
 
 using namespace polhode::testing;
 
-StruckBody<double> moderate_body() {
+ImpactBody<double> moderate_body() {
     return {1 / moderate(0.2, 3), inverse(moderate_inertia()), moderate_vector(), moderate_vector(), moderate_vector()};
 }
 
@@ -24,22 +24,22 @@ Vector3<double> moderate_direction() {
     return size > 1e-3 ? (1 / size) * v : Vector3<double>(0, 0, 1);
 }
 
-double kinetic_energy(const StruckBody<double>& body) {
+double kinetic_energy(const ImpactBody<double>& body) {
     if (body.inverse_mass == 0) return 0;
     const Vector3<double>& w = body.angular_velocity_W;
     return dot(body.velocity_W, body.velocity_W) / (2 * body.inverse_mass) +
            dot(w, inverse(body.inverse_inertia_W) * w) / 2;
 }
 
-Vector3<double> momentum(const StruckBody<double>& body) { return (1 / body.inverse_mass) * body.velocity_W; }
+Vector3<double> momentum(const ImpactBody<double>& body) { return (1 / body.inverse_mass) * body.velocity_W; }
 /// Angular momentum about the world's origin.
-Vector3<double> angular_momentum(const StruckBody<double>& body) {
+Vector3<double> angular_momentum(const ImpactBody<double>& body) {
     return inverse(body.inverse_inertia_W) * body.angular_velocity_W + cross(body.position_W, momentum(body));
 }
 
 /// Two colliding bodies before and after the impact.
 struct Meeting {
-    StruckBody<double> a, b, a_after, b_after;
+    ImpactBody<double> a, b, a_after, b_after;
     Contact<double> contact;
     Vector3<double> impulse;
 
@@ -64,8 +64,8 @@ Meeting moderate_meeting(double restitution, double friction, bool both_movable 
         m.contact.normal_W = -m.contact.normal_W;
     m.impulse = contact_impulse(m.a, m.b, m.contact);
     m.a_after = m.a, m.b_after = m.b;
-    m.a_after.strike(m.contact.point_W, m.impulse);
-    m.b_after.strike(m.contact.point_W, -m.impulse);
+    m.a_after.apply_impulse(m.contact.point_W, m.impulse);
+    m.b_after.apply_impulse(m.contact.point_W, -m.impulse);
     return m;
 }
 
@@ -116,12 +116,12 @@ RC_GTEST_PROP(ContactImpulse, IsAlongTheNormalWithoutFriction, ()) {
     const Vector3<double> change = momentum(m.a_after) - momentum(m.a);
     RC_ASSERT(length(change - dot(n, change) * n) < rounding);
     // therefore a sphere keeps its tangential velocity: the impulse passes through its centre
-    StruckBody<double> sphere = m.a;
+    ImpactBody<double> sphere = m.a;
     sphere.inverse_inertia_W = diagonal(Vector3<double>(2, 2, 2));
     Contact<double> under = m.contact;
     under.point_W = sphere.position_W - 0.5 * n;
-    StruckBody<double> after = sphere;
-    after.strike(under.point_W, contact_impulse(sphere, {}, under));
+    ImpactBody<double> after = sphere;
+    after.apply_impulse(under.point_W, contact_impulse(sphere, {}, under));
     RC_ASSERT(distance(after.angular_velocity_W, sphere.angular_velocity_W) < rounding);
     RC_ASSERT(length(cross(n, after.velocity_W - sphere.velocity_W)) < rounding);
 }
@@ -144,7 +144,7 @@ RC_GTEST_PROP(ContactImpulse, StaysInCoulombsConeAndGainsNoEnergy, ()) {
 /// A rough ball with back spin, computed by hand: m = 2, r = 0.5, I = 2 m r^2 / 5, v = (3, 0, -4), w = (0, -10, 0).
 TEST(ContactImpulse, OfARoughBallSticksOrSlides) {
     const double m = 2, r = 0.5, I = 0.4 * m * r * r, e = 0.5;
-    const StruckBody<double> ball{
+    const ImpactBody<double> ball{
         1 / m, diagonal(Vector3<double>(1 / I, 1 / I, 1 / I)), {0, 0, r}, {3, 0, -4}, {0, -10, 0}};
     // slip velocity at the ground 3 - w r = 3 + 5 = 8; normal impulse (1 + e) m 4 = 12
     const Vector3<double> sliding = contact_impulse<double>(ball, {}, {{0, 0, 0}, {0, 0, 1}, e, 0.1});
@@ -152,8 +152,8 @@ TEST(ContactImpulse, OfARoughBallSticksOrSlides) {
     // sticking: J_t (1/m + r^2/I) = J_t 7/(2m) = 8, so J_t = 32/7, less than 12 mu for mu > 8/21
     const Vector3<double> sticking = contact_impulse<double>(ball, {}, {{0, 0, 0}, {0, 0, 1}, e, 0.5});
     EXPECT_LT(distance(sticking, {-32.0 / 7, 0, 12}), 1e-13);
-    StruckBody<double> after = ball;
-    after.strike({0, 0, 0}, sticking);
+    ImpactBody<double> after = ball;
+    after.apply_impulse({0, 0, 0}, sticking);
     EXPECT_LT(distance(after.velocity_at({0, 0, 0}), {0, 0, 2}), 1e-13);
 }
 
@@ -163,7 +163,7 @@ TEST(ContactImpulse, BetweenImmovableBodiesIsZero) {
 
 TEST(ContactImpulse, WorksInManyDigits) {
     using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>>;
-    StruckBody<Real> rod{Real(1) / 3,
+    ImpactBody<Real> rod{Real(1) / 3,
                          diagonal(Vector3<Real>(Real(1) / 7, Real(1) / 7, Real(1))),
                          {Real(0), Real(0), Real(1)},
                          {Real(0), Real(0), Real(-1)},
@@ -183,9 +183,9 @@ std::vector<Contact<double>> under_box(double e, double friction, double bottom)
 /// A box that lands flat rebounds without spin: its four contacts are simultaneous.
 TEST(ResolveImpact, OfABoxThatLandsFlatBringsNoSpin) {
     for (double e : {0.0, 0.5, 1.0}) {
-        StruckBody<double> box{0.5, diagonal(Vector3<double>(0.7, 1.1, 0.6)), {0, 0, 0.5}, {0.25, 0, -3}, {0, 0, 2}};
+        ImpactBody<double> box{0.5, diagonal(Vector3<double>(0.7, 1.1, 0.6)), {0, 0, 0.5}, {0.25, 0, -3}, {0, 0, 2}};
         const ImpactOutcome outcome = resolve_impact(box, under_box(e, 0, 0));
-        EXPECT_TRUE(outcome.struck && outcome.resolved);
+        EXPECT_TRUE(outcome.has_impact && outcome.resolved);
         EXPECT_LT(distance(box.velocity_W, {0.25, 0, 3 * e}), 1e-13);
         EXPECT_LT(distance(box.angular_velocity_W, {0, 0, 2}), 1e-13);
     }
@@ -194,11 +194,11 @@ TEST(ResolveImpact, OfABoxThatLandsFlatBringsNoSpin) {
 /// Several contacts: their order does not matter, e = 1 conserves the energy, and no contact approaches afterwards.
 RC_GTEST_PROP(ResolveImpact, DoesNotDependOnTheOrderOfContacts, ()) {
     const double e = *rc::gen::arbitrary<bool>() ? 1 : moderate(0, 1);
-    StruckBody<double> body = moderate_body();
+    ImpactBody<double> body = moderate_body();
     body.position_W = {0, 0, 1};
     std::vector<Contact<double>> contacts = under_box(e, 0, 0);
     contacts.push_back({{1.5, moderate(-1, 1), 1}, {-1, 0, 0}, e, 0});
-    StruckBody<double> reversed_order = body;
+    ImpactBody<double> reversed_order = body;
     const double energy = kinetic_energy(body);
     const ImpactOutcome outcome = resolve_impact(body, contacts);
     resolve_impact(reversed_order, std::vector<Contact<double>>(contacts.rbegin(), contacts.rend()));
@@ -214,7 +214,7 @@ RC_GTEST_PROP(ResolveImpact, DoesNotDependOnTheOrderOfContacts, ()) {
 }
 
 RC_GTEST_PROP(ResolveImpact, WithFrictionGainsNoEnergy, ()) {
-    StruckBody<double> body = moderate_body();
+    ImpactBody<double> body = moderate_body();
     body.position_W = {0, 0, 1};
     const double energy = kinetic_energy(body);
     resolve_impact(body, under_box(moderate(0, 0.9), moderate(0, 1), 0));

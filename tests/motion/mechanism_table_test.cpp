@@ -130,9 +130,9 @@ TEST(MechanismTable, RefusesWhatIsNoTableOfStarts) {
           std::pair{"hinge.angles\n1\n", "hinge.angles"},
           // a body that a joint carries has no start of its own, a weld no coordinate
           std::pair{"arm.px,arm.py,arm.pz\n1,2,3\n", "arm.px"}, std::pair{"weld.angle\n1\n", "weld.angle"}}) {
-        const std::string said = refusal_of(text);
-        EXPECT_NE(said.find(fault), std::string::npos) << text << ": " << said;
-        EXPECT_EQ(said.find("starts.csv"), 0u) << said;
+        const std::string message = refusal_of(text);
+        EXPECT_NE(message.find(fault), std::string::npos) << text << ": " << message;
+        EXPECT_EQ(message.find("starts.csv"), 0u) << message;
     }
 }
 

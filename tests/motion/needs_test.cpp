@@ -26,7 +26,7 @@ struct Case {
     int dimension;
     Symmetry symmetry;
     Translation translation;
-    std::vector<std::string> left_out;  ///< all of them, in any order
+    std::vector<std::string> omitted;  ///< all of them, in any order
 
     // prints the name: GoogleTest's default would read uninitialised padding bytes
     friend std::ostream& operator<<(std::ostream& out, const Case& given) { return out << given.name; }
@@ -226,11 +226,11 @@ TEST_P(Posed, AsTheSceneNeeds) {
     EXPECT_EQ(needs.symmetry, expected.symmetry);
     EXPECT_EQ(needs.translation, expected.translation);
     std::vector<std::string> found;
-    for (const LeftOut& left : needs.left_out) {
-        found.push_back(left.what);
-        EXPECT_FALSE(left.why.empty());
+    for (const Omission& omission : needs.omitted) {
+        found.push_back(omission.what);
+        EXPECT_FALSE(omission.why.empty());
     }
-    std::vector<std::string> sorted = expected.left_out;
+    std::vector<std::string> sorted = expected.omitted;
     std::sort(sorted.begin(), sorted.end());
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, sorted);
@@ -240,7 +240,7 @@ TEST_P(Posed, InFullLeavesNothingOut) {
     const Needs needs = pose(GetParam().scene, Formulation::full).needs;
     EXPECT_EQ(needs.system, SystemKind::full_motion);
     EXPECT_EQ(needs.dimension, 13);
-    EXPECT_TRUE(needs.left_out.empty());
+    EXPECT_TRUE(needs.omitted.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Posed, ::testing::ValuesIn(cases),

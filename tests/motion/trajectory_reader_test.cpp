@@ -172,11 +172,11 @@ TEST(TrajectoryFile, TakesWhatOtherProgramsWrite) {
              "t,qw,qx,qy,qz\n1e-999,1,-1e-99999999999999999999,0,0\n1,0,1,0,0\n",      // underflow to zero
          }) {
         TrajectoryFile file = parse_trajectory(text, "f");
-        const std::string read_past = file.read_past;
-        file.read_past.clear();
+        const std::string skipped_content = file.skipped_content;
+        file.skipped_content.clear();
         EXPECT_EQ(file, plain) << text;
         const bool spreadsheet = text[0] == '\xef';
-        EXPECT_EQ(read_past,
+        EXPECT_EQ(skipped_content,
                   spreadsheet ? "line 1 begins with a byte order mark, line 1 ends in a carriage return" : "");
     }
 }

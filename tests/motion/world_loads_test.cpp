@@ -44,7 +44,7 @@ RC_GTEST_PROP(WorldLoads, StrikeAsTheEquationsOfMotionDo, ()) {
     const Matrix3<double> A = rotation_matrix(s.q);
 
     Vector3<double> L = A * (problem.body.inertia_B * s.angular_velocity_B), v = s.velocity_W;
-    WorldLoads<>::strike(problem, segment, A, s.position_W, L, v);
+    WorldLoads<>::apply_impulses(problem, segment, A, s.position_W, L, v);
 
     Vector3<double> w = s.angular_velocity_B, u = s.velocity_W;
     for (const auto& impulse : segment.impulses)

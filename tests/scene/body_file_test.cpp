@@ -106,8 +106,8 @@ TEST(BodyFile, ClosedFormsAreRightToTheLastDigits) {
                             Frustum{1.1, 0.3, 0.7}};
     static_assert(std::size(shapes) == std::variant_size_v<Shape>);
     for (const Shape& shape : shapes) {
-        const MassProperties<double> body = of_density<double>(shape, 2.7);
-        const MassProperties<Wide> truth = of_density<Wide>(shape, Wide(2.7));
+        const MassProperties<double> body = body_from_density<double>(shape, 2.7);
+        const MassProperties<Wide> truth = body_from_density<Wide>(shape, Wide(2.7));
         EXPECT_NEAR(body.mass, double(truth.mass), 1e-14 * body.mass) << shape.index();
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
@@ -150,19 +150,19 @@ TEST(BodyFile, SurfacesConverge) {
     const auto error = [](const Mesh& mesh, const Shape& shape) {
         EXPECT_EQ(mesh_fault(mesh), "");
         const Extent<double> extent = mesh_extent<double>(mesh);
-        const MassProperties<double> body = uniform_body(extent, 2 * extent.size), truth = of_density<double>(shape, 2);
+        const MassProperties<double> body = uniform_body(extent, 2 * extent.size), truth = body_from_density<double>(shape, 2);
         return std::abs(body.inertia[0][0] / truth.inertia[0][0] - 1);
     };
     const Box box{{0.3, 0.7, 1.1}};
-    EXPECT_LE(error(tessellated(box), box), 1e-15);
+    EXPECT_LE(error(tessellate(box), box), 1e-15);
     const SolidSphere ball{0.7};
     const Torus torus{1.3, 0.4};
     for (int level = 3; level < 6; ++level) {
-        EXPECT_NEAR(error(tessellated(ball, level), ball) / error(tessellated(ball, level + 1), ball), 4, 0.1);
-        EXPECT_NEAR(error(tessellated(torus, 4 << level), torus) / error(tessellated(torus, 8 << level), torus), 4,
+        EXPECT_NEAR(error(tessellate(ball, level), ball) / error(tessellate(ball, level + 1), ball), 4, 0.1);
+        EXPECT_NEAR(error(tessellate(torus, 4 << level), torus) / error(tessellate(torus, 8 << level), torus), 4,
                     0.05);
     }
-    EXPECT_LT(error(tessellated(ball, 5), ball), 1e-3);
+    EXPECT_LT(error(tessellate(ball, 5), ball), 1e-3);
 }
 
 TEST(BodyFile, OneLinkInThreeFormats) {
@@ -208,12 +208,12 @@ TEST(BodyFile, AnglesOfMjcfAreReadByItsCompiler) {
         return body_of(body_source(parse_robot_body(text, "m.xml", "b")));
     };
     // degrees and the rotating axes x, y, z are the defaults
-    const Body told = body("<compiler angle='degree' eulerseq='xyz'/>", "30 40 50");
-    expect_same(body("", "30 40 50"), told, 0);
-    expect_same(body("<compiler angle='radian'/>", "0.5235987755982988 0.6981317007977318 0.8726646259971648"), told,
-                1e-15);
+    const Body from_degrees = body("<compiler angle='degree' eulerseq='xyz'/>", "30 40 50");
+    expect_same(body("", "30 40 50"), from_degrees, 0);
+    expect_same(body("<compiler angle='radian'/>", "0.5235987755982988 0.6981317007977318 0.8726646259971648"),
+                from_degrees, 1e-15);
     // fixed axes in the opposite order
-    expect_same(body("<compiler eulerseq='ZYX'/>", "50 40 30"), told, 1e-15);
+    expect_same(body("<compiler eulerseq='ZYX'/>", "50 40 30"), from_degrees, 1e-15);
     EXPECT_THROW(body("<compiler eulerseq='xyZ'/>", "1 2 3"), InputError);
 }
 

@@ -647,12 +647,12 @@ TEST(MjcfImport, Gravity) {
 
 TEST(MjcfImport, OneBodyFollowsTheSameRules) {
     const auto mass = [](const std::string& text, const std::string& body) {
-        const MadeOf made = parse_robot_body(text, "robot.xml", body, false, {});
+        const BodyDefinition made = parse_robot_body(text, "robot.xml", body, false, {});
         return std::visit(
             [](const auto& one) -> std::pair<std::string, double> {
                 using T = std::decay_t<decltype(one)>;
                 if constexpr (std::is_same_v<T, ImportedBody>) return {"given", one.mass};
-                if constexpr (std::is_same_v<T, GivenBody>) return {"computed", one.mass};
+                if constexpr (std::is_same_v<T, NumericBody>) return {"computed", one.mass};
                 return {"", 0};
             },
             made);

@@ -18,7 +18,7 @@
 namespace polhode {
 namespace {
 
-Scene robot_scene(const std::string& text, RobotBase base = RobotBase::as_usual) {
+Scene robot_scene(const std::string& text, RobotBase base = RobotBase::format_default) {
     Scene scene;
     scene.name = "robot", scene.duration = 1;
     RobotOptions options;
@@ -28,7 +28,7 @@ Scene robot_scene(const std::string& text, RobotBase base = RobotBase::as_usual)
     return scene;
 }
 
-std::string robot_fault(const std::string& text, RobotBase base = RobotBase::as_usual) {
+std::string robot_fault(const std::string& text, RobotBase base = RobotBase::format_default) {
     try {
         robot_scene(text, base);
     } catch (const InputError& error) {

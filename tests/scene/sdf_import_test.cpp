@@ -441,10 +441,10 @@ TEST(SdfImport, OneLinkFollowsTheSameRules) {
                                    "</sphere></geometry></collision></link>" +
                                    "<include><uri>part.sdf</uri></include>"));
     EXPECT_TRUE(std::holds_alternative<ImportedBody>(read(text, "a")));
-    EXPECT_EQ(std::get<GivenBody>(read(text, "d")).mass, 1);
-    EXPECT_NEAR(std::get<GivenBody>(read(text, "c")).mass, 4000 * pi / 3, 1e-12);
-    EXPECT_EQ(std::get<GivenBody>(read(text, "p")).mass, 2);
-    EXPECT_EQ(std::get<GivenBody>(read(text, "m::part::p")).mass, 2);
+    EXPECT_EQ(std::get<NumericBody>(read(text, "d")).mass, 1);
+    EXPECT_NEAR(std::get<NumericBody>(read(text, "c")).mass, 4000 * pi / 3, 1e-12);
+    EXPECT_EQ(std::get<NumericBody>(read(text, "p")).mass, 2);
+    EXPECT_EQ(std::get<NumericBody>(read(text, "m::part::p")).mass, 2);
 }
 
 TEST(SdfImport, RefusesWhatItCannotMake) {

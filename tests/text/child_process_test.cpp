@@ -34,7 +34,7 @@ TEST(ChildProcess, QuotesTheLastLineOfWhatItSays) {
 TEST(ChildProcess, TellsOfAProgramThatIsNotThere) {
     for (const std::vector<std::string>& arguments : {std::vector<std::string>{"no-such-program"}, {""}, {}}) {
         const ChildRun run = run_child(arguments, "");
-        EXPECT_TRUE(run.was_not_found);
+        EXPECT_TRUE(run.not_found);
         EXPECT_NE(run.fault, "");
     }
     EXPECT_EQ(run_child({"/"}, "").fault, "/ could not be started: Permission denied");
@@ -56,10 +56,10 @@ TEST(ChildProcess, KillsWhatItHasLeftBehind) {
 
 TEST(ChildProcess, EndsAtItsLimits) {
     const ChildRun slow = run_child({"sleep", "60"}, "", {.time = std::chrono::milliseconds(200)});
-    EXPECT_TRUE(slow.was_out_of_time);
+    EXPECT_TRUE(slow.timed_out);
     EXPECT_EQ(slow.fault, "sleep was stopped after 0.2 s");
     const ChildRun endless = run_child({"yes"}, "", {.output_bytes = 100'000});
-    EXPECT_FALSE(endless.was_out_of_time);
+    EXPECT_FALSE(endless.timed_out);
     EXPECT_EQ(endless.fault, "yes was stopped: it wrote more than 100000 bytes");
 }
 

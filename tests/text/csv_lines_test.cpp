@@ -13,7 +13,7 @@ namespace {
 const std::string csv_file = "t.csv";
 
 // Everything CsvLines returns for a text: the cells of each line, and the remark or error at the end.
-std::string told(CsvLines&& lines) {
+std::string read_all(CsvLines&& lines) {
     std::string all;
     try {
         while (lines.next()) {
@@ -21,7 +21,7 @@ std::string told(CsvLines&& lines) {
             for (const std::string_view cell : lines.cells()) all.append(cell).append("|");
             all += '\n';
         }
-        all += lines.read_past();
+        all += lines.skipped_content();
     } catch (const InputError& error) {
         all += error.what();
     }
@@ -39,9 +39,9 @@ CsvLines::Source source_of(const std::string& text, std::size_t most) {
 }
 
 void expect_same(const std::string& text) {
-    const std::string whole = told(CsvLines(text, csv_file));
+    const std::string whole = read_all(CsvLines(text, csv_file));
     for (const std::size_t most : {std::size_t{1}, std::size_t{2}, std::size_t{7}, std::size_t{1} << 30})
-        EXPECT_EQ(told(CsvLines(source_of(text, most), csv_file)), whole)
+        EXPECT_EQ(read_all(CsvLines(source_of(text, most), csv_file)), whole)
             << testing::PrintToString(text.substr(0, 100));
 }
 
@@ -61,15 +61,15 @@ TEST(CsvLines, AStreamIsReadAsItsText) {
 TEST(CsvLines, ALongTextIsReadAsItsText) {
     std::string text;
     for (int i = 0; text.size() < 700'000; ++i) text += std::string(static_cast<std::size_t>(i % 5000), 'x') + ",1\n";
-    const std::string whole = told(CsvLines(text, csv_file));
+    const std::string whole = read_all(CsvLines(text, csv_file));
     for (const std::size_t most : {1000u, 65'537u, 1u << 30})
-        EXPECT_EQ(told(CsvLines(source_of(text, most), csv_file)), whole);
+        EXPECT_EQ(read_all(CsvLines(source_of(text, most), csv_file)), whole);
 }
 
 RC_GTEST_PROP(CsvLinesProperties, AnyTextIsReadAsItsStream, ()) {
     const auto characters = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("ab,\n\n\r \t#")));
     const auto most = *rc::gen::inRange<std::size_t>(1, 5);
-    RC_ASSERT(told(CsvLines(source_of(characters, most), csv_file)) == told(CsvLines(characters, csv_file)));
+    RC_ASSERT(read_all(CsvLines(source_of(characters, most), csv_file)) == read_all(CsvLines(characters, csv_file)));
 }
 
 }  // namespace

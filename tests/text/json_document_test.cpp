@@ -33,7 +33,7 @@ TEST(JsonDocument, KnowsKindsPointersAndKeys) {
     const JsonDocument document(R"({"a/b": [1, {"m~n": true}], "c": null, "d": "x"})", "f");
     const JsonNode& root = document.root();
     EXPECT_EQ(root.pointer(), "");
-    const JsonNode& list = root.required("a/b", "a list");
+    const JsonNode& list = root.require_member("a/b", "a list");
     EXPECT_EQ(list.pointer(), "/a~1b");
     EXPECT_EQ(list.key(), "a/b");
     ASSERT_EQ(list.elements().size(), 2u);
@@ -62,9 +62,9 @@ TEST(JsonDocument, GettersSayWhatIsThere) {
     EXPECT_EQ(thrown([&] { at("t").elements(); }), "f: /t: is false; give an array");
     EXPECT_EQ(thrown([&] { at("o").boolean(); }), "f: /o: is an object; give true or false");
     EXPECT_EQ(thrown([&] { at("z").members(); }), "f: /z: is null; give an object");
-    EXPECT_EQ(thrown([&] { at("o").required("k", "a key"); }), "f: /o/k: is missing; give a key");
+    EXPECT_EQ(thrown([&] { at("o").require_member("k", "a key"); }), "f: /o/k: is missing; give a key");
     EXPECT_EQ(thrown([&] {
-                  document.root().only({"n", "s", "t", "o"});
+                  document.root().require_known_keys({"n", "s", "t", "o"});
               }),
               "f: /z: is an unknown key; known keys: n, s, t, o");
 }

@@ -16,7 +16,7 @@ TEST(LineProcess, AnswersLineByLine) {
     EXPECT_EQ(echo.next(10s).line, "hello");
     EXPECT_EQ(echo.ask("one", 10s).line, "<one>");
     EXPECT_EQ(echo.ask("{\"two\": [1, 2]}", 10s).line, "<{\"two\": [1, 2]}>");
-    EXPECT_TRUE(echo.alive());
+    EXPECT_TRUE(echo.is_alive());
 }
 
 // Output of the program on stdout and stderr is not taken for an answer.
@@ -36,7 +36,7 @@ TEST(LineProcess, TellsHowItEnded) {
     const auto fault = [](const std::string& text) {
         LineProcess process(script(text));
         const LineAnswer answer = process.ask("question", 10s);
-        EXPECT_FALSE(process.alive());
+        EXPECT_FALSE(process.is_alive());
         EXPECT_EQ(process.ask("again", 10s).fault, answer.fault);
         return answer.fault;
     };
@@ -49,7 +49,7 @@ TEST(LineProcess, AHangCostsItsTimeAndNoMore) {
     const auto begin = std::chrono::steady_clock::now();
     LineProcess hanging(script("read -r line; sleep 600"));
     const LineAnswer answer = hanging.ask("question", 200ms);
-    EXPECT_TRUE(answer.was_out_of_time);
+    EXPECT_TRUE(answer.timed_out);
     EXPECT_EQ(answer.fault, "sh was stopped: it did not answer within 0.2 s");
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
 }
@@ -57,7 +57,7 @@ TEST(LineProcess, AHangCostsItsTimeAndNoMore) {
 TEST(LineProcess, WhatIsNotThereIsSaid) {
     LineProcess none({"/no/such/program"});
     const LineAnswer answer = none.next(1s);
-    EXPECT_TRUE(answer.was_not_found);
+    EXPECT_TRUE(answer.not_found);
     EXPECT_EQ(answer.fault, "/no/such/program was not found");
     EXPECT_EQ(LineProcess({}).next(1s).fault, "no program is given");
 }

@@ -101,7 +101,7 @@ class WorldStepper {
         const Motion at = world_->motion();
         const Matrix3<double> R = rotation_matrix(normalized(at.q));
         Vector3<double> kick, v = at.v;
-        WorldLoads<double>::strike(*problem_, segment, R, at.p, kick, v);
+        WorldLoads<double>::apply_impulses(*problem_, segment, R, at.p, kick, v);
         const Vector3<double> change = transposed(R) * kick;
         Vector3<double> turned;
         for (int i = 0; i < 3; ++i) turned[i] = change[i] / body_->moments[i];

@@ -80,7 +80,7 @@ EngineFacts facts_of(const EngineMethod& engine) {
     facts.turning = turning_of(*engine.method);
     if (first.status != Status::ok) return facts;
     facts.follows = no_update;
-    if (const auto followed = followed_update(scene, file_of(first), 1, 1.2e-7))
+    if (const auto followed = identify_update(scene, file_of(first), 1, 1.2e-7))
         facts.follows = followed->method, facts.follows_to = followed->distance;
     return facts;
 }

@@ -20,7 +20,7 @@ inline constexpr double fine_step = 1e-3;
 /// rad; larger attitude errors are all ranked alike.
 inline constexpr double hopeless_attitude = 1;
 
-/// Replaces the name of an update if followed_update() finds none that matches the engine.
+/// Replaces the name of an update if identify_update() finds none that matches the engine.
 inline constexpr const char* no_update = "no known update";
 
 /// Properties of an engine with one setting, apart from its rows.

@@ -111,7 +111,7 @@ void look_as(Curve& curve, const PlannedCurve& planned) {
 }
 
 void tell(Figure& figure, const Plan& plan) {
-    figure.note_of_cut =
+    figure.truncation_note =
         fmt::format("Arrow: the curve was cut because a run took more than {} s{}.", plan.experiment.seconds_per_run,
                     plan.experiment.max_evaluations < std::numeric_limits<long>::max()
                         ? fmt::format(" or {:g} evaluations", static_cast<double>(plan.experiment.max_evaluations))

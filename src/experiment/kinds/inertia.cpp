@@ -62,12 +62,12 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
     for (const auto& entry : shapes) {
         const char* name = entry.first;
         const Shape& shape = entry.second;
-        const Matrix3<Wide> truth = of_mass<Wide>(shape, unit_mass).inertia;
+        const Matrix3<Wide> truth = body_from_mass<Wide>(shape, unit_mass).inertia;
         const auto add = [&, shape_name = std::string(name)](const char* way, std::size_t pieces,
                                                              std::function<Properties()> work) {
             ways.push_back({shape_name, way, static_cast<long>(pieces), std::move(work), truth});
         };
-        add("closed_form", 1, [shape] { return of_mass<double>(shape, unit_mass); });
+        add("closed_form", 1, [shape] { return body_from_mass<double>(shape, unit_mass); });
         for (int n = 4; n <= (options.quick ? 32 : 128); n *= 2) {
             const std::size_t count = grid_points(shape, unit_mass, n).size();
             add("grid", count, [shape, n] { return summed(grid_points(shape, unit_mass, n)); });
@@ -79,11 +79,11 @@ Findings run_inertia(const Plan& plan, const RunOptions& options) {
             const std::size_t triangles = mesh.triangles.size();
             add("mesh", triangles, [mesh = std::move(mesh)] { return scaled_to_mass(mesh); });
         };
-        if (const auto* box = std::get_if<Box>(&shape)) surface(tessellated(*box));
+        if (const auto* box = std::get_if<Box>(&shape)) surface(tessellate(*box));
         if (const auto* sphere = std::get_if<SolidSphere>(&shape))
-            for (int level = 0; level <= (options.quick ? 4 : 6); ++level) surface(tessellated(*sphere, level));
+            for (int level = 0; level <= (options.quick ? 4 : 6); ++level) surface(tessellate(*sphere, level));
         if (const auto* torus = std::get_if<Torus>(&shape))
-            for (int n = 8; n <= (options.quick ? 64 : 256); n *= 2) surface(tessellated(*torus, n));
+            for (int n = 8; n <= (options.quick ? 64 : 256); n *= 2) surface(tessellate(*torus, n));
     }
 
     // timed in turn, so that disturbances of the machine affect all alike

@@ -50,9 +50,9 @@ std::optional<double> error_ratio(const std::vector<Point>& of, const std::vecto
     return std::exp(sum / count);
 }
 
-std::string left_out(const Needs& needs) {
+std::string list_omissions(const Needs& needs) {
     std::string words;
-    for (const LeftOut& one : needs.left_out) words += (words.empty() ? "" : "; ") + one.what;
+    for (const Omission& one : needs.omitted) words += (words.empty() ? "" : "; ") + one.what;
     return words.empty() ? "nothing" : words;
 }
 
@@ -90,7 +90,7 @@ NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
             if (seconds[0] && seconds[2]) gain = *seconds[0] / *seconds[2];
             for (const auto& value : {error, seconds[0], seconds[1], seconds[2], gain, error_ratio(reduced, written)})
                 row.push_back(cell_of(value));
-            row.push_back(left_out(needs));
+            row.push_back(list_omissions(needs));
             named.table.rows.push_back(std::move(row));
         }
     }

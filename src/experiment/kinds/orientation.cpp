@@ -232,7 +232,7 @@ NamedTable reflection() {
         {"two axes mirrored (a rotation by half a revolution)", R * diagonal(Vector3<double>(-1, -1, 1))},
         {"scaled by 1.1", R * diagonal(Vector3<double>(1.1, 1.1, 1.1))},
         {"100 steps A += h skew(w) A, h |w| = 0.0037", drifted},
-        {"100 steps A += h skew(w) A, re-orthogonalised", reorthogonalised(drifted)}};
+        {"100 steps A += h skew(w) A, re-orthogonalised", reorthogonalise(drifted)}};
     for (const auto& [what, A] : matrices) {
         std::string message;
         try {

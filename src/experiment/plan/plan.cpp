@@ -36,14 +36,14 @@ constexpr long quick_evaluations = 100000;
 
 long positive_count(const JsonNode& node, long most) {
     const long value = node.whole_number();
-    if (value < 1 || value > most) node.fail(node.described(), fmt::format("give 1 to {}", most));
+    if (value < 1 || value > most) node.fail(node.describe(), fmt::format("give 1 to {}", most));
     return value;
 }
 
 std::vector<std::string> strings(const JsonNode& node) {
     std::vector<std::string> result;
     if (node.elements().size() > most_entries)
-        node.fail(node.described(), fmt::format("give at most {} entries", most_entries));
+        node.fail(node.describe(), fmt::format("give at most {} entries", most_entries));
     for (const JsonNode* element : node.elements()) result.push_back(element->string());
     if (result.empty()) node.fail("is empty", "give at least one name");
     return result;
@@ -61,10 +61,10 @@ double tidy(double value) {
 std::vector<double> settings_list(const JsonNode& node, const char* what) {
     std::vector<double> values;
     if (node.is_object()) {
-        node.only(keys_of(experiment_keys(), "range"));
-        const double from = positive(node.required("from", "the first value"), what);
-        const double to = positive(node.required("to", "the last value"), what);
-        const long count = positive_count(node.required("count", "the number of values"), most_range_values);
+        node.require_known_keys(keys_of(experiment_keys(), "range"));
+        const double from = positive(node.require_member("from", "the first value"), what);
+        const double to = positive(node.require_member("to", "the last value"), what);
+        const long count = positive_count(node.require_member("count", "the number of values"), most_range_values);
         // if the ratio overflows or underflows binary64, use two powers
         const bool in_one = std::isfinite(to / from) && to / from > 0;
         for (long i = 0; i < count; ++i) {
@@ -87,7 +87,7 @@ const ExperimentKind* read_kind(const JsonNode& node) {
     if (const ExperimentKind* kind = find_kind(node.string())) return kind;
     std::vector<std::string> names;
     for (const ExperimentKind& kind : kinds()) names.emplace_back(kind.name);
-    node.fail(node.described(), "give one of " + listed(names));
+    node.fail(node.describe(), "give one of " + join_with_commas(names));
 }
 
 std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
@@ -126,7 +126,7 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
                 if (pattern->matches(name) && names_engines(name) <= names_engines(entries[i])) add(name), any = true;
             if (!any && names.size() == before)
                 throw InputError(file, place, one_line(entries[i], 80) + " matches no name",
-                                 "give a pattern that matches one of " + listed(known));
+                                 "give a pattern that matches one of " + join_with_commas(known));
         } else if (paths || std::find(known.begin(), known.end(), entries[i]) != known.end()) {
             add(entries[i]);
         } else {
@@ -160,10 +160,10 @@ std::string shown_label(const std::string& label) {
 
 // Approximate memory of the meshes of a body, in bytes.
 std::size_t bytes_of_meshes(const BodySource& source) {
-    if (const auto* mesh = std::get_if<MeshBody>(&source.made_of))
+    if (const auto* mesh = std::get_if<MeshBody>(&source.definition))
         return mesh->mesh.vertices.size() * sizeof(Vector3<double>) + mesh->mesh.triangles.size() * 3 * sizeof(int);
     std::size_t bytes = 0;
-    if (const auto* parts = std::get_if<PartsBody>(&source.made_of))
+    if (const auto* parts = std::get_if<PartsBody>(&source.definition))
         for (const PartsBody::Part& part : parts->parts) bytes += bytes_of_meshes(*part.body);
     return bytes;
 }
@@ -260,22 +260,23 @@ const char* name_of(SettingKind kind) {
 Experiment parse_experiment(std::string_view text, const std::string& file) {
     const JsonDocument document(text, file);
     const JsonNode& root = document.root();
-    root.only(keys_of(experiment_keys(), "experiment"));
+    root.require_known_keys(keys_of(experiment_keys(), "experiment"));
     Experiment e;
     e.text = text;
-    e.name = root.required("name", "the experiment's name").string();
+    e.name = root.require_member("name", "the experiment's name").string();
     if (!names_files(e.name))
-        root.find("name")->fail(root.find("name")->described(),
+        root.find("name")->fail(root.find("name")->describe(),
                                 "give 1 to 64 letters, digits, _ or -; the first must not be -");
     if (const JsonNode* node = root.find("about")) e.about = about_of(*node);
     if (const JsonNode* node = root.find("kind")) e.kind = read_kind(*node);
     std::vector<std::string_view> keys = {"name", "about", "kind"};
     keys.insert(keys.end(), e.kind->reads.begin(), e.kind->reads.end());
-    root.only(keys);
+    root.require_known_keys(keys);
     for (const auto& [key, list] : {std::pair{"scenes", &e.scenes}, std::pair{"methods", &e.methods}})
-        if (e.kind->conclude || root.find(key)) *list = strings(root.required(key, fmt::format("a list of {}", key)));
+        if (e.kind->conclude || root.find(key))
+            *list = strings(root.require_member(key, fmt::format("a list of {}", key)));
     if (const JsonNode* node = root.find("settings")) {
-        node->only(keys_of(experiment_keys(), "settings"));
+        node->require_known_keys(keys_of(experiment_keys(), "settings"));
         if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
         if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
         if (const JsonNode* list = node->find("evaluations_per_revolution")) {
@@ -302,7 +303,7 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     if (const JsonNode* node = root.find("seconds_per_run")) {
         e.seconds_per_run = positive(*node, "a time");
         if (e.seconds_per_run > most_seconds_per_run)
-            node->fail(node->described(), fmt::format("give at most {:.0f} s", most_seconds_per_run));
+            node->fail(node->describe(), fmt::format("give at most {:.0f} s", most_seconds_per_run));
     }
     if (const JsonNode* node = root.find("max_steps")) e.max_steps = positive_count(*node, 1L << 53);
     if (const JsonNode* node = root.find("max_evaluations")) e.max_evaluations = positive_count(*node, 1L << 53);

@@ -127,7 +127,7 @@ std::optional<double> load_duration(const std::string& directory, const std::str
     const std::string text(std::istreambuf_iterator<char>(file), {});
     const std::optional<std::string> sealed = unseal(text);
     // a file of an older program has neither checksum nor comment; it is not reported as corrupted
-    if (!sealed && text.find('#') != text.npos) tell_damaged(path);
+    if (!sealed && text.find('#') != text.npos) warn_damaged(path);
     std::istringstream number(sealed.value_or(""));
     number.imbue(std::locale::classic());
     double seconds = 0;

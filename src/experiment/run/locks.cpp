@@ -18,7 +18,7 @@ namespace polhode {
 FileLock::FileLock(const std::string& path, Kind kind, const std::atomic<bool>& stop)
     : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
     if (descriptor_ < 0) {
-        if (errno != ENOENT) tell_unlocked(path, errno);
+        if (errno != ENOENT) warn_unlocked(path, errno);
         return;
     }
     // poll, so that an interrupt is noticed while another process holds the lock
@@ -26,7 +26,7 @@ FileLock::FileLock(const std::string& path, Kind kind, const std::atomic<bool>& 
     while (flock(descriptor_, operation) != 0) {
         if (errno == EINTR) continue;
         if (errno != EWOULDBLOCK) {
-            tell_unlocked(path, errno);
+            warn_unlocked(path, errno);
             return;
         }
         if (stop) return;

@@ -52,10 +52,11 @@ std::string record_text(const Record& record) {
 Record read_record(const std::string& path) {
     const JsonDocument document(read_text(path), path);
     const JsonNode& root = document.root();
-    root.only({"file", "quick", "program", "text"});
-    return {root.required("file", "the experiment's name or file").string(),
-            root.required("text", "the experiment's text").string(),
-            root.required("program", "the program's key").string(), root.required("quick", "true or false").boolean()};
+    root.require_known_keys({"file", "quick", "program", "text"});
+    return {root.require_member("file", "the experiment's name or file").string(),
+            root.require_member("text", "the experiment's text").string(),
+            root.require_member("program", "the program's key").string(),
+            root.require_member("quick", "true or false").boolean()};
 }
 
 std::string cases_folder(const std::string& directory) { return (fs::path(directory) / ".cases").string(); }

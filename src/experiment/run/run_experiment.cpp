@@ -124,7 +124,7 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
         findings = kind.make(plan, options);
         seconds = stopwatch.seconds();
     }
-    if (Interruption::is_wanted() || (kind.resumable && sweep_interrupted())) {
+    if (Interruption::is_requested() || (kind.resumable && sweep_interrupted())) {
         fmt::print(stderr, "polhode: {} interrupted; run again to continue\n", name);
         return {};
     }

@@ -57,7 +57,7 @@ struct Both {
         tree.initial(y.data());
         bodies.initial(z.data());
         tree.set_loads(scene, 0);
-        tree.strike(scene, 0, y.data());
+        tree.apply_impulses(scene, 0, y.data());
         bodies.enter(0, z.data());
     }
 };

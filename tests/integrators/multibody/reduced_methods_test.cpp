@@ -42,7 +42,7 @@ std::vector<double> mass_times(const Tree<double>& tree, const std::vector<doubl
         unit[i] = 1;
         const auto one = moved_by(unit);
         for (std::size_t b = 0; b < one.size(); ++b) {
-            const Carried<double>& body = tree.links().bodies[b];
+            const LinkBody<double>& body = tree.links().bodies[b];
             product[i] += body.mass * dot(one[b].velocity_W, all[b].velocity_W) +
                           dot(one[b].angular_velocity_B, body.inertia_B * all[b].angular_velocity_B);
         }

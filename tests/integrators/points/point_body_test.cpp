@@ -33,7 +33,7 @@ void expect_mass_properties(const PointBody& points, const Body& body) {
     RC_ASSERT(points.refusal.empty());
     std::vector<PointMass<double>> masses;
     for (const Vector3<double>& x : points.rest_B) masses.push_back({points.point_mass, x});
-    const MassProperties<double> sum = of_points(masses);
+    const MassProperties<double> sum = body_from_points(masses);
     RC_ASSERT(std::abs(sum.mass - body.mass) < 1e-14 * body.mass);
     RC_ASSERT(std::sqrt(dot(sum.center, sum.center)) < 1e-14);
     RC_ASSERT(largest_difference(sum.inertia, body.inertia_B) < 4e-14);

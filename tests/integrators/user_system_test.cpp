@@ -1,5 +1,5 @@
 // User-defined systems, whose size is known only at run time.
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ double largest_difference(const Sample& a, const Sample& b) {
 // An explicit method with fixed steps does the same to each body as alone: 300 steps of round-off on a state of size
 // 1 give at most 300 x 1e-16. Implicit equations are solved to a thousandth of 1e-9. With a tolerance R each run errs
 // by R per step, and these motions do not amplify errors.
-TEST(OwnSystem, BodiesSideBySideMoveAsEachDoesAlone) {
+TEST(ErasedSystem, BodiesSideBySideMoveAsEachDoesAlone) {
     const auto alone = std::make_shared<const std::vector<Problem>>(three_bodies());
     const Problem together = pose(SideBySide{alone}, 3);
     constexpr double R = 1e-9;
@@ -104,7 +104,7 @@ TEST(OwnSystem, BodiesSideBySideMoveAsEachDoesAlone) {
     EXPECT_GE(methods_run, 20);
 }
 
-TEST(OwnSystem, AMethodThatNeedsTheBodySaysSo) {
+TEST(ErasedSystem, AMethodThatNeedsTheBodySaysSo) {
     const auto alone = std::make_shared<const std::vector<Problem>>(three_bodies());
     const Trajectory trajectory = solve(pose(SideBySide{alone}, 3), *find_method("exact"));
     EXPECT_EQ(trajectory.status, Status::unsupported);
@@ -134,7 +134,7 @@ struct StruckMass {
 };
 
 // x = cos t, plus kick sin(t - 1) after t = 1. A sample at the event shows the motion after it.
-TEST(OwnSystem, EventsStrikeIt) {
+TEST(ErasedSystem, EventsStrikeIt) {
     const Problem problem = pose(StruckMass(), 2.0);
     for (const char* name : {"cvode_adams", "cvode_bdf", "taylor", "radau", "dop853", "extrapolation"}) {
         Settings settings;
@@ -215,7 +215,7 @@ void expect_closed_form(const Model& model, double duration, Expected&& expected
 
 // sin(a / 2) = k cd(w t, k), k = sin(amplitude / 2); a' = -2 w k k' sd(w t, k), because cd' = -k'^2 sd nd and
 // cos(a / 2) = k' nd.
-TEST(OwnSystem, APendulumSwingsAsJacobisFunctionsSay) {
+TEST(ErasedSystem, APendulumSwingsAsJacobisFunctionsSay) {
     const Pendulum pendulum;
     const double k = std::sin(pendulum.amplitude / 2), other = std::cos(pendulum.amplitude / 2);
     expect_closed_form(pendulum, 4, [&](double t) {
@@ -228,7 +228,7 @@ TEST(OwnSystem, APendulumSwingsAsJacobisFunctionsSay) {
 }
 
 // t = E - e sin E, r = (cos E - e, sqrt(1 - e^2) sin E)
-TEST(OwnSystem, APlanetObeysKepler) {
+TEST(ErasedSystem, APlanetObeysKepler) {
     const Planet planet;
     const double e = planet.eccentricity, b = std::sqrt(1 - e * e);
     expect_closed_form(planet, 10, [&](double t) {
@@ -240,7 +240,7 @@ TEST(OwnSystem, APlanetObeysKepler) {
     });
 }
 
-TEST(OwnSystem, WhatMakesNoSenseIsNotPosed) {
+TEST(ErasedSystem, WhatMakesNoSenseIsNotPosed) {
     EXPECT_THROW(pose(StruckMass(), 0.0), InputError);
     EXPECT_THROW(pose(StruckMass(), std::nan("")), InputError);
 }

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "check/file_errors.h"
 #include "check/foreign_table.h"
-#include "check/judge.h"
 #include "check/limits.h"
 #include "check/report.h"
 #include "text/message.h"
@@ -48,9 +48,9 @@ struct Hinged {
     }
 };
 
-TEST(JudgeOfSeveralBodies, FindsTheTruthRightToRounding) {
+TEST(SystemFileErrors, FindsTheTruthRightToRounding) {
     const Hinged h;
-    const Judgement found = judge(h.scene, h.file, h.truth);
+    const FileErrors found = compute_file_errors(h.scene, h.file, h.truth);
     for (std::size_t m = 0; m < measures().size(); ++m) {
         if (measures()[m].name == "reaction") {
             EXPECT_FALSE(found[m]);
@@ -64,7 +64,7 @@ TEST(JudgeOfSeveralBodies, FindsTheTruthRightToRounding) {
     EXPECT_FALSE(ErrorLimits(h.scene).refuses(found));
 }
 
-TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
+TEST(SystemFileErrors, NamesTheWorstBodyAndTheWorstJoint) {
     Hinged h;
     TrajectoryRow& row = h.file.rows[2 * 30 + 1];
     const double t = row.t, ahead = 0.125;
@@ -72,7 +72,7 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
     h.file.rows[2 * 10].position_W[2] = 0.25;
     h.file.rows[2 * 20].q = {std::cos(0.1), std::sin(0.1), 0, 0};  // a wrong attitude, rotated about x
     h.file.rows[2 * 20].position_W = h.truth.samples[2 * 20].rounded().position_W;
-    const Judgement found = judge(h.scene, h.file, h.truth);
+    const FileErrors found = compute_file_errors(h.scene, h.file, h.truth);
     EXPECT_EQ(found.worst_body, "left");
     EXPECT_EQ(found["attitude"]->max_time, 2);
     EXPECT_EQ(found["position"]->max, 0.25);
@@ -82,22 +82,22 @@ TEST(JudgeOfSeveralBodies, NamesTheWorstBodyAndTheWorstJoint) {
     EXPECT_EQ(found.worst_turn, "hinge");
     EXPECT_EQ(found.worst_gap, "hinge");
     CheckedFile checked;
-    checked.path = "run.csv", checked.judgement = found;
+    checked.path = "run.csv", checked.file_errors = found;
     const ErrorLimits limits(h.scene);
     EXPECT_TRUE(limits.refuses(found));
     const std::string text = check_text(limits, {checked});
-    for (const char* said :
+    for (const char* message_part :
          {"joint gap", "at joint hinge", "worst body        left", "run.csv: failed: attitude error "})
-        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
+        EXPECT_NE(text.find(message_part), std::string::npos) << message_part << "\n" << text;
     const std::string json = check_json(h.scene, limits, {checked});
     for (const char* key : {"\"joint_gap_max\"", "\"worst_body\": \"left\"", "\"joint_turn_worst\": \"hinge\""})
         EXPECT_NE(json.find(key), std::string::npos) << key << "\n" << json;
 }
 
-TEST(JudgeOfSeveralBodies, JointsHaveLimits) {
+TEST(SystemFileErrors, JointsHaveLimits) {
     Hinged h;
     h.file.rows[2 * 10].position_W[2] = 0.005;
-    const Judgement found = judge(h.scene, h.file, h.truth);
+    const FileErrors found = compute_file_errors(h.scene, h.file, h.truth);
     EXPECT_NEAR(found["joint_gap"]->max, 0.005, 1e-12);
     const auto fails = [&](const ErrorLimits& limits) {
         std::vector<std::string> all;
@@ -120,16 +120,16 @@ TEST(JudgeOfSeveralBodies, JointsHaveLimits) {
     EXPECT_THROW(validate(one, "one"), InputError);
 }
 
-TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {
+TEST(SystemFileErrors, JudgesOnlyWhatTheColumnsTell) {
     Hinged h;
     h.file.has_velocity = false;
     for (TrajectoryRow& row : h.file.rows) row.velocity_W = {};
-    Judgement found = judge(h.scene, h.file, h.truth);
+    FileErrors found = compute_file_errors(h.scene, h.file, h.truth);
     EXPECT_FALSE(found["velocity"] || found["energy"] || found["momentum"] || found["linear_momentum"]);
     EXPECT_LT(found["omega"]->max, 1e-15);
     EXPECT_LT(found["joint_gap"]->max, 1e-15);
     h.file.has_angular_velocity = h.file.has_position = false;
-    found = judge(h.scene, h.file, h.truth);
+    found = compute_file_errors(h.scene, h.file, h.truth);
     EXPECT_FALSE(found["omega"] || found["position"] || found["joint_gap"]);
     EXPECT_LT(found["attitude"]->max, 1e-15);
     EXPECT_LT(found["joint_turn"]->max, 1e-15);
@@ -140,7 +140,7 @@ TEST(JudgeOfSeveralBodies, JudgesOnlyWhatTheColumnsTell) {
         h.file.rows[i].position_W =
             h.file.rows[i].position_W - 0.25 * Vector3<double>(std::cos(2 * t), std::sin(2 * t), 0);
     }
-    EXPECT_LT(judge(h.scene, h.file, h.truth)["position"]->max, 1e-15);
+    EXPECT_LT(compute_file_errors(h.scene, h.file, h.truth)["position"]->max, 1e-15);
 }
 
 TEST(ForeignTable, ABodysNameIsTakenWhereThereAreSeveral) {

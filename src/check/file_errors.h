@@ -28,7 +28,7 @@ struct ErrorSpan {
 };
 
 /// The errors of a file in the units of measures(). Errors for which the file lacks columns are empty.
-struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
+struct FileErrors : PerMeasure<std::optional<ErrorSummary>> {
     std::vector<ErrorSpan> over_time;  ///< at most ten spans of about equal duration
     /// Size of the true motion: the largest value over the samples of the scale of each relative measure (SI), of the
     /// distance from the start (m) and of the speed (m/s). 0 for other measures.
@@ -38,7 +38,7 @@ struct Judgement : PerMeasure<std::optional<ErrorSummary>> {
 };
 
 /// Whether the rotation is independent of the position: no planes, and no loads at points fixed in the world.
-bool rotates_alone(const Scene& scene);
+bool rotation_is_independent(const Scene& scene);
 
 /// The number of time spans in a report.
 inline constexpr std::size_t most_spans = 10;
@@ -47,14 +47,14 @@ std::size_t span_of(double t, double begin, double end);
 
 /// Arithmetic in which errors are computed. binary128 resolves the last digit of a binary64 file. binary64 resolves
 /// about 1e-15 and is about 100 times faster.
-enum class JudgedIn { binary128, binary64 };
+enum class ErrorArithmetic { binary128, binary64 };
 
 /// Computes the errors of all samples. Throws std::invalid_argument if `truth` is not at the file's times. Omega and
 /// momentum need w. Energy needs w, and without a pivot also p and v. If p or v is missing, the rotational energy is
-/// compared, provided that rotates_alone(). Momenta and energy of several bodies need w, p and v of all bodies. Joint
-/// errors need all bodies.
-Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
-                JudgedIn arithmetic = JudgedIn::binary128);
+/// compared, provided that rotation_is_independent(). Momenta and energy of several bodies need w, p and v of all
+/// bodies. Joint errors need all bodies.
+FileErrors compute_file_errors(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
+                               ErrorArithmetic arithmetic = ErrorArithmetic::binary128);
 
 /// Indices in the scene of the bodies of a file.
 std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file);
@@ -62,26 +62,26 @@ std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile
 std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file);
 
 /// Converts a file of several bodies to a trajectory. Missing blocks and bodies are filled in from the truth.
-Trajectory completed_by(const Reference& truth, const Scene& scene, const TrajectoryFile& file);
+Trajectory complete_from_truth(const Reference& truth, const Scene& scene, const TrajectoryFile& file);
 
 /// Computes the errors piece by piece, for a truth that does not fit in memory or is computed by several threads.
-class Judge {
+class FileErrorAccumulator {
   public:
     /// Keeps references to `scene` and `file`.
-    Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic);
-    ~Judge();
-    Judge(Judge&&) noexcept;
+    FileErrorAccumulator(const Scene& scene, const TrajectoryFile& file, ErrorArithmetic arithmetic);
+    ~FileErrorAccumulator();
+    FileErrorAccumulator(FileErrorAccumulator&&) noexcept;
 
     /// Compares the rows at times first, first + 1, .. with these samples of all bodies. Rows must be added in order.
     /// Throws std::invalid_argument if a sample's time differs from its row's.
     void add(std::size_t first, std::span<const ReferenceSample> truth);
     /// Also keeps the error of each row in this measure. Must be called before add().
-    void keep(std::size_t measure);
+    void keep_row_errors(std::size_t measure);
     /// Appends the result of later rows. For scenes of one body.
-    void append(const Judge& later);
-    Judgement result() const;
+    void append(const FileErrorAccumulator& later);
+    FileErrors result() const;
     /// The kept errors, one per row, in the unit of the measure.
-    std::vector<double> kept() const;
+    std::vector<double> row_errors() const;
 
     struct State;
     struct Tally;

@@ -1,4 +1,4 @@
-#include "check/judge.h"
+#include "check/file_errors.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ std::size_t span_of(double t, double begin, double end) {
     return std::min(most_spans - 1, static_cast<std::size_t>(std::max(k, 0.0)));
 }
 
-bool rotates_alone(const Scene& scene) {
+bool rotation_is_independent(const Scene& scene) {
     return scene.planes.empty() && std::ranges::none_of(scene.loads, [](const Load& load) {
                const auto* force = std::get_if<Force>(&load);
                const auto* impulse = std::get_if<Impulse>(&load);
@@ -28,7 +28,7 @@ bool rotates_alone(const Scene& scene) {
 }
 
 /// The largest errors so far, before division by a scale.
-struct Judge::Tally {
+struct FileErrorAccumulator::Tally {
     ErrorSummary all;
     std::array<double, most_spans> span{};
     bool any = false;  // whether an error was added
@@ -53,7 +53,7 @@ struct Judge::Tally {
     }
 };
 
-struct Judge::State {
+struct FileErrorAccumulator::State {
     // The measures in one scalar type, with buffers that are filled at each time.
     template <class S>
     struct Arithmetic {
@@ -76,8 +76,8 @@ struct Judge::State {
     PerMeasure<double> scales = {};
     PerMeasure<double> sizes = {};  // of position and velocity, which are not relative
     std::array<double, most_spans> until{};
-    std::optional<std::size_t> kept_measure{};
-    std::vector<double> kept{};
+    std::optional<std::size_t> row_measure{};
+    std::vector<double> row_errors{};
     std::vector<Vector3<double>> starts{};  // positions at the file's first time
     std::string worst_body{}, worst_gap{}, worst_turn{};
     std::size_t place = measure_index("position"), speed = measure_index("velocity"), energy = measure_index("energy"),
@@ -88,7 +88,7 @@ struct Judge::State {
     bool has_all_bodies() const { return !is_mechanism(*scene) || places.size() == scene->bodies.size(); }
 
     // Whether the file has the columns that a measure needs.
-    bool knows(const Measure& measure) const {
+    bool can_compute(const Measure& measure) const {
         const bool several = is_mechanism(*scene);
         if (!std::visit([&](const auto& a) { return a.measure.has(measure); }, arithmetic)) return false;
         const bool center = (!several && scene->pivot) || (has_position() && file->has_velocity) ||
@@ -108,22 +108,23 @@ struct Judge::State {
 
     // Overwrites the true motion by a row of the file. Blocks that the file lacks keep the true values.
     template <class S>
-    void read(const TrajectoryRow& row, const Vector3<S>& center, BodyMotion<S>& own) const {
-        own.q = cast<S>(row.q);
-        const Quaternion<S> unit = normalized(own.q);
-        if (has_position()) own.position_W = cast<S>(row.position_W);
-        if (file->has_origin) own.position_W = own.position_W + rotate(unit, center);
-        if (file->has_velocity) own.velocity_W = cast<S>(row.velocity_W);
-        if (file->has_angular_velocity) own.angular_velocity_B = rotate_back(unit, cast<S>(row.angular_velocity_W));
+    void read(const TrajectoryRow& row, const Vector3<S>& center, BodyMotion<S>& computed) const {
+        computed.q = cast<S>(row.q);
+        const Quaternion<S> unit = normalized(computed.q);
+        if (has_position()) computed.position_W = cast<S>(row.position_W);
+        if (file->has_origin) computed.position_W = computed.position_W + rotate(unit, center);
+        if (file->has_velocity) computed.velocity_W = cast<S>(row.velocity_W);
+        if (file->has_angular_velocity)
+            computed.angular_velocity_B = rotate_back(unit, cast<S>(row.angular_velocity_W));
     }
 
     // Returns both motions without translation, so that their energy is rotational.
     template <class S>
-    ComparedMotion<S> at_rest_in_place(const Arithmetic<S>& a, double t) {
+    ComparedMotion<S> without_translation(const Arithmetic<S>& a, double t) {
         ComparedMotion<S> c = a.compared;
-        BodyMotion<S> own = a.motions[0], right = a.truth[0];
-        own.position_W = own.velocity_W = right.position_W = right.velocity_W = {};
-        c.own = a.measure.invariants(t, {&own, 1}, coordinates);
+        BodyMotion<S> computed = a.motions[0], right = a.truth[0];
+        computed.position_W = computed.velocity_W = right.position_W = right.velocity_W = {};
+        c.computed = a.measure.invariants(t, {&computed, 1}, coordinates);
         c.truth = a.measure.invariants(t, {&right, 1}, true_coordinates);
         return c;
     }
@@ -137,30 +138,30 @@ struct Judge::State {
         a.truth.clear();
         for (const ReferenceSample& sample : truth) a.truth.push_back(true_motion<S>(sample));
         for (std::size_t b = 0; b < a.truth.size(); ++b)
-            a.compared.bodies[b].truth = a.compared.bodies[b].own = a.truth[b];
+            a.compared.bodies[b].truth = a.compared.bodies[b].computed = a.truth[b];
         for (std::size_t i = 0; i < rows.size(); ++i)
-            read(rows[i], a.measure.center(places[i]), a.compared.bodies[places[i]].own);
+            read(rows[i], a.measure.center(places[i]), a.compared.bodies[places[i]].computed);
         a.motions.clear();
         for (const ComparedBody<S>& body : a.compared.bodies) {
-            a.motions.push_back(body.own);
-            a.motions.back().q = normalized(body.own.q);
+            a.motions.push_back(body.computed);
+            a.motions.back().q = normalized(body.computed.q);
         }
         a.compared.truth = a.measure.true_invariants(truth, a.truth, true_coordinates);
         if (has_all_bodies()) {
-            a.compared.own = a.measure.invariants(t, a.motions, coordinates);
+            a.compared.computed = a.measure.invariants(t, a.motions, coordinates);
             a.compared.joints = a.measure.violations(a.motions);
         }
         std::optional<ComparedMotion<S>> alone;
-        if (rotational) alone = at_rest_in_place(a, t);
+        if (rotational) alone = without_translation(a, t);
         const std::span<const Measure> all = measures();
         for (std::size_t m = 0; m < all.size(); ++m) {
-            if (!knows(all[m])) continue;
+            if (!can_compute(all[m])) continue;
             const ComparedMotion<S>& compared = alone && m == energy ? *alone : a.compared;
             const auto [wide_error, body] = error_in(all[m], compared);
             const auto error = static_cast<double>(wide_error);
-            if (tallies[m].is_worst(error)) note_worst(m, body, a.compared.joints);
+            if (tallies[m].is_worst(error)) store_worst(m, body, a.compared.joints);
             tallies[m].note(error, t, k);
-            if (kept_measure == m) kept.push_back(error);
+            if (row_measure == m) row_errors.push_back(error);
             scales[m] = std::max(scales[m], double(scale_in<S>(all[m], a.truth, compared.truth)));
         }
         if (starts.empty())
@@ -173,7 +174,7 @@ struct Judge::State {
     }
 
     template <class S>
-    void note_worst(std::size_t m, std::size_t body, const JointViolations<S>& violations) {
+    void store_worst(std::size_t m, std::size_t body, const JointViolations<S>& violations) {
         const auto joint = [&](std::size_t j) { return j < joints.size() ? joints[j] : std::string(); };
         if (m == attitude && is_mechanism(*scene)) worst_body = scene->bodies[body].name;
         if (m == gap) worst_gap = joint(violations.gap_joint);
@@ -181,20 +182,20 @@ struct Judge::State {
     }
 };
 
-Judge::Judge(const Scene& scene, const TrajectoryFile& file, JudgedIn arithmetic) {
+FileErrorAccumulator::FileErrorAccumulator(const Scene& scene, const TrajectoryFile& file, ErrorArithmetic arithmetic) {
     using Arithmetics = decltype(State::arithmetic);
-    state_ =
-        std::make_unique<State>(State{&scene, &file, bodies_of_file(scene, file), joint_names(scene),
-                                      arithmetic == JudgedIn::binary64 ? Arithmetics(State::Arithmetic<double>(scene))
-                                                                       : Arithmetics(State::Arithmetic<Wide>(scene)),
-                                      JointCoordinates(scene), JointCoordinates(scene)});
-    state_->rotational =
-        !is_mechanism(scene) && !scene.pivot && !(state_->has_position() && file.has_velocity) && rotates_alone(scene);
+    state_ = std::make_unique<State>(State{&scene, &file, bodies_of_file(scene, file), joint_names(scene),
+                                           arithmetic == ErrorArithmetic::binary64
+                                               ? Arithmetics(State::Arithmetic<double>(scene))
+                                               : Arithmetics(State::Arithmetic<Wide>(scene)),
+                                           JointCoordinates(scene), JointCoordinates(scene)});
+    state_->rotational = !is_mechanism(scene) && !scene.pivot && !(state_->has_position() && file.has_velocity) &&
+                         rotation_is_independent(scene);
 }
-Judge::~Judge() = default;
-Judge::Judge(Judge&&) noexcept = default;
+FileErrorAccumulator::~FileErrorAccumulator() = default;
+FileErrorAccumulator::FileErrorAccumulator(FileErrorAccumulator&&) noexcept = default;
 
-void Judge::add(std::size_t first, std::span<const ReferenceSample> truth) {
+void FileErrorAccumulator::add(std::size_t first, std::span<const ReferenceSample> truth) {
     const std::span<const TrajectoryRow> rows = state_->file->rows;
     const std::size_t at_once = state_->places.size(), bodies = std::max<std::size_t>(1, state_->scene->bodies.size()),
                       moments = truth.size() / bodies;
@@ -208,18 +209,18 @@ void Judge::add(std::size_t first, std::span<const ReferenceSample> truth) {
         state_->arithmetic);
 }
 
-void Judge::keep(std::size_t measure) { state_->kept_measure = measure; }
+void FileErrorAccumulator::keep_row_errors(std::size_t measure) { state_->row_measure = measure; }
 
-std::vector<double> Judge::kept() const {
-    std::vector<double> errors = state_->kept;
-    if (const double scale = state_->scales[*state_->kept_measure]; scale > 0)
+std::vector<double> FileErrorAccumulator::row_errors() const {
+    std::vector<double> errors = state_->row_errors;
+    if (const double scale = state_->scales[*state_->row_measure]; scale > 0)
         for (double& error : errors) error /= scale;
     return errors;
 }
 
-void Judge::append(const Judge& later) {
+void FileErrorAccumulator::append(const FileErrorAccumulator& later) {
     const State& other = *later.state_;
-    state_->kept.insert(state_->kept.end(), other.kept.begin(), other.kept.end());
+    state_->row_errors.insert(state_->row_errors.end(), other.row_errors.begin(), other.row_errors.end());
     for (std::size_t m = 0; m < measures().size(); ++m) {
         state_->tallies[m].append(other.tallies[m]);
         state_->scales[m] = std::max(state_->scales[m], other.scales[m]);
@@ -228,7 +229,7 @@ void Judge::append(const Judge& later) {
     for (std::size_t k = 0; k < most_spans; ++k) state_->until[k] = std::max(state_->until[k], other.until[k]);
 }
 
-Judgement Judge::result() const {
+FileErrors FileErrorAccumulator::result() const {
     std::array<bool, most_spans> seen{};
     for (const TrajectoryRow& row : state_->file->rows) seen[state_->span_of(row.t)] = true;
     PerMeasure<Tally> tallies = state_->tallies;
@@ -237,13 +238,13 @@ Judgement Judge::result() const {
     if (double& rate = scales[state_->omega];
         is_mechanism(*state_->scene) && rate * state_->scene->duration < vanishing)
         rate = 0;
-    Judgement result;
+    FileErrors result;
     result.worst_body = state_->worst_body, result.worst_gap = state_->worst_gap,
     result.worst_turn = state_->worst_turn;
     for (std::size_t m = 0; m < measures().size(); ++m) {
         tallies[m].divide_by(scales[m]);
         result.size[m] = std::max(scales[m], state_->sizes[m]);
-        if (state_->knows(measures()[m])) result[m] = tallies[m].all;
+        if (state_->can_compute(measures()[m])) result[m] = tallies[m].all;
     }
     for (std::size_t k = 0; k < most_spans; ++k) {
         if (!seen[k]) continue;
@@ -254,10 +255,11 @@ Judgement Judge::result() const {
     return result;
 }
 
-Judgement judge(const Scene& scene, const TrajectoryFile& file, const Reference& truth, JudgedIn arithmetic) {
+FileErrors compute_file_errors(const Scene& scene, const TrajectoryFile& file, const Reference& truth,
+                               ErrorArithmetic arithmetic) {
     if (!truth.available || file.rows.empty() || truth.moments() * file.bodies_at_once() != file.rows.size())
         throw std::invalid_argument("no truth available at the file's times");
-    Judge whole(scene, file, arithmetic);
+    FileErrorAccumulator whole(scene, file, arithmetic);
     whole.add(0, truth.samples);
     return whole.result();
 }

@@ -1,4 +1,4 @@
-#include "check/judge.h"
+#include "check/file_errors.h"
 
 #include <gtest/gtest.h>
 
@@ -35,11 +35,11 @@ struct Case {
             ReferenceSample s;
             const Quaternion<double> q{std::cos(t), 0, 0, std::sin(t)};
             const Vector3<double> w{0, 0, 2}, p{t, 0, 50 - 4.9 * t * t}, v{1, 0, -9.8 * t};
-            const Invariants<double> kept = invariants(scene, body, t, q, w, p, v);
-            s.t = t, s.q = {q.w, q.x, q.y, q.z}, s.energy = kept.energy;
+            const Invariants<double> exact_values = invariants(scene, body, t, q, w, p, v);
+            s.t = t, s.q = {q.w, q.x, q.y, q.z}, s.energy = exact_values.energy;
             for (int i = 0; i < 3; ++i) {
                 s.angular_velocity_B[i] = w[i], s.position_W[i] = p[i], s.velocity_W[i] = v[i];
-                s.angular_momentum_W[i] = kept.angular_momentum_W[i];
+                s.angular_momentum_W[i] = exact_values.angular_momentum_W[i];
             }
             truth.samples.push_back(s);
             const double size = 1 + off;
@@ -53,15 +53,15 @@ struct Case {
 };
 
 // Compares with the errors of the result tables, which are computed independently.
-TEST(Judge, AgreesWithTheErrorsOfTheTables) {
+TEST(FileErrorAccumulator, AgreesWithTheErrorsOfTheTables) {
     const Case c(200);
-    const Judgement found = judge(c.scene, c.file, c.truth);
+    const FileErrors found = compute_file_errors(c.scene, c.file, c.truth);
     Trajectory trajectory;
     trajectory.samples = samples_of(c.file, c.scene.body.center_of_mass);
     const ErrorSeries series = error_series(c.scene, trajectory, c.truth);
     const auto expect = [&](const ErrorSummary& summary, const std::vector<double>& values) {
         const auto worst = std::max_element(values.begin(), values.end());
-        // judge() rotates the file's w in 128 bits; the tables round it to binary64
+        // compute_file_errors() rotates the file's w in 128 bits; the tables round it to binary64
         EXPECT_NEAR(summary.max, *worst, 1e-15);
         EXPECT_EQ(summary.max_time, series.t[static_cast<std::size_t>(worst - values.begin())]);
         EXPECT_NEAR(summary.final, values.back(), 1e-15);
@@ -82,19 +82,19 @@ TEST(Judge, AgreesWithTheErrorsOfTheTables) {
     }
 }
 
-TEST(Judge, InBinary64AndInPiecesIsTheSameToRounding) {
+TEST(FileErrorAccumulator, InBinary64AndInPiecesIsTheSameToRounding) {
     const Case c(5000);
-    const Judgement wide = judge(c.scene, c.file, c.truth),
-                    narrow = judge(c.scene, c.file, c.truth, JudgedIn::binary64);
-    std::vector<Judge> pieces;
+    const FileErrors wide = compute_file_errors(c.scene, c.file, c.truth),
+                     narrow = compute_file_errors(c.scene, c.file, c.truth, ErrorArithmetic::binary64);
+    std::vector<FileErrorAccumulator> pieces;
     for (std::size_t i = 0; i < 7; ++i) {
         const std::size_t begin = 5001 * i / 7, end = 5001 * (i + 1) / 7;
-        pieces.emplace_back(c.scene, c.file, JudgedIn::binary64);
+        pieces.emplace_back(c.scene, c.file, ErrorArithmetic::binary64);
         pieces.back().add(begin, std::span(c.truth.samples).subspan(begin, end - begin));
     }
     for (std::size_t i = 1; i < 7; ++i) pieces[0].append(pieces[i]);
-    const Judgement joined = pieces[0].result();
-    const auto all = [](const Judgement& j) {
+    const FileErrors joined = pieces[0].result();
+    const auto all = [](const FileErrors& j) {
         std::vector<ErrorSummary> every;
         for (const char* name : {"attitude", "norm", "omega", "energy", "momentum", "position", "velocity"})
             every.push_back(j[name].value());
@@ -117,18 +117,18 @@ TEST(Judge, InBinary64AndInPiecesIsTheSameToRounding) {
     }
 }
 
-TEST(Judge, RefusesOtherTimes) {
+TEST(FileErrorAccumulator, RefusesOtherTimes) {
     Case c(10);
     c.truth.samples[3].t += 1e-9;
-    EXPECT_THROW(judge(c.scene, c.file, c.truth), std::invalid_argument);
+    EXPECT_THROW(compute_file_errors(c.scene, c.file, c.truth), std::invalid_argument);
     c.truth.samples.pop_back();
-    EXPECT_THROW(judge(c.scene, c.file, c.truth), std::invalid_argument);
+    EXPECT_THROW(compute_file_errors(c.scene, c.file, c.truth), std::invalid_argument);
 }
 
-TEST(Judge, OneSampleIsOneSpan) {
+TEST(FileErrorAccumulator, OneSampleIsOneSpan) {
     Case c(10);
     c.file.rows = {c.file.rows[4]}, c.truth.samples = {c.truth.samples[4]};
-    const Judgement found = judge(c.scene, c.file, c.truth);
+    const FileErrors found = compute_file_errors(c.scene, c.file, c.truth);
     EXPECT_EQ(found.over_time.size(), 1u);
     EXPECT_EQ(found["attitude"]->max_time, 4);
 }

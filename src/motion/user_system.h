@@ -15,7 +15,7 @@
 //     };
 //     const Trajectory trajectory = solve(pose(TwoMasses{1, 2, 3, 0.5}, 10.0), *find_method("cvode_adams"));
 //
-// OwnModel is the concept that a model must satisfy, pose() makes a Problem of it, and OwnSystem is the System that
+// UserModel is the concept that a model must satisfy, pose() makes a Problem of it, and ErasedSystem is the System that
 // methods integrate.
 #pragma once
 
@@ -64,8 +64,8 @@ inline constexpr int run_time = -1;
 ///
 ///  * `double kinetic_energy(const Bodies& bodies) const` and `double energy_bound() const`.
 template <class M>
-concept OwnModel = std::copyable<M> &&
-    requires(const M model, double* y, const Dual<own_directions>* x, Dual<own_directions>* rate) {
+concept UserModel = std::copyable<M> &&
+    requires(const M model, double* y, const Dual<jacobian_directions>* x, Dual<jacobian_directions>* rate) {
     { model.dimension() } -> std::convertible_to<int>;
     model.initial(y);
     model.derivative(y, y);
@@ -75,14 +75,14 @@ concept OwnModel = std::copyable<M> &&
 };
 
 /// @cond internal
-/// Type erasure of an OwnModel, with one virtual function per scalar. Immutable.
+/// Type erasure of an UserModel, with one virtual function per scalar. Immutable.
 class ErasedModel {
   public:
     virtual ~ErasedModel() = default;
     virtual int dimension() const = 0;
     virtual void initial(double* y) const = 0;
     virtual void derivative(const double* y, double* dy) const = 0;
-    virtual void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const = 0;
+    virtual void derivative(const Dual<jacobian_directions>* y, Dual<jacobian_directions>* dy) const = 0;
     virtual void derivative(const Traced<double>* y, Traced<double>* dy) const = 0;
     virtual void derivative(const Traced<long double>* y, Traced<long double>* dy) const = 0;
     virtual std::vector<double> scales() const = 0;
@@ -94,10 +94,10 @@ class ErasedModel {
     virtual double kinetic_energy(const Bodies& bodies) const = 0;
     virtual double energy_bound() const = 0;
     /// The model for the time from t on; y is updated. nullptr if the model does not change.
-    virtual std::shared_ptr<const ErasedModel> entered(double t, double* y) const = 0;
+    virtual std::shared_ptr<const ErasedModel> enter_event(double t, double* y) const = 0;
 };
 
-template <OwnModel M>
+template <UserModel M>
 class Erased : public ErasedModel {
   public:
     explicit Erased(M model) : model_(std::move(model)) {}
@@ -105,7 +105,7 @@ class Erased : public ErasedModel {
     int dimension() const override { return model_.dimension(); }
     void initial(double* y) const override { model_.initial(y); }
     void derivative(const double* y, double* dy) const override { model_.derivative(y, dy); }
-    void derivative(const Dual<own_directions>* y, Dual<own_directions>* dy) const override {
+    void derivative(const Dual<jacobian_directions>* y, Dual<jacobian_directions>* dy) const override {
         model_.derivative(y, dy);
     }
     void derivative(const Traced<double>* y, Traced<double>* dy) const override { model_.derivative(y, dy); }
@@ -137,7 +137,7 @@ class Erased : public ErasedModel {
         if constexpr (requires { model_.energy_bound(); }) return model_.energy_bound();
         return std::numeric_limits<double>::infinity();
     }
-    std::shared_ptr<const ErasedModel> entered(double t, double* y) const override {
+    std::shared_ptr<const ErasedModel> enter_event(double t, double* y) const override {
         if constexpr (requires(M m) { m.enter(t, y); }) {
             M next = model_;
             next.enter(t, y);
@@ -156,31 +156,31 @@ class Erased : public ErasedModel {
 /// @endcond
 
 /// The problem of a user-defined system over `duration` (s). Called by pose().
-Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration);
+Problem pose_model(std::shared_ptr<const ErasedModel> model, double duration);
 
 /// Poses a user-defined system for a run from t = 0 to `duration` (s). Every method with `general_systems` in its
 /// descriptor can solve it; the others return `unsupported`. The trajectory has one sample per body at each time.
 /// Throws InputError if the duration or the model's own data are invalid.
-template <OwnModel M>
+template <UserModel M>
 Problem pose(M model, double duration) {
-    return pose_own(std::make_shared<const Erased<M>>(std::move(model)), duration);
+    return pose_model(std::make_shared<const Erased<M>>(std::move(model)), duration);
 }
 
 /// @cond internal
 /// The System of a problem with a user-defined system.
-class OwnSystem {
+class ErasedSystem {
   public:
     using Scalar = double;
     static constexpr int dimension = run_time;
     static constexpr bool about_axis = false, has_translation = false;
 
-    explicit OwnSystem(const Problem& problem)
+    explicit ErasedSystem(const Problem& problem)
         : model_(problem.model()), size_(model_->dimension()), reactions_(problem.reactions) {}
 
     int size() const { return size_; }
     void initial(double* y) const { model_->initial(y); }
     bool enter(const Segment& segment, double* y) {
-        std::shared_ptr<const ErasedModel> next = model_->entered(segment.begin, y);
+        std::shared_ptr<const ErasedModel> next = model_->enter_event(segment.begin, y);
         if (!next) return false;
         model_ = std::move(next);
         return true;
@@ -220,8 +220,8 @@ bool project_step([[maybe_unused]] const SystemType& system, [[maybe_unused]] Sc
     return false;
 }
 
-inline void jacobian(const OwnSystem& system, double t, const double* y, double* J) {
-    jacobian_by_columns<own_directions>(system, t, y, J);
+inline void jacobian(const ErasedSystem& system, double t, const double* y, double* J) {
+    jacobian_by_columns<jacobian_directions>(system, t, y, J);
 }
 /// @endcond
 

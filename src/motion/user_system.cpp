@@ -1,4 +1,4 @@
-#include "motion/own_system.h"
+#include "motion/user_system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace polhode {
 
-Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration) {
+Problem pose_model(std::shared_ptr<const ErasedModel> model, double duration) {
     const char* name = "user-defined system";
     const auto demand = [&](bool right, const char* place, const char* fault, const char* remedy) {
         if (!right) throw InputError(name, place, fault, remedy);
@@ -25,7 +25,7 @@ Problem pose_own(std::shared_ptr<const ErasedModel> model, double duration) {
 
     Problem problem;
     problem.scene.name = name, problem.scene.duration = duration;
-    problem.needs.system = SystemKind::own, problem.needs.dimension = model->dimension();
+    problem.needs.system = SystemKind::user_defined, problem.needs.dimension = model->dimension();
     std::vector<double> times{0};
     for (double t : model->events()) {
         demand(std::isfinite(t) && t >= 0, "events", "contain a time that is not finite or is negative",

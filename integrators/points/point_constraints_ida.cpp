@@ -85,10 +85,10 @@ class ConstraintSession : public PointSession {
         : PointSession(problem, body, tolerance, 2 * Constraints(body).count()),
           constraints_(body),
           m_(constraints_.count()),
-          rate_of_state_(owned(N_VNew_Serial(dimension_, context_))),
-          kind_(owned(N_VNew_Serial(dimension_, context_))),
-          matrix_(owned(SUNDenseMatrix(dimension_, dimension_, context_))),
-          linear_(owned(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
+          rate_of_state_(make_owner(N_VNew_Serial(dimension_, context_))),
+          kind_(make_owner(N_VNew_Serial(dimension_, context_))),
+          matrix_(make_owner(SUNDenseMatrix(dimension_, dimension_, context_))),
+          linear_(make_owner(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
           memory_(IDACreate(context_)) {
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
@@ -99,16 +99,16 @@ class ConstraintSession : public PointSession {
         double* kind = N_VGetArrayPointer(kind_.get());
         std::fill(kind + 2 * n_, kind + dimension_, 0.0);
         double* absolute = N_VGetArrayPointer(absolute_.get());
-        std::fill(absolute + 2 * n_, absolute + 2 * n_ + m_, multiplier_share * body.extent * rate_ * rate_);
-        std::fill(absolute + 2 * n_ + m_, absolute + dimension_, multiplier_share * body.extent * rate_);
-        demand(IDASetErrHandlerFn(memory, note_message, base));
-        demand(IDAInit(memory, residual, 0, state_.get(), rate_of_state_.get()));
-        demand(IDASVtolerances(memory, 0, absolute_.get()));
-        demand(IDASetUserData(memory, base));
-        demand(IDASetId(memory, kind_.get()));
-        demand(IDASetSuppressAlg(memory, SUNTRUE));
-        demand(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
-        demand(IDASetJacFn(memory, fill_jacobian));
+        std::fill(absolute + 2 * n_, absolute + 2 * n_ + m_, multiplier_tolerance * body.extent * rate_ * rate_);
+        std::fill(absolute + 2 * n_ + m_, absolute + dimension_, multiplier_tolerance * body.extent * rate_);
+        check_flag(IDASetErrHandlerFn(memory, store_message, base));
+        check_flag(IDAInit(memory, residual, 0, state_.get(), rate_of_state_.get()));
+        check_flag(IDASVtolerances(memory, 0, absolute_.get()));
+        check_flag(IDASetUserData(memory, base));
+        check_flag(IDASetId(memory, kind_.get()));
+        check_flag(IDASetSuppressAlg(memory, SUNTRUE));
+        check_flag(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
+        check_flag(IDASetJacFn(memory, fill_jacobian));
     }
 
     void restart() {
@@ -131,7 +131,7 @@ class ConstraintSession : public PointSession {
         const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), rate_of_state_.get(), IDA_ONE_STEP);
         rethrow();
         if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
-            leap();
+            take_euler_step();
             ++counts_.steps;
             return IDA_TSTOP_RETURN;
         }
@@ -139,13 +139,14 @@ class ConstraintSession : public PointSession {
         return flag;
     }
     std::optional<Sample> sample_inside(double t) {
-        IDAGetDky(memory_.get(), t, 0, inside_.get());
-        return sample_of(t, N_VGetArrayPointer(inside_.get()));
+        IDAGetDky(memory_.get(), t, 0, interpolated_.get());
+        return sample_of(t, N_VGetArrayPointer(interpolated_.get()));
     }
     int inside_flag() const { return IDA_SUCCESS; }
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
-        return explained("IDA", out_of_reach ? Status::tolerance_not_met : Status::failed, IDAGetReturnFlagName(flag));
+        return describe_failure("IDA", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                                IDAGetReturnFlagName(flag));
     }
     long steps() {
         close();
@@ -157,7 +158,7 @@ class ConstraintSession : public PointSession {
     }
 
   private:
-    static constexpr double multiplier_share = 1e-3;
+    static constexpr double multiplier_tolerance = 1e-3;
 
     struct FreeMemory {
         void operator()(void* memory) const { IDAFree(&memory); }
@@ -182,7 +183,7 @@ class ConstraintSession : public PointSession {
 
     static int residual(double t, N_Vector state, N_Vector rate, N_Vector result, void* session) {
         ConstraintSession* self = static_cast<ConstraintSession*>(static_cast<PointSession*>(session));
-        if (self->given_up()) return -1;
+        if (self->has_failed()) return -1;
         const int n = self->n_, m = self->m_;
         const double *y = N_VGetArrayPointer(state), *dy = N_VGetArrayPointer(rate);
         double* F = N_VGetArrayPointer(result);
@@ -191,7 +192,7 @@ class ConstraintSession : public PointSession {
         try {
             self->motion_.add_loads(t, y, a.data());
         } catch (...) {  // exceptions must not cross the C library
-            self->thrown_ = std::current_exception();
+            self->exception_ = std::current_exception();
             return -1;
         }
         const Matrix G = self->constraints_.gradient(y);
@@ -200,7 +201,7 @@ class ConstraintSession : public PointSession {
         VectorMap(F + n, n) = ConstVectorMap(dy + n, n) - a + G.transpose() * lambda;
         VectorMap(F + 2 * n, m) = self->constraints_.residual(y);
         VectorMap(F + 2 * n + m, m) = G * v;
-        return self->judged(t, F, self->dimension_);
+        return self->check_finite(t, F, self->dimension_);
     }
     // dF/dy + c dF/dy'. The loads' dependence on the state is slow and omitted.
     static int fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
@@ -220,7 +221,7 @@ class ConstraintSession : public PointSession {
         entries.block(2 * n, 0, m, n) = G;
         entries.block(2 * n + m, 0, m, n) = self->constraints_.gradient(y + n, false);
         entries.block(2 * n + m, n, m, n) = G;
-        return self->judged(t, entries.data(), self->dimension_ * self->dimension_);
+        return self->check_finite(t, entries.data(), self->dimension_ * self->dimension_);
     }
     void close() {
         if (!running_) return;

@@ -52,9 +52,9 @@ class PointSession {
           // overflow.
           tolerance_(std::max(tolerance, 1e-100)),
           rate_(std::max(problem.scales.angular_velocity, 1 / problem.scene.duration)),
-          state_(owned(N_VNew_Serial(dimension_, context_))),
-          absolute_(owned(N_VNew_Serial(dimension_, context_))),
-          inside_(owned(N_VNew_Serial(dimension_, context_))) {
+          state_(make_owner(N_VNew_Serial(dimension_, context_))),
+          absolute_(make_owner(N_VNew_Serial(dimension_, context_))),
+          interpolated_(make_owner(N_VNew_Serial(dimension_, context_))) {
         N_VConst(0, state_.get());
         N_VConst(tolerance_ * body.extent, absolute_.get());
         double* absolute = N_VGetArrayPointer(absolute_.get());
@@ -62,7 +62,7 @@ class PointSession {
     }
     ~PointSession() = default;
 
-    static void demand(int flag) {
+    static void check_flag(int flag) {
         if (flag != 0) throw std::bad_alloc();
     }
     double* y() { return N_VGetArrayPointer(state_.get()); }
@@ -83,31 +83,31 @@ class PointSession {
         return motion_.enter(segment, y());
     }
     // Covers a segment whose length is a rounding error, on which no solver can start.
-    void leap() {
+    void take_euler_step() {
         for (int i = 0; i < n_; ++i) y()[i] += (end_ - t_) * y()[n_ + i];
         t_ = end_;
         message_.clear();
     }
     // Returns 0, or -1 (unrecoverable) if numbers are not finite: see SundialsSession::right_hand_side.
-    int judged(double t, const double* numbers, int count) {
+    int check_finite(double t, const double* numbers, int count) {
         if (all_finite({numbers, static_cast<std::size_t>(count)})) return 0;
         not_finite_at_ = t;
         return -1;
     }
-    bool given_up() const { return not_finite_at_ || thrown_; }
+    bool has_failed() const { return not_finite_at_ || exception_; }
     void rethrow() {
-        if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+        if (exception_) std::rethrow_exception(std::exchange(exception_, nullptr));
     }
-    SolverFailure explained(const char* library, Status status, char* flag_name) {
+    SolverFailure describe_failure(const char* library, Status status, char* flag_name) {
         const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
-        const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
+        const std::string reason = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}: {}{}",
-                                                  moment(*not_finite_at_), library, said, last_state(sample()))};
-        return {status, fmt::format("{}: {}", library, said)};
+                                                  moment(*not_finite_at_), library, reason, last_state(sample()))};
+        return {status, fmt::format("{}: {}", library, reason)};
     }
     // Codes above zero are warnings.
-    static void note_message(int code, const char*, const char*, char* text, void* session) {
+    static void store_message(int code, const char*, const char*, char* text, void* session) {
         if (code <= 0) static_cast<PointSession*>(session)->message_ = text;
     }
 
@@ -117,12 +117,12 @@ class PointSession {
     double tolerance_;
     double rate_;              ///< rad/s, largest rate of the scene
     SundialsContext context_;  // declared before everything that uses it
-    SundialsOwner<N_Vector> state_, absolute_, inside_;
+    SundialsOwner<N_Vector> state_, absolute_, interpolated_;
     double t_ = 0, end_ = 0;
     long evaluations_ = 0;
     std::optional<double> not_finite_at_;
     std::string message_;
-    std::exception_ptr thrown_;
+    std::exception_ptr exception_;
     double largest_stretch_ = 0;
 };
 

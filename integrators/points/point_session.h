@@ -33,21 +33,21 @@ class PointSession {
 
     double time() const { return t_; }
     /// The motion at time(). Its stretch is included in largest_stretch().
-    Sample sample() { return sample_of(t_, y()); }
+    Sample sample() { return sample_at(t_, y()); }
     /// The motion at time(), without recording its stretch.
     Sample look() { return motion_.sample(t_, y()); }
     double largest_stretch() const { return largest_stretch_; }
     long rhs_evaluations() const { return evaluations_; }
 
   protected:
-    /// State: r and v of every point, then `more` numbers. Tolerances are absolute: R times the size of each
+    /// State: r and v of every point, then `extra` numbers. Tolerances are absolute: R times the size of each
     /// component, which is the extent of the points for r, and that times the scene's largest rate for v. Distant
     /// flight therefore does not reduce the accuracy of the attitude.
-    PointSession(const Problem& problem, const PointBody& body, double tolerance, int more)
+    PointSession(const Problem& problem, const PointBody& body, double tolerance, int extra)
         : body_(&body),
           motion_(problem, body),
           n_(3 * body.count()),
-          dimension_(2 * n_ + more),
+          dimension_(2 * n_ + extra),
           // Values too small for binary64 were refused before. Below 1e-100 the weights, which are reciprocals, would
           // overflow.
           tolerance_(std::max(tolerance, 1e-100)),
@@ -66,19 +66,19 @@ class PointSession {
         if (flag != 0) throw std::bad_alloc();
     }
     double* y() { return N_VGetArrayPointer(state_.get()); }
-    Sample sample_of(double t, const double* y) {
+    Sample sample_at(double t, const double* y) {
         largest_stretch_ = std::max(largest_stretch_, polhode::largest_stretch(*body_, y));
         return motion_.sample(t, y);
     }
 
     // Same as PointMotion::initial() and PointMotion::enter().
-    Vector3<double> begin() {
+    Vector3<double> reset_state() {
         N_VConst(0, state_.get());
         evaluations_ = 0;
         not_finite_at_.reset();
         return motion_.initial(y());
     }
-    std::optional<Vector3<double>> pass(const Segment& segment) {
+    std::optional<Vector3<double>> apply_event(const Segment& segment) {
         t_ = segment.begin, end_ = segment.end;
         return motion_.enter(segment, y());
     }
@@ -113,7 +113,7 @@ class PointSession {
 
     const PointBody* body_;
     PointMotion motion_;
-    int n_, dimension_;  ///< 3N; 6N plus `more`
+    int n_, dimension_;  ///< 3N; 6N plus `extra`
     double tolerance_;
     double rate_;              ///< rad/s, largest rate of the scene
     SundialsContext context_;  // declared before everything that uses it

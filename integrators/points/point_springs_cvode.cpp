@@ -36,12 +36,12 @@ class SpringSession : public PointSession {
     }
 
     void restart() {
-        network_.settle(begin(), y());
+        network_.apply_rotation_stretch(reset_state(), y());
         steps_ = 0, counts_ = {}, running_ = false;
     }
     int enter(const Segment& segment) {
-        close();
-        if (const auto w = pass(segment)) network_.settle(*w, y());
+        collect_counts();
+        if (const auto w = apply_event(segment)) network_.apply_rotation_stretch(*w, y());
         if (!(end_ > t_)) return CV_SUCCESS;
         running_ = true;
         if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
@@ -61,7 +61,7 @@ class SpringSession : public PointSession {
     }
     std::optional<Sample> sample_inside(double t) {
         CVodeGetDky(memory_.get(), t, 0, interpolated_.get());
-        return sample_of(t, N_VGetArrayPointer(interpolated_.get()));
+        return sample_at(t, N_VGetArrayPointer(interpolated_.get()));
     }
     int inside_flag() const { return CV_SUCCESS; }
     SolverFailure failure(int flag) {
@@ -70,11 +70,11 @@ class SpringSession : public PointSession {
                                 CVodeGetReturnFlagName(flag));
     }
     long steps() {
-        close();
+        collect_counts();
         return steps_;
     }
     SolverCounts counts() {
-        close();
+        collect_counts();
         return counts_.to_solver_counts(true);
     }
 
@@ -108,11 +108,11 @@ class SpringSession : public PointSession {
         entries.setZero();
         entries.topRightCorner(n, n).setIdentity();
         entries.bottomLeftCorner(n, n) = self->network_.jacobian(N_VGetArrayPointer(state));
-        if (self->network_.damped())
+        if (self->network_.is_damped())
             entries.bottomRightCorner(n, n) = self->network_.velocity_jacobian(N_VGetArrayPointer(state));
         return self->check_finite(t, entries.data(), 4 * n * n);
     }
-    void close() {
+    void collect_counts() {
         if (!running_) return;
         running_ = false;
         long steps = 0;
@@ -130,9 +130,7 @@ class SpringSession : public PointSession {
     bool running_ = false;
 };
 
-std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
-
-constexpr Method each[] = {
+constexpr Method point_springs_cvode_variants[] = {
     {.name = "point_springs_cvode_bdf",
      .documentation =
          "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the exact "
@@ -148,8 +146,9 @@ constexpr Method each[] = {
      .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},
 };
 
-constexpr auto list =
-    sharing({.family = Family::points, .library = sundials_library, .refuses = cannot_be_made_of_points}, each);
+constexpr auto point_springs_cvode_family =
+    sharing({.family = Family::points, .library = sundials_library, .refuses = point_body_refusal},
+            point_springs_cvode_variants);
 
 }  // namespace
 
@@ -157,7 +156,7 @@ PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& setting
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     const double stiffness = options.stiffness ? *options.stiffness : default_stiffness(problem, body);
-    const double damping = damping_of_ratio(body, stiffness, options.damping_ratio.value_or(1));
+    const double damping = damping_from_ratio(body, stiffness, options.damping_ratio.value_or(1));
     SpringSession session(problem, body, SpringNetwork(body, stiffness, damping), *settings.tolerance);
     PointRun run;
     run.trajectory = run_sundials(problem, settings, session);
@@ -165,6 +164,6 @@ PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& setting
     return run;
 }
 
-extern const std::span<const Method> point_springs_cvode_methods{list};
+extern const std::span<const Method> point_springs_cvode_methods{point_springs_cvode_family};
 
 }  // namespace polhode

@@ -103,7 +103,8 @@ class MaximalState {
             if (!body.movable) continue;
             body.v = body.v + (h * body.inverse_mass) * wrenches_[b].force;
             if constexpr (gyroscopic != GyroscopicTerm::none)
-                body.w = body.R * body.inertia.template turned<gyroscopic>(transposed(body.R) * body.w, h);
+                body.w =
+                    body.R * body.inertia.template apply_gyroscopic_term<gyroscopic>(transposed(body.R) * body.w, h);
             body.w = body.w + h * (body.inverse_I_W * wrenches_[b].torque);
         }
     }

@@ -15,20 +15,20 @@ namespace polhode {
 namespace {
 
 template <class S>
-class SimoWong : public MomentumStateOf<S> {
+class SimoWongStepper : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
-    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W,
+    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::has_loads, Base::rates, Base::torque_W,
         Base::failed_, Base::failed_at_, Base::forcing, Base::inverse_moments_;
 
   public:
-    explicit SimoWong(const Problem& problem) : Base(problem) {}
+    explicit SimoWongStepper(const Problem& problem) : Base(problem) {}
 
     [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
         const Quaternion<S> q = attitude_.value();
         const Matrix3<S> R = rotation_matrix(q);
         const Vector3<S> L = momentum_.value(), y = transposed(R) * L, w = rates(y);
-        const bool torque_acts = loaded();
+        const bool torque_acts = has_loads();
         const Vector3<S> torque = torque_acts ? torque_W(t, R, q, w, {}, {}) : Vector3<S>();
         ++evaluations_;
 
@@ -86,7 +86,7 @@ class SimoWong : public MomentumStateOf<S> {
     }
 };
 
-constexpr Method each[] = {
+constexpr Method simo_wong_variants[] = {
     {.name = "simo_wong",
      .documentation =
          "The implicit algorithm of Simo & Wong in its trapezoidal form (their ALGO_C1): the momentum balance in world "
@@ -96,16 +96,18 @@ constexpr Method each[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off if no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_momentum<SimoWong<double>>,
+     .solve = march_momentum<SimoWongStepper<double>>,
      .growth = midpoint_growth},
 };
 
-constexpr auto in_binary64 = sharing({.family = Family::rotation_group, .refuses = refused_translation}, each);
+constexpr auto simo_wong_binary64_family =
+    sharing({.family = Family::rotation_group, .refuses = translation_refusal}, simo_wong_variants);
 
-constexpr auto family = with_binary32<in_binary64, refused_by_binary32, march_momentum<SimoWong<float>>>();
+constexpr auto simo_wong_family =
+    with_binary32<simo_wong_binary64_family, refused_by_binary32, march_momentum<SimoWongStepper<float>>>();
 
 }  // namespace
 
-extern const std::span<const Method> simo_wong_methods{family};
+extern const std::span<const Method> simo_wong_methods{simo_wong_family};
 
 }  // namespace polhode

@@ -33,15 +33,15 @@ json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z
 
 Request read_request(const json& request) {
     const Scene scene = parse_scene(request.at("scene").dump(), "the request");
-    Request known{pose(scene, Formulation::full), {}, {}};
+    Request result{pose(scene, Formulation::full), {}, {}};
     const long steps = request.at("steps_per_sample");
-    known.settings.samples = request.at("samples");
-    known.settings.repetitions = request.at("repetitions");
+    result.settings.samples = request.at("samples");
+    result.settings.repetitions = request.at("repetitions");
     // the fraction of the sample interval from which the same number of steps is computed
-    known.settings.step = scene.duration / static_cast<double>(known.settings.samples) / static_cast<double>(steps);
-    Body& body = known.body;
+    result.settings.step = scene.duration / static_cast<double>(result.settings.samples) / static_cast<double>(steps);
+    Body& body = result.body;
     body.mass = request.at("mass"), body.moments = read_vector(request.at("moments"));
-    const ExactBody<double>& start = known.problem.body;
+    const ExactBody<double>& start = result.problem.body;
     body.q = start.q, body.w = rotate(start.q, start.angular_velocity_B);
     body.p = start.position_W, body.v = start.velocity_W;
     if (!request.at("pivot").is_null()) body.pivot = read_vector(request.at("pivot"));
@@ -51,7 +51,7 @@ Request read_request(const json& request) {
     for (const json& corner : request.at("hull")) body.hull.push_back(read_vector(corner));
     if (request.contains("ball")) body.ball = request.at("ball");
     body.setting = request.at("setting");
-    return known;
+    return result;
 }
 
 std::vector<Vector3<double>> read_vectors(const json& list) {
@@ -72,10 +72,10 @@ std::vector<LinkJoint> read_joints(const json& list) {
 }
 
 MechanismRequest read_mechanism(const json& request) {
-    MechanismRequest known;
-    known.duration = request.at("duration"), known.samples = request.at("samples");
-    known.steps_per_sample = request.at("steps_per_sample"), known.repetitions = request.at("repetitions");
-    Mechanism& all = known.mechanism;
+    MechanismRequest result;
+    result.duration = request.at("duration"), result.samples = request.at("samples");
+    result.steps_per_sample = request.at("steps_per_sample"), result.repetitions = request.at("repetitions");
+    Mechanism& all = result.mechanism;
     all.setting = request.at("setting"), all.gravity = read_vector(request.at("gravity"));
     for (const json& body : request.at("bodies")) {
         const json& q = body.at("q");
@@ -87,7 +87,7 @@ MechanismRequest read_mechanism(const json& request) {
                                read_vector(body.at("v"))}});
     }
     all.joints = read_joints(request.at("joints")), all.loops = read_joints(request.at("loops"));
-    return known;
+    return result;
 }
 
 json make_row(const Motion& at) {
@@ -109,8 +109,8 @@ json make_answer(const std::string& line, const Driver& driver, const std::funct
                  const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism) {
     try {
         const json request = json::parse(line);
-        const auto known = [&](const auto& setting) { return request.at("setting") == setting.first; };
-        if (std::ranges::none_of(driver.settings, known))
+        const auto matches = [&](const auto& setting) { return request.at("setting") == setting.first; };
+        if (std::ranges::none_of(driver.settings, matches))
             throw std::runtime_error("unknown setting " + request.at("setting").get<std::string>());
         if (request.contains("bodies")) {
             if (!run_mechanism) throw Unsupported("this driver supports only scenes of one body");

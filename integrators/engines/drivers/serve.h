@@ -43,14 +43,14 @@ struct Unsupported : std::runtime_error {
 /// An engine with one body.
 template <class World>
 concept EngineWorld = std::constructible_from<World, const Body&> &&
-    requires(World world, const World known, const Vector3<double>& vector, double h) {
-    { known.motion() } -> std::same_as<Motion>;
+    requires(World world, const World view, const Vector3<double>& vector, double h) {
+    { view.motion() } -> std::same_as<Motion>;
     world.set_velocities(vector, vector);  // sets w and v after an impulse
     world.set_gravity(vector);
     world.apply(vector, vector);  // force at the centre of mass and torque, for one step
     world.step(h);
-    { known.mass() } -> std::convertible_to<double>;
-    { known.moments() } -> std::convertible_to<Vector3<double>>;
+    { view.mass() } -> std::convertible_to<double>;
+    { view.moments() } -> std::convertible_to<Vector3<double>>;
 };
 
 /// Information about a driver's engine.

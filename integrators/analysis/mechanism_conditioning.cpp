@@ -3,7 +3,7 @@
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
 // advances both by DOP853 with step control. Dual numbers give df/dy S, own_directions columns per evaluation. Norms
 // are taken in minimal coordinates (to_minimal_coordinates()). Above max_full_directions, initial_directions() mixes
-// them at random.
+// them at random. VariationRun advances it between samples, within the limits of the run.
 #include "integrators/analysis/mechanism_conditioning.h"
 
 #include <fmt/format.h>
@@ -268,71 +268,103 @@ class Variation {
     }
 };
 
+/// The variational equation from one sample to the next, with the limits of a run. Functions return false if the run
+/// must end; the message of `result` then has the reason.
+class VariationRun {
+  public:
+    /// The arguments must outlive this object.
+    VariationRun(const Problem& problem, const ConditioningSettings& settings, Conditioning& result)
+        : settings_(settings),
+          result_(result),
+          variation_(problem),
+          end_(processor_time() + settings.seconds_limit),
+          max_steps_(std::min(static_cast<double>(settings.max_steps),
+                              settings.max_steps <= prompt_conditioning_steps
+                                  ? std::min(max_prompt_steps, settings.mechanism_work / variation_.step_work())
+                                  : static_cast<double>(settings.max_steps))) {}
+
+    const Variation& variation() const { return variation_; }
+    double time() const { return t_; }
+
+    void enter(const Segment& segment) {
+        variation_.enter(segment.begin);
+        t_ = segment.begin;
+        if (h_ == 0) h_ = (segment.end - segment.begin) / 1000;
+    }
+
+    /// Records kappa at the current time, which is that of a sample up to rounding.
+    bool record(double at) {
+        const double state = variation_.state_norm(), attitude = variation_.attitude_norm();
+        if (!std::isfinite(state) || !std::isfinite(attitude))
+            return fail(fmt::format("kappa is beyond binary64 at t = {:g} s", at));
+        result_.times.push_back(at), result_.state.push_back(state), result_.attitude.push_back(attitude);
+        return true;
+    }
+
+    bool advance_to(double stop) {
+        while (t_ < stop) {
+            result_.limit_reached = static_cast<double>(++result_.steps) > max_steps_;
+            if (result_.limit_reached)
+                return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", max_steps_, t_));
+            if (Interruption::is_wanted()) return fail("interrupted");
+            if (processor_time() > end_)
+                return fail(fmt::format("stopped at the limit of {} s", settings_.seconds_limit));
+            const double remaining = stop - t_;
+            const bool last = h_ >= remaining * (1 - 1e-14);
+            double size = last ? remaining : h_;
+            const double tried = size, done = variation_.step(size);
+            if (done == 0) {
+                h_ = size;
+                if (!(h_ > 0) || t_ + h_ == t_)
+                    return fail(fmt::format(
+                        "step size below the spacing of numbers at t = {:g} s in the variational equation", t_));
+                continue;
+            }
+            t_ = last ? stop : t_ + done;
+            h_ = last && tried < h_ ? std::max(h_, size) : size;
+        }
+        return true;
+    }
+
+  private:
+    bool fail(std::string message) {
+        result_.message = std::move(message);
+        return false;
+    }
+
+    const ConditioningSettings& settings_;
+    Conditioning& result_;
+    Variation variation_;
+    double end_;  // s, processor time
+    double max_steps_;
+    double t_ = 0, h_ = 0;  // s
+};
+
 }  // namespace
 
 Conditioning mechanism_conditioning(const Problem& problem, const std::vector<double>& times,
                                     const ConditioningSettings& settings) {
     Conditioning result;
-    Variation variation(problem);
-    const double end = processor_time() + settings.seconds_limit;
-    const double max_steps = std::min(static_cast<double>(settings.max_steps),
-                                      settings.max_steps <= prompt_conditioning_steps
-                                          ? std::min(max_prompt_steps, settings.mechanism_work / variation.step_work())
-                                          : static_cast<double>(settings.max_steps));
+    VariationRun run(problem, settings, result);
     SampleQueue samples(times);
-    double t = 0, h = 0;
-    const auto fail = [&](std::string message) {
-        result.message = std::move(message);
-        return false;
-    };
-    const auto show = [&](double at) {
-        const double state = variation.state_norm(), attitude = variation.attitude_norm();
-        if (!std::isfinite(state) || !std::isfinite(attitude))
-            return fail(fmt::format("kappa is beyond binary64 at t = {:g} s", at));
-        result.times.push_back(at), result.state.push_back(state), result.attitude.push_back(attitude);
-        return true;
-    };
     const auto enter = [&](const Segment& segment) {
         if (samples.empty()) return false;
-        variation.enter(segment.begin);
-        t = segment.begin;
-        if (h == 0) h = (segment.end - segment.begin) / 1000;
+        run.enter(segment);
         return true;
     };
-    const auto go = [&](const Segment& segment) {
-        while (t < segment.end && !samples.empty()) {
-            const double stop = std::min(segment.end, std::max(samples.front(), t));
-            while (t < stop) {
-                result.limit_reached = static_cast<double>(++result.steps) > max_steps;
-                if (result.limit_reached)
-                    return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", max_steps, t));
-                if (Interruption::is_wanted()) return fail("interrupted");
-                if (processor_time() > end)
-                    return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
-                const double left = stop - t;
-                const bool last = h >= left * (1 - 1e-14);
-                double size = last ? left : h;
-                const double tried = size, done = variation.step(size);
-                if (done == 0) {
-                    h = size;
-                    if (!(h > 0) || t + h == t)
-                        return fail(
-                            fmt::format("step size below the spacing of numbers at t = {:g} s in the "
-                                        "variational equation",
-                                        t));
-                    continue;
-                }
-                t = last ? stop : t + done;
-                h = last && tried < h ? std::max(h, size) : size;
-            }
-            for (; samples.due(segment, t); samples.pop())
-                if (!show(samples.front())) return false;
+    const auto record = [&](double at) { return run.record(at); };
+    const auto integrate = [&](const Segment& segment) {
+        while (run.time() < segment.end && !samples.empty()) {
+            if (!run.advance_to(std::min(segment.end, std::max(samples.front(), run.time())))) return false;
+            for (; samples.due(segment, run.time()); samples.pop())
+                if (!run.record(samples.front())) return false;
         }
         return true;
     };
-    follow(problem.segments, samples, enter, show, go);
+    follow(problem.segments, samples, enter, record, integrate);
     result.available = samples.empty();
     if (!result.available) return result;
+    const Variation& variation = run.variation();
     result.message = fmt::format(
         "variational equation solved by DOP853 with dual numbers, {} directions{}, {} steps", variation.columns(),
         variation.mixed() ? " (random combinations: kappa is a lower bound)" : "", result.steps);

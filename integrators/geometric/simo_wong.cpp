@@ -57,20 +57,8 @@ class SimoWongStepper : public MomentumStateOf<S> {
             }
             return M;
         };
-        // Finite-difference slope, including the terms omitted above, for torques that change fast with the attitude.
-        const auto measured_slope = [&](const Vector3<S>& theta) {
-            // About the cube root of the rounding unit, which balances rounding and truncation errors of the
-            // difference.
-            constexpr S width = S(std::is_same_v<S, double> ? 1e-6 : 4e-3);
-            Matrix3<S> M;
-            for (int j = 0; j < 3; ++j) {
-                Vector3<S> up = theta, down = theta;
-                up[j] += width, down[j] -= width;
-                const Vector3<S> difference = residual(up) - residual(down);
-                for (int i = 0; i < 3; ++i) M[i][j] = difference[i] / (2 * width);
-            }
-            return M;
-        };
+        // Includes the terms omitted above, for torques that change fast with the attitude.
+        const auto measured_slope = [&](const Vector3<S>& theta) { return measure_slope(residual, theta); };
         const Vector3<S> guess = h * (w + (h / 2) * rates(cross(y, w) + transposed(R) * torque));
         y_later = y;
         Vector3<S> theta = guess;
@@ -83,6 +71,22 @@ class SimoWongStepper : public MomentumStateOf<S> {
         }
         attitude_.turn(turn_by(theta));
         if (torque_acts) momentum_.add((h / 2) * (torque + torque_later));
+    }
+
+  private:
+    // The derivative of the residual by central differences. The width is about the cube root of the rounding unit,
+    // which balances rounding and truncation errors of the difference.
+    template <class Residual>
+    static Matrix3<S> measure_slope(const Residual& residual, const Vector3<S>& theta) {
+        constexpr S width = S(std::is_same_v<S, double> ? 1e-6 : 4e-3);
+        Matrix3<S> M;
+        for (int j = 0; j < 3; ++j) {
+            Vector3<S> up = theta, down = theta;
+            up[j] += width, down[j] -= width;
+            const Vector3<S> difference = residual(up) - residual(down);
+            for (int i = 0; i < 3; ++i) M[i][j] = difference[i] / (2 * width);
+        }
+        return M;
     }
 };
 

@@ -60,7 +60,12 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
 void ArmatureSolver::solve(const Tree<double>& tree, const std::vector<double>& torque, std::vector<double>& x) {
     const Links<double>& all = tree.links();
     x.resize(static_cast<std::size_t>(all.rates));
-    // w.bias: force that the child links require from a link;  w.force: u = tau - S^T p
+    sweep_inward(all, torque);
+    sweep_outward(all, torque, x);
+}
+
+// w.bias: force that the child links require from a link;  w.force: u = tau - S^T p
+void ArmatureSolver::sweep_inward(const Links<double>& all, const std::vector<double>& torque) {
     for (LinkWork<double>& w : links_) w.bias = {};
     for (std::size_t i = links_.size(); i-- > 0;) {
         const Link<double>& link = all.links[i];
@@ -85,6 +90,11 @@ void ArmatureSolver::solve(const Tree<double>& tree, const std::vector<double>& 
         parent.linear = parent.linear + f;
         parent.turning = parent.turning + (w.R * p.turning + cross(w.r, f));
     }
+}
+
+// accelerations of the links, and the rates' part of them: x
+void ArmatureSolver::sweep_outward(const Links<double>& all, const std::vector<double>& torque,
+                                   std::vector<double>& x) {
     for (std::size_t i = 0; i < links_.size(); ++i) {
         const Link<double>& link = all.links[i];
         LinkWork<double>& w = links_[i];

@@ -22,6 +22,9 @@ class ArmatureSolver {
 
   private:
     std::vector<LinkWork<double>> links_;
+
+    void sweep_inward(const Links<double>& all, const std::vector<double>& torque);
+    void sweep_outward(const Links<double>& all, const std::vector<double>& torque, std::vector<double>& x);
 };
 
 }  // namespace polhode::multibody

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "integrators/analysis/conditioning_of_mechanism.h"
+#include "integrators/analysis/mechanism_conditioning.h"
 #include "integrators/analysis/sensitivity_closed_form.h"
 #include "integrators/analysis/spectral_norm.h"
 #include "integrators/run/processor_time.h"
@@ -28,114 +28,117 @@ constexpr double adams_tolerance = 1e-14, bdf_tolerance = 1e-9;
 // Derivative of p and v with respect to their initial values if both have a closed form; the same for all three axes.
 // dv decays, and dp is its integral.
 struct FreeFlight {
-    double decayed = 1, travelled = 0;  // dv/dv0; dp/dv0, s
+    double velocity_factor = 1, position_slope = 0;  // dv/dv0; dp/dv0, s
 
-    void pass(const Segment& segment, double until) {
+    void advance(const Segment& segment, double until) {
         const double k = segment.forcing.has_translational_drag ? segment.forcing.specific_drag : 0;
         const double t = until - segment.begin;
-        travelled += decayed * (k == 0 ? t : -std::expm1(-k * t) / k);
-        decayed *= std::exp(-k * t);
+        position_slope += velocity_factor * (k == 0 ? t : -std::expm1(-k * t) / k);
+        velocity_factor *= std::exp(-k * t);
     }
     double norm(const Scales& scales) const {
         Eigen::Matrix2d block;
-        block << 1, travelled * scales.velocity / scales.position, 0, decayed;
+        block << 1, position_slope * scales.velocity / scales.position, 0, velocity_factor;
         return spectral_norm(block);
     }
 };
 
 // Adds kappa from the derivative S at time t. `flight`: derivative of p and v up to the start of the segment.
 template <class M>
-void add(Conditioning& result, const Problem& problem, const Segment& segment, double t, const M& S,
-         FreeFlight flight) {
+void append_kappa(Conditioning& result, const Problem& problem, const Segment& segment, double t, const M& S,
+                  FreeFlight flight) {
     const Eigen::Matrix<double, 3, M::ColsAtCompileTime> attitude = S.template topRows<3>();
     double state = spectral_norm(S);
     if (problem.needs.translation == Translation::closed_form) {
-        flight.pass(segment, t);
+        flight.advance(segment, t);
         state = std::max(state, flight.norm(problem.scales));
     }
     result.times.push_back(t), result.state.push_back(state), result.attitude.push_back(spectral_norm(attitude));
 }
 
 template <class SystemType>
-Conditioning run(const Problem& problem, const std::vector<double>& times, const ConditioningSettings& settings) {
+Conditioning run_sensitivities(const Problem& problem, const std::vector<double>& times,
+                               const ConditioningSettings& settings) {
     Conditioning result;
-    const bool by_bdf = is_stiff(problem);
-    const double tolerance = settings.tolerance.value_or(by_bdf ? bdf_tolerance : adams_tolerance);
+    const bool stiff = is_stiff(problem);
+    const double tolerance = settings.tolerance.value_or(stiff ? bdf_tolerance : adams_tolerance);
     const long max_steps = settings.max_steps;
     const double end = processor_time() + settings.seconds_limit;
-    SensitivitySession<SystemType> session(problem, by_bdf ? Multistep::bdf : Multistep::adams,
-                                           by_bdf ? Iteration::newton : Iteration::functional, tolerance);
+    SensitivitySession<SystemType> session(problem, stiff ? Multistep::bdf : Multistep::adams,
+                                           stiff ? Iteration::newton : Iteration::functional, tolerance);
     FreeFlight flight;
     const auto fail = [&](std::string message) {
         result.message = std::move(message);
         return false;
     };
     SampleQueue samples(times);
-    const Segment* entered = nullptr;
+    const Segment* current = nullptr;
     const auto enter = [&](const Segment& segment) {
         if (samples.empty()) return false;
-        entered = &segment;
+        current = &segment;
         const int flag = session.enter(segment);
         return flag >= 0 || fail(session.failure(flag).message);
     };
-    const auto show = [&](double t) {
+    const auto record = [&](double t) {
         const Sensitivity<SystemType> S = t == session.time() ? session.sensitivity() : session.sensitivity_inside(t);
-        add(result, problem, *entered, t, S, flight);
+        append_kappa(result, problem, *current, t, S, flight);
         return std::isfinite(result.state.back()) || fail(fmt::format("kappa is beyond binary64 at t = {:g} s", t));
     };
-    const auto go = [&](const Segment& segment) {
+    const auto integrate = [&](const Segment& segment) {
         while (session.time() < segment.end && !samples.empty()) {
-            result.budget_spent = ++result.steps > max_steps;
-            if (result.budget_spent)
+            result.limit_reached = ++result.steps > max_steps;
+            if (result.limit_reached)
                 return fail(fmt::format("stopped at the limit of {} steps, at t = {:g} s", max_steps, session.time()));
             if (Interruption::is_requested()) return fail("interrupted");
             if (processor_time() > end)
                 return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
             if (const int flag = session.step(); flag < 0) return fail(session.failure(flag).message);
             for (; samples.due(segment, session.time()); samples.pop())
-                if (!show(samples.front())) return false;
+                if (!record(samples.front())) return false;
         }
-        flight.pass(segment, segment.end);
+        flight.advance(segment, segment.end);
         return true;
     };
-    follow(problem.segments, samples, enter, show, go);
+    follow(problem.segments, samples, enter, record, integrate);
     result.available = samples.empty();
     if (!result.available) return result;
     result.message =
         fmt::format("CVODES' forward sensitivities, {}, relative tolerance {:g}, {} steps",
-                    by_bdf ? "backward differentiation formulas" : "Adams' formulas", tolerance, result.steps);
+                    stiff ? "backward differentiation formulas" : "Adams' formulas", tolerance, result.steps);
     return result;
 }
 
 // Above this rotation, rad, CVODES takes about 10^5 steps; a closed form, if there is one, takes none.
-constexpr double most_radians_by_steps = 4000;
+constexpr double max_radians_by_steps = 4000;
 
-bool by_closed_form(const Problem& problem, const std::vector<double>& times, Conditioning& result) {
-    if (!(problem.scales.angular_velocity * times.back() > most_radians_by_steps)) return false;
+bool try_closed_form(const Problem& problem, const std::vector<double>& times, Conditioning& result) {
+    if (!(problem.scales.angular_velocity * times.back() > max_radians_by_steps)) return false;
     const std::vector<Eigen::Matrix<double, 6, 6>> derivatives = sensitivity_by_closed_form(problem, times);
     if (derivatives.empty()) return false;
     for (std::size_t k = 0; k < times.size(); ++k)
-        add(result, problem, problem.segments.front(), times[k], derivatives[k], {});
+        append_kappa(result, problem, problem.segments.front(), times[k], derivatives[k], {});
     result.available = true;
     result.message = "differences of the closed form in 113 bits";
     return true;
 }
 
-Conditioning run(const Problem& problem, const std::vector<double>& times, const ConditioningSettings& settings) {
-    if (Conditioning far; by_closed_form(problem, times, far)) return far;
-    if (problem.needs.translation == Translation::integrated) return run<LoadedMotion>(problem, times, settings);
-    if (problem.needs.torque_free) return run<FreeRotation>(problem, times, settings);
-    return run<LoadedRotation>(problem, times, settings);
+Conditioning compute_conditioning(const Problem& problem, const std::vector<double>& times,
+                                  const ConditioningSettings& settings) {
+    if (Conditioning closed_form; try_closed_form(problem, times, closed_form)) return closed_form;
+    if (problem.needs.translation == Translation::integrated)
+        return run_sensitivities<LoadedMotion>(problem, times, settings);
+    if (problem.needs.torque_free) return run_sensitivities<FreeRotation>(problem, times, settings);
+    return run_sensitivities<LoadedRotation>(problem, times, settings);
 }
 
-void demand_times(const std::vector<double>& times) {
+void check_times(const std::vector<double>& times) {
     if (times.empty()) throw std::invalid_argument("no times given");
     for (std::size_t i = 0; i < times.size(); ++i)
         if (!std::isfinite(times[i]) || times[i] < (i == 0 ? 0 : times[i - 1]))
             throw std::invalid_argument("times must be finite, not negative and not decreasing");
 }
 
-Peak peak_of(const std::vector<double>& times, const std::vector<double>& values) {
+Peak find_peak(const std::vector<double>& times, const std::vector<double>& values) {
     Peak peak;
     for (std::size_t k = 0; k < values.size(); ++k)
         if (k == 0 || values[k] > peak.value) peak = {values[k], times[k]};
@@ -144,8 +147,8 @@ Peak peak_of(const std::vector<double>& times, const std::vector<double>& values
 
 }  // namespace
 
-Peak Conditioning::state_peak() const { return peak_of(times, state); }
-Peak Conditioning::attitude_peak() const { return peak_of(times, attitude); }
+Peak Conditioning::state_peak() const { return find_peak(times, state); }
+Peak Conditioning::attitude_peak() const { return find_peak(times, attitude); }
 double Conditioning::floor(std::size_t k, double roundoff) const {
     return std::min(attitude.at(k) * roundoff, std::numbers::pi);
 }
@@ -156,26 +159,26 @@ Peak Conditioning::floor_peak(double roundoff) const {
 
 Conditioning conditioning(const Problem& problem, const std::vector<double>& times,
                           const ConditioningSettings& settings) {
-    demand_times(times);
+    check_times(times);
     if (problem.formulation != Formulation::reduced && !problem.model())
         return conditioning(problem.scene, times, settings);
     if (!problem.scene.planes.empty()) {
-        Conditioning none;
-        none.message = "conditioning through impacts on planes is not supported";
-        return none;
+        Conditioning unavailable;
+        unavailable.message = "conditioning through impacts on planes is not supported";
+        return unavailable;
     }
     if (times.back() > problem.scene.duration)
         throw std::invalid_argument("times must not exceed the scene's duration");
     if (std::holds_alternative<UserSystem>(problem.system)) {
-        Conditioning none;
-        none.message = "conditioning is not available for user-defined systems";
-        return none;
+        Conditioning unavailable;
+        unavailable.message = "conditioning is not available for user-defined systems";
+        return unavailable;
     }
-    Conditioning result =
-        problem.model() ? conditioning_of_mechanism(problem, times, settings) : run(problem, times, settings);
-    if (const double reach = 1 / float64_roundoff; result.state_peak().value > reach) {
+    Conditioning result = problem.model() ? mechanism_conditioning(problem, times, settings)
+                                          : compute_conditioning(problem, times, settings);
+    if (const double limit = 1 / float64_roundoff; result.state_peak().value > limit) {
         std::size_t k = 0;
-        while (!(result.state[k] > reach)) ++k;
+        while (!(result.state[k] > limit)) ++k;
         result.message +=
             fmt::format("; from t = {:g} s on, binary64 cannot follow this motion: kappa is that of a nearby motion",
                         result.times[k]);
@@ -184,10 +187,10 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
 }
 
 Conditioning conditioning(const Scene& scene, const std::vector<double>& times, const ConditioningSettings& settings) {
-    demand_times(times);
-    Scene run = scene;
-    run.duration = std::max(scene.duration, times.back());
-    return conditioning(pose(run), times, settings);
+    check_times(times);
+    Scene extended = scene;
+    extended.duration = std::max(scene.duration, times.back());
+    return conditioning(pose(extended), times, settings);
 }
 
 }  // namespace polhode

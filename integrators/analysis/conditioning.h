@@ -29,7 +29,7 @@ struct Peak {
 
 struct Conditioning {
     bool available = false;        ///< kappa is known at all requested times
-    bool budget_spent = false;     ///< unavailable because the limits of ConditioningSettings were reached
+    bool limit_reached = false;    ///< unavailable because the limits of ConditioningSettings were reached
     std::string message;           ///< why it is unavailable, or how it was computed and how accurate it is
     std::vector<double> times;     ///< s; if unavailable, the times that were reached
     std::vector<double> state;     ///< kappa(t), one value per time

@@ -11,11 +11,11 @@ constexpr double excess = 1e-12;  ///< margin above 1 that exceeds rounding erro
 
 /// The largest r with growth <= 1 on [0, r].
 template <class Growth>
-double length_of(const Growth& growth) {
+double find_stable_length(const Growth& growth) {
     constexpr double first = 1e-3, fine = 100, last = 1e8;
     if (growth(first) > 1 + excess) return 0;
     double low = first, high = 0;
-    bool dipped = false;  // growth fell below 1 by more than rounding
+    bool has_decayed = false;  // growth fell below 1 by more than rounding
     for (double r = first; r <= last;) {
         r += r < fine ? 1e-3 : 0.01 * r;
         const double g = growth(r);
@@ -23,7 +23,7 @@ double length_of(const Growth& growth) {
             high = r;
             break;
         }
-        dipped = dipped || g < 1 - excess;
+        has_decayed = has_decayed || g < 1 - excess;
         low = r;
     }
     if (high == 0) return std::numeric_limits<double>::infinity();
@@ -32,7 +32,7 @@ double length_of(const Growth& growth) {
         (growth(middle) > 1 + excess ? high : low) = middle;
     }
     // an excess proportional to r^n, n > 1, is present from the start but hidden by rounding at first
-    if (!dipped && growth(0.8 * low) > 1 + 0.01 * excess) return 0;
+    if (!has_decayed && growth(0.8 * low) > 1 + 0.01 * excess) return 0;
     return low;
 }
 
@@ -52,7 +52,7 @@ std::optional<double> stable_length(const Method& method, double angle) {
     const std::complex<double> direction = angle == pi       ? std::complex<double>(-1, 0)
                                            : angle == pi / 2 ? std::complex<double>(0, 1)
                                                              : std::polar(1.0, angle);
-    return length_of([&](double r) { return *linear_amplification(method, r * direction); });
+    return find_stable_length([&](double r) { return *linear_amplification(method, r * direction); });
 }
 
 std::optional<double> real_interval(const Method& method) { return stable_length(method, std::numbers::pi); }

@@ -8,7 +8,7 @@
 namespace polhode {
 namespace {
 
-Status status_named(const std::string& word) {
+Status parse_status(const std::string& word) {
     for (const Status status : {Status::ok, Status::unsupported, Status::diverged})
         if (word == name_of(status)) return status;
     return Status::failed;
@@ -43,7 +43,7 @@ Quaternion<double> quaternion_at(const json& row, std::size_t first) {
 }
 
 bool read_outcome(const json& answer, Trajectory& trajectory) {
-    trajectory.status = status_named(answer.at("status"));
+    trajectory.status = parse_status(answer.at("status"));
     trajectory.message = one_line(answer.value("message", ""), 300);
     if (trajectory.status == Status::failed && trajectory.message.empty())
         trajectory.message = "failed without a message";
@@ -57,7 +57,7 @@ bool read_outcome(const json& answer, Trajectory& trajectory) {
     return true;
 }
 
-Trajectory unreadable(const std::exception& error) {
+Trajectory make_failed_trajectory(const std::exception& error) {
     Trajectory trajectory;
     trajectory.status = Status::failed;
     trajectory.message = "the answer cannot be read: " + one_line(error.what(), 200);

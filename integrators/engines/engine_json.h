@@ -29,7 +29,7 @@ Quaternion<double> quaternion_at(const json& row, std::size_t first);
 /// Reads status, message, steps and seconds of an answer. Returns whether samples follow. Throws if values are invalid.
 bool read_outcome(const json& answer, Trajectory& trajectory);
 /// The failed trajectory for an answer that cannot be read.
-Trajectory unreadable(const std::exception& error);
+Trajectory make_failed_trajectory(const std::exception& error);
 
 }  // namespace engine_json
 }  // namespace polhode

@@ -1,8 +1,8 @@
 // Requests to engines for several bodies, and their answers (README.md has the protocol).
 //
 // engine_mechanism() converts the scene: each body to its principal frame, each joint to anchors and axes at t = 0 with
-// zero coordinates (joint_of(), closure_of()), joints sorted so that parents precede children. mechanism_request()
-// writes this as JSON; read_mechanism_answer() reads the samples back into the scene's body axes.
+// zero coordinates (convert_joint(), convert_loop()), joints sorted so that parents precede children.
+// mechanism_request() writes this as JSON; read_mechanism_answer() reads the samples back into the scene's body axes.
 #include "integrators/engines/engine_mechanism.h"
 
 #include <fmt/format.h>
@@ -46,10 +46,11 @@ Vector3<double> gravity_of(const Scene& scene) {
 }
 
 /// Bodies by name, with their state at t = 0.
-class Starts {
+class InitialBodies {
   public:
-    Starts(const Scene& scene, const std::vector<EngineBody>& bodies, const std::vector<MassProperties<double>>& own)
-        : scene_(&scene), bodies_(&bodies), own_(&own) {}
+    InitialBodies(const Scene& scene, const std::vector<EngineBody>& bodies,
+                  const std::vector<MassProperties<double>>& properties)
+        : scene_(&scene), bodies_(&bodies), properties_(&properties) {}
 
     int index(const std::string& name) const {
         for (std::size_t i = 0; i < scene_->bodies.size(); ++i)
@@ -59,18 +60,18 @@ class Starts {
     // a point of the scene's body in the axes of the engine's body, and in world axes
     Vector3<double> point(int body, const Vector3<double>& in_scene) const {
         if (body < 0) return in_scene;
-        return rotate_back(at(body).q_BP, in_scene - (*own_)[static_cast<std::size_t>(body)].center);
+        return rotate_back(at(body).q_BP, in_scene - (*properties_)[static_cast<std::size_t>(body)].center);
     }
-    Vector3<double> placed(int body, const Vector3<double>& point) const {
+    Vector3<double> point_to_world(int body, const Vector3<double>& point) const {
         return body < 0 ? point : at(body).p_W + rotate(at(body).q, point);
     }
-    Vector3<double> point_at(int body, const Vector3<double>& place_W) const {
+    Vector3<double> point_from_world(int body, const Vector3<double>& place_W) const {
         return body < 0 ? place_W : rotate_back(at(body).q, place_W - at(body).p_W);
     }
-    Vector3<double> turned(int body, const Vector3<double>& axis) const {
+    Vector3<double> axis_to_world(int body, const Vector3<double>& axis) const {
         return body < 0 ? axis : rotate(at(body).q, axis);
     }
-    Vector3<double> turned_back(int body, const Vector3<double>& axis_W) const {
+    Vector3<double> axis_from_world(int body, const Vector3<double>& axis_W) const {
         return body < 0 ? axis_W : rotate_back(at(body).q, axis_W);
     }
     // an axis of the scene's body in world axes
@@ -78,8 +79,8 @@ class Starts {
         const Vector3<double> unit = (1 / hypotenuse(axis)) * axis;
         return body < 0 ? unit : rotate(at(body).q, rotate_back(at(body).q_BP, unit));
     }
-    Vector3<double> turning(int body) const { return body < 0 ? Vector3<double>() : at(body).w_W; }
-    Vector3<double> speed(int body, const Vector3<double>& place_W) const {
+    Vector3<double> angular_velocity(int body) const { return body < 0 ? Vector3<double>() : at(body).w_W; }
+    Vector3<double> point_velocity(int body, const Vector3<double>& place_W) const {
         return body < 0 ? Vector3<double>() : at(body).v + cross(at(body).w_W, place_W - at(body).p_W);
     }
 
@@ -88,103 +89,104 @@ class Starts {
 
     const Scene* scene_;
     const std::vector<EngineBody>* bodies_;
-    const std::vector<MassProperties<double>>* own_;
+    const std::vector<MassProperties<double>>* properties_;
 };
 
-void add_axis(EngineJoint& joint, const Starts& starts, const Vector3<double>& axis_W) {
+void add_axis(EngineJoint& joint, const InitialBodies& initial, const Vector3<double>& axis_W) {
     joint.axes_W.push_back(axis_W);
-    joint.parent_axes.push_back(starts.turned_back(joint.parent, axis_W));
-    joint.child_axes.push_back(starts.turned_back(joint.child, axis_W));
+    joint.parent_axes.push_back(initial.axis_from_world(joint.parent, axis_W));
+    joint.child_axes.push_back(initial.axis_from_world(joint.child, axis_W));
 }
 
-EngineJoint joint_of(const Joint& joint, const Starts& starts) {
+EngineJoint convert_joint(const Joint& joint, const InitialBodies& initial) {
     if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
         throw std::invalid_argument("the engine protocol does not support springs and dampers of joints");
-    EngineJoint known;
-    known.name = joint.name, known.type = name_of(joint.type);
-    known.parent = starts.index(joint.parent), known.child = starts.index(joint.child);
-    known.child_point = starts.point(known.child, joint.child_point);
-    known.anchor_W = starts.placed(known.child, known.child_point);
-    known.parent_point = starts.point_at(known.parent, known.anchor_W);
-    known.turning_W = starts.turning(known.child) - starts.turning(known.parent);
-    const Vector3<double> sliding =
-        starts.speed(known.child, known.anchor_W) - starts.speed(known.parent, known.anchor_W);
+    EngineJoint result;
+    result.name = joint.name, result.type = name_of(joint.type);
+    result.parent = initial.index(joint.parent), result.child = initial.index(joint.child);
+    result.child_point = initial.point(result.child, joint.child_point);
+    result.anchor_W = initial.point_to_world(result.child, result.child_point);
+    result.parent_point = initial.point_from_world(result.parent, result.anchor_W);
+    result.angular_velocity_W = initial.angular_velocity(result.child) - initial.angular_velocity(result.parent);
+    const Vector3<double> sliding_velocity =
+        initial.point_velocity(result.child, result.anchor_W) - initial.point_velocity(result.parent, result.anchor_W);
     if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
-        add_axis(known, starts, starts.axis_W(known.child, joint.axes[0]));
-        known.rates = {dot(known.axes_W[0], joint.type == JointType::revolute ? known.turning_W : sliding)};
+        add_axis(result, initial, initial.axis_W(result.child, joint.axes[0]));
+        result.rates = {
+            dot(result.axes_W[0], joint.type == JointType::revolute ? result.angular_velocity_W : sliding_velocity)};
     } else if (joint.type == JointType::universal) {
         // the first axis is fixed in the middle frame: undoes the second angle's rotation
-        const Vector3<double> second = starts.axis_W(known.child, joint.axes[1]);
+        const Vector3<double> second = initial.axis_W(result.child, joint.axes[1]);
         const Quaternion<double> back = quaternion_from_rotation_vector(-joint.coordinate[1] * second);
-        add_axis(known, starts, rotate(back, starts.axis_W(known.child, joint.axes[0])));
-        add_axis(known, starts, second);
-        const double along = dot(known.axes_W[0], second), a = dot(known.axes_W[0], known.turning_W),
-                     b = dot(second, known.turning_W), rest = 1 - along * along;
-        known.rates = {(a - along * b) / rest, (b - along * a) / rest};
+        add_axis(result, initial, rotate(back, initial.axis_W(result.child, joint.axes[0])));
+        add_axis(result, initial, second);
+        const double along = dot(result.axes_W[0], second), a = dot(result.axes_W[0], result.angular_velocity_W),
+                     b = dot(second, result.angular_velocity_W), rest = 1 - along * along;
+        result.rates = {(a - along * b) / rest, (b - along * a) / rest};
     }
-    return known;
+    return result;
 }
 
-EngineJoint closure_of(const Loop& loop, const Starts& starts) {
-    EngineJoint known;
-    known.name = loop.name, known.type = name_of(loop.type), known.length = loop.length;
-    known.parent = starts.index(loop.first), known.child = starts.index(loop.second);
-    known.parent_point = starts.point(known.parent, loop.first_point);
-    known.child_point = starts.point(known.child, loop.second_point);
-    known.anchor_W = starts.placed(known.child, known.child_point);
-    known.turning_W = starts.turning(known.child) - starts.turning(known.parent);
-    if (loop.type == LoopType::revolute) add_axis(known, starts, starts.axis_W(known.child, loop.second_axis));
-    return known;
+EngineJoint convert_loop(const Loop& loop, const InitialBodies& initial) {
+    EngineJoint result;
+    result.name = loop.name, result.type = name_of(loop.type), result.length = loop.length;
+    result.parent = initial.index(loop.first), result.child = initial.index(loop.second);
+    result.parent_point = initial.point(result.parent, loop.first_point);
+    result.child_point = initial.point(result.child, loop.second_point);
+    result.anchor_W = initial.point_to_world(result.child, result.child_point);
+    result.angular_velocity_W = initial.angular_velocity(result.child) - initial.angular_velocity(result.parent);
+    if (loop.type == LoopType::revolute) add_axis(result, initial, initial.axis_W(result.child, loop.second_axis));
+    return result;
 }
 
 // Sorts the joints so that each one follows the joint that carries its parent.
-void order(std::vector<EngineJoint>& joints) {
-    std::vector<EngineJoint> ordered;
+void sort_joints(std::vector<EngineJoint>& joints) {
+    std::vector<EngineJoint> sorted;
     while (!joints.empty()) {
         const auto is_free = [&](const EngineJoint& joint) {
             return std::ranges::none_of(joints, [&](const EngineJoint& other) { return other.child == joint.parent; });
         };
         const auto next = std::ranges::find_if(joints, is_free);
-        ordered.push_back(*next);
+        sorted.push_back(*next);
         joints.erase(next);
     }
-    joints = std::move(ordered);
+    joints = std::move(sorted);
 }
 
-json list(const std::vector<Vector3<double>>& vectors) {
+json write_vectors(const std::vector<Vector3<double>>& vectors) {
     json all = json::array();
     for (const Vector3<double>& v : vectors) all.push_back(array(v));
     return all;
 }
 
-json written(const std::vector<EngineJoint>& joints) {
+json write_joints(const std::vector<EngineJoint>& joints) {
     json all = json::array();
     for (const EngineJoint& joint : joints) {
-        json one{{"name", joint.name},
-                 {"type", joint.type},
-                 {"parent", joint.parent},
-                 {"child", joint.child},
-                 {"anchor", array(joint.anchor_W)},
-                 {"parent_point", array(joint.parent_point)},
-                 {"child_point", array(joint.child_point)},
-                 {"axes", list(joint.axes_W)},
-                 {"parent_axes", list(joint.parent_axes)},
-                 {"child_axes", list(joint.child_axes)},
-                 {"turning", array(joint.turning_W)},
-                 {"rates", joint.rates}};
-        if (joint.length > 0) one["length"] = joint.length;
-        all.push_back(std::move(one));
+        json entry{{"name", joint.name},
+                   {"type", joint.type},
+                   {"parent", joint.parent},
+                   {"child", joint.child},
+                   {"anchor", array(joint.anchor_W)},
+                   {"parent_point", array(joint.parent_point)},
+                   {"child_point", array(joint.child_point)},
+                   {"axes", write_vectors(joint.axes_W)},
+                   {"parent_axes", write_vectors(joint.parent_axes)},
+                   {"child_axes", write_vectors(joint.child_axes)},
+                   {"turning", array(joint.angular_velocity_W)},
+                   {"rates", joint.rates}};
+        if (joint.length > 0) entry["length"] = joint.length;
+        all.push_back(std::move(entry));
     }
     return all;
 }
 
-void read_moments(const json& rows, const Problem& problem, const EngineMechanism& mechanism, const Settings& settings,
-                  Trajectory& trajectory) {
-    const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1, count = mechanism.bodies.size();
-    if (rows.size() != wanted)
-        throw std::invalid_argument(fmt::format("{} samples instead of {}", rows.size(), wanted));
+void read_mechanism_samples(const json& rows, const Problem& problem, const EngineMechanism& mechanism,
+                            const Settings& settings, Trajectory& trajectory) {
+    const std::size_t expected = static_cast<std::size_t>(settings.samples) + 1, count = mechanism.bodies.size();
+    if (rows.size() != expected)
+        throw std::invalid_argument(fmt::format("{} samples instead of {}", rows.size(), expected));
     const double bound = energy_bound(problem);
-    for (std::size_t k = 0; k < wanted; ++k) {
+    for (std::size_t k = 0; k < expected; ++k) {
         if (rows[k].size() != count)
             throw std::invalid_argument(fmt::format("{} bodies instead of {}", rows[k].size(), count));
         std::vector<Sample> moment;
@@ -199,7 +201,7 @@ void read_moments(const json& rows, const Problem& problem, const EngineMechanis
         }
         if (!record(problem, moment, bound, trajectory)) return;
         // timings keep only the last sample
-        if (!settings.record && k + 1 < wanted) trajectory.samples.clear();
+        if (!settings.record && k + 1 < expected) trajectory.samples.clear();
     }
 }
 
@@ -207,31 +209,31 @@ void read_moments(const json& rows, const Problem& problem, const EngineMechanis
 
 EngineMechanism engine_mechanism(const Problem& problem) {
     const Scene& scene = problem.scene;
-    EngineMechanism known;
-    known.gravity = gravity_of(scene);
+    EngineMechanism result;
+    result.gravity = gravity_of(scene);
     MechanismModel model = mechanism_of(problem);
     std::vector<double> y(static_cast<std::size_t>(model.dimension()));
     model.initial(y.data()), model.enter(0, y.data());
     const std::vector<Sample> start = model.motion(y.data());
-    const std::vector<MassProperties<double>> own = bodies_mass_properties<double>(scene);
-    for (std::size_t b = 0; b < own.size(); ++b) {
+    const std::vector<MassProperties<double>> properties = bodies_mass_properties<double>(scene);
+    for (std::size_t b = 0; b < properties.size(); ++b) {
         EngineBody body;
-        body.name = scene.bodies[b].name, body.mass = own[b].mass;
-        const PrincipalFrame frame = engine_frame(own[b].inertia);
+        body.name = scene.bodies[b].name, body.mass = properties[b].mass;
+        const PrincipalFrame frame = engine_frame(properties[b].inertia);
         body.moments = frame.moments, body.q_BP = frame.q_BP;
         const Sample& s = start[b];
         body.q = normalized(s.q) * body.q_BP, body.w_W = rotate(normalized(s.q), s.angular_velocity_B);
         body.p_W = s.position_W, body.v = s.velocity_W;
-        known.bodies.push_back(body);
+        result.bodies.push_back(body);
     }
-    const Starts starts(scene, known.bodies, own);
-    for (const Joint& joint : scene.joints) known.joints.push_back(joint_of(joint, starts));
-    order(known.joints);
-    for (const Loop& loop : scene.loops) known.loops.push_back(closure_of(loop, starts));
-    return known;
+    const InitialBodies initial(scene, result.bodies, properties);
+    for (const Joint& joint : scene.joints) result.joints.push_back(convert_joint(joint, initial));
+    sort_joints(result.joints);
+    for (const Loop& loop : scene.loops) result.loops.push_back(convert_loop(loop, initial));
+    return result;
 }
 
-std::string joints_not_taken(const EngineMechanism& mechanism, const EngineHello& hello) {
+std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& hello) {
     const auto knows = [](const std::vector<std::string>& types, const std::string& type) {
         return std::ranges::find(types, type) != types.end();
     };
@@ -262,8 +264,8 @@ std::string mechanism_request(const EngineMechanism& mechanism, const std::strin
                 {"repetitions", settings.repetitions},
                 {"gravity", array(mechanism.gravity)},
                 {"bodies", std::move(bodies)},
-                {"joints", written(mechanism.joints)},
-                {"loops", written(mechanism.loops)}}
+                {"joints", write_joints(mechanism.joints)},
+                {"loops", write_joints(mechanism.loops)}}
         .dump();
 }
 
@@ -275,9 +277,9 @@ Trajectory read_mechanism_answer(std::string_view line, const Problem& problem, 
         const json answer = json::parse(line);
         if (!engine_json::read_outcome(answer, trajectory)) return trajectory;
         trajectory.step = problem.scene.duration / static_cast<double>(settings.samples * steps_per_sample);
-        read_moments(answer.at("samples"), problem, mechanism, settings, trajectory);
+        read_mechanism_samples(answer.at("samples"), problem, mechanism, settings, trajectory);
     } catch (const std::exception& error) {
-        trajectory = engine_json::unreadable(error);
+        trajectory = engine_json::make_failed_trajectory(error);
     }
     return trajectory;
 }

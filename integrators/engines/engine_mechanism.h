@@ -31,7 +31,7 @@ struct EngineJoint {
     std::vector<Vector3<double>> axes_W;  ///< unit, at t = 0: one for revolute and prismatic, two for universal
     std::vector<Vector3<double>> parent_axes;  ///< the same axes in the parent's axes
     std::vector<Vector3<double>> child_axes;   ///< the same axes in the child's axes
-    Vector3<double> turning_W;                 ///< angular velocity of the child relative to the parent at t = 0, rad/s
+    Vector3<double> angular_velocity_W;        ///< angular velocity of the child relative to the parent at t = 0, rad/s
     std::vector<double> rates;                 ///< rates of the coordinates at t = 0, per axis, rad/s or m/s
     double length = 0;                         ///< length of `distance`, m
 };
@@ -49,7 +49,7 @@ struct EngineMechanism {
 EngineMechanism engine_mechanism(const Problem& problem);
 
 /// Why an engine does not support the mechanism: the first joint or loop type that its hello lacks. Empty if none.
-std::string joints_not_taken(const EngineMechanism& mechanism, const EngineHello& hello);
+std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& hello);
 
 /// The request as one line of JSON. `setting`: name of the engine's setting.
 std::string mechanism_request(const EngineMechanism& mechanism, const std::string& setting, double duration,

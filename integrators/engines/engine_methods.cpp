@@ -1,6 +1,6 @@
 // Engines as methods: reading of engine files, registration, and the solve functions.
 //
-// parse_engines() reads entries (EngineEntry) and makes one method per setting. AskedEngine sends a request for one
+// parse_engines() reads entries (EngineEntry) and makes one method per setting. EngineContext sends a request for one
 // body or for a mechanism through the shared EngineSession and reads the answer. An entry with `by_step` is a program
 // that is started for each trajectory instead (external_method.h).
 #include "integrators/engines/engine_methods.h"
@@ -34,7 +34,7 @@ struct EngineEntry {
     bool planes = false;
 };
 
-std::string why_unrepresentable(const Problem& problem) {
+std::string engine_refusal(const Problem& problem) {
     if (std::holds_alternative<UserSystem>(problem.system)) return "engines do not support user-defined systems";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {
@@ -49,13 +49,13 @@ std::string why_unrepresentable(const Problem& problem) {
 }
 
 // Number of steps per sample interval; 0 if the total exceeds the limit of steps.
-long steps_for(const Problem& problem, const Settings& settings) {
+long steps_per_interval(const Problem& problem, const Settings& settings) {
     const long steps = steps_per_sample(problem.scene.duration / static_cast<double>(settings.samples), *settings.step);
     return steps > settings.max_steps / settings.samples ? 0 : steps;
 }
 
 /// Data of an engine's method.
-struct AskedEngine {
+struct EngineContext {
     EngineEntry entry;
     std::string setting;
     std::shared_ptr<EngineSession> session;
@@ -64,59 +64,59 @@ struct AskedEngine {
         EngineAnswer result;
         Trajectory& trajectory = result.trajectory;
         trajectory.status = Status::failed;
-        const long steps = steps_for(problem, settings);
+        const long steps = steps_per_interval(problem, settings);
         if (steps == 0) {
             trajectory.message = fmt::format("needs more than the limit of {} steps", settings.max_steps);
             trajectory.limit_reached = true;
             return result;
         }
-        is_mechanism(problem.scene) ? ask_for_several(problem, settings, steps, trajectory)
-                                    : ask_for_one(problem, settings, steps, result);
+        is_mechanism(problem.scene) ? solve_mechanism(problem, settings, steps, trajectory)
+                                    : solve_body(problem, settings, steps, result);
         return result;
     }
 
   private:
-    void ask_for_one(const Problem& problem, const Settings& settings, long steps, EngineAnswer& result) const {
+    void solve_body(const Problem& problem, const Settings& settings, long steps, EngineAnswer& result) const {
         const EngineScene scene = engine_scene(problem);
         EngineHello hello;
-        const LineAnswer said =
-            session->ask(engine_request(scene, setting, settings, steps), settings.seconds_limit, hello);
-        if (!answered(said, hello, result.trajectory)) return;
-        result = read_answer(said.line, problem, scene, settings, steps);
-        sign(result.trajectory);
+        const LineAnswer reply =
+            session->send(engine_request(scene, setting, settings, steps), settings.seconds_limit, hello);
+        if (!check_answer(reply, hello, result.trajectory)) return;
+        result = read_answer(reply.line, problem, scene, settings, steps);
+        prefix_message(result.trajectory);
     }
-    void ask_for_several(const Problem& problem, const Settings& settings, long steps, Trajectory& trajectory) const {
+    void solve_mechanism(const Problem& problem, const Settings& settings, long steps, Trajectory& trajectory) const {
         const EngineMechanism mechanism = engine_mechanism(problem);
         EngineHello hello;
-        if (!answered(session->greet(hello), hello, trajectory)) return;
-        if (const std::string why = joints_not_taken(mechanism, hello); !why.empty()) {
+        if (!check_answer(session->request_hello(hello), hello, trajectory)) return;
+        if (const std::string why = joints_refusal(mechanism, hello); !why.empty()) {
             trajectory = unsupported(fmt::format("{}: {}", entry.name, why));
             return;
         }
-        const LineAnswer said =
-            session->ask(mechanism_request(mechanism, setting, problem.scene.duration, settings, steps),
-                         settings.seconds_limit, hello);
-        if (!answered(said, hello, trajectory)) return;
-        trajectory = read_mechanism_answer(said.line, problem, mechanism, settings, steps);
-        sign(trajectory);
+        const LineAnswer reply =
+            session->send(mechanism_request(mechanism, setting, problem.scene.duration, settings, steps),
+                          settings.seconds_limit, hello);
+        if (!check_answer(reply, hello, trajectory)) return;
+        trajectory = read_mechanism_answer(reply.line, problem, mechanism, settings, steps);
+        prefix_message(trajectory);
     }
     // Returns whether there is an answer to read; otherwise sets the trajectory's status and message.
-    bool answered(const LineAnswer& said, const EngineHello& hello, Trajectory& trajectory) const {
-        if (said.not_found || !hello.missing.empty()) {
+    bool check_answer(const LineAnswer& reply, const EngineHello& hello, Trajectory& trajectory) const {
+        if (reply.not_found || !hello.missing.empty()) {
             trajectory = unsupported(fmt::format("{} is not available: {}", entry.name,
                                                  hello.missing.empty() ? "it needs " + entry.needs : hello.missing));
             return false;
         }
-        trajectory.message = said.fault, trajectory.limit_reached = said.timed_out;
-        return said.fault.empty();
+        trajectory.message = reply.fault, trajectory.limit_reached = reply.timed_out;
+        return reply.fault.empty();
     }
-    void sign(Trajectory& trajectory) const {
+    void prefix_message(Trajectory& trajectory) const {
         if (trajectory.status != Status::ok && trajectory.status != Status::diverged)
             trajectory.message = fmt::format("{}: {}", entry.name, trajectory.message);
     }
 };
 
-std::vector<std::string> words(const JsonNode& node) {
+std::vector<std::string> read_words(const JsonNode& node) {
     std::vector<std::string> all;
     for (const JsonNode* element : node.elements()) all.push_back(element->string());
     if (all.empty()) node.fail("is empty", "give at least one");
@@ -132,24 +132,24 @@ void require_name(const JsonNode& node) {
     if (!is_name) node.fail(node.describe(), "letters, digits and _");
 }
 
-EngineEntry read_entry(const JsonNode& node, const std::string& here) {
+EngineEntry read_entry(const JsonNode& node, const std::string& directory) {
     node.require_known_keys(
         {"name", "command", "by_step", "settings", "precision", "planes", "about", "source", "needs"});
     EngineEntry entry;
     const JsonNode& name = node.require_member("name", "the engine's name");
     require_name(name);
     entry.name = name.string();
-    entry.command = words(node.require_member("command", "the program and its arguments"));
+    entry.command = read_words(node.require_member("command", "the program and its arguments"));
     for (std::string& word : entry.command)
-        for (std::size_t at = 0; (at = word.find("{here}", at)) != std::string::npos; at += here.size())
-            word.replace(at, 6, here);
+        for (std::size_t at = 0; (at = word.find("{here}", at)) != std::string::npos; at += directory.size())
+            word.replace(at, 6, directory);
     entry.settings = {"default"};
     if (const JsonNode* settings = node.find("settings")) {
-        entry.settings = words(*settings);
+        entry.settings = read_words(*settings);
         for (const JsonNode* setting : settings->elements()) require_name(*setting);
     }
     if (const JsonNode* by_step = node.find("by_step")) {
-        entry.by_step = words(*by_step);
+        entry.by_step = read_words(*by_step);
         if (entry.settings.size() > 1)
             node.find("settings")->fail(node.find("settings")->describe(), "give one setting only with by_step");
     }
@@ -167,19 +167,19 @@ EngineEntry read_entry(const JsonNode& node, const std::string& here) {
 }
 
 /// Requests the shortest possible run: two samples, one step.
-EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
+EngineReport inspect(const EngineContext& context, const Problem* problem) {
     EngineReport report;
-    const LineAnswer said = asked.session->greet(report.hello);
-    report.fault = said.not_found       ? "it needs " + asked.entry.needs
-                   : said.fault.empty() ? report.hello.missing
-                                        : said.fault;
+    const LineAnswer reply = context.session->request_hello(report.hello);
+    report.fault = reply.not_found       ? "it needs " + context.entry.needs
+                   : reply.fault.empty() ? report.hello.missing
+                                         : reply.fault;
     if (!problem || !report.fault.empty()) return report;
-    if (report.fault = why_unrepresentable(*problem); !report.fault.empty()) return report;
+    if (report.fault = engine_refusal(*problem); !report.fault.empty()) return report;
     Problem brief = *problem;
     brief.scene.duration = 1e-3;
     Settings settings;
     settings.step = 1e-3, settings.samples = 1, settings.seconds_limit = 10;
-    const EngineAnswer answer = asked.answer(brief, settings);
+    const EngineAnswer answer = context.answer(brief, settings);
     if (answer.trajectory.status == Status::ok)
         report.difference = readback_difference(engine_scene(brief), answer.readback);
     else
@@ -188,20 +188,20 @@ EngineReport inspect(const AskedEngine& asked, const Problem* problem) {
 }
 
 // A program that reads a scene and prints a trajectory, started for each trajectory.
-EngineMethod started_anew(const EngineEntry& entry, const Method& description) {
+EngineMethod make_external_engine(const EngineEntry& entry, const Method& description) {
     const EngineCommand command{.arguments = entry.command, .by_step = entry.by_step};
     // such a program provides no information about itself
-    const auto inspected = [](const Problem*) { return EngineReport(); };
-    return {entry.name, entry.settings.front(), external_method(description, command), inspected};
+    const auto inspect_nothing = [](const Problem*) { return EngineReport(); };
+    return {entry.name, entry.settings.front(), external_method(description, command), inspect_nothing};
 }
 
 struct Registry {
-    std::vector<std::string> unread;
+    std::vector<std::string> unread_files;
     std::vector<EngineMethod> engines;
 };
 Registry& engine_registry() {
-    static Registry one;
-    return one;
+    static Registry registry;
+    return registry;
 }
 
 }  // namespace
@@ -209,12 +209,12 @@ Registry& engine_registry() {
 std::vector<EngineMethod> read_engines(const std::string& path) { return parse_engines(read_text(path), path); }
 
 std::vector<EngineMethod> parse_engines(std::string_view text, const std::string& path) {
-    const std::string here = std::filesystem::absolute(path).parent_path().string();
+    const std::string directory = std::filesystem::absolute(path).parent_path().string();
     const JsonDocument document(text, path);
     document.root().require_known_keys({"engines"});
     std::vector<EngineMethod> all;
     for (const JsonNode* node : document.root().require_member("engines", "a list of engines").elements()) {
-        const EngineEntry entry = read_entry(*node, here);
+        const EngineEntry entry = read_entry(*node, directory);
         const auto session = std::make_shared<EngineSession>(entry.command);
         for (const std::string& setting : entry.settings) {
             const std::string name = entry.name + ":" + setting;
@@ -231,30 +231,30 @@ std::vector<EngineMethod> parse_engines(std::string_view text, const std::string
                                      .library = entry.name,
                                      .precision = entry.precision};
             if (!entry.by_step.empty()) {
-                all.push_back(started_anew(entry, description));
+                all.push_back(make_external_engine(entry, description));
                 continue;
             }
-            const auto asked = std::make_shared<const AskedEngine>(AskedEngine{entry, setting, session});
+            const auto context = std::make_shared<const EngineContext>(EngineContext{entry, setting, session});
             Method method = description;
-            method.refusal = why_unrepresentable;
+            method.refusal = engine_refusal;
             method.general_systems = true;
             all.push_back({entry.name, setting,
                            make_method(method,
-                                       [asked](const Problem& problem, const Settings& settings) {
-                                           return asked->answer(problem, settings).trajectory;
+                                       [context](const Problem& problem, const Settings& settings) {
+                                           return context->answer(problem, settings).trajectory;
                                        }),
-                           [asked](const Problem* problem) { return inspect(*asked, problem); }});
+                           [context](const Problem* problem) { return inspect(*context, problem); }});
         }
     }
     return all;
 }
 
-void add_engines(const std::string& path) { engine_registry().unread.push_back(path); }
+void add_engines(const std::string& path) { engine_registry().unread_files.push_back(path); }
 
 const std::vector<EngineMethod>& engines() {
     Registry& registry = engine_registry();
-    while (!registry.unread.empty()) {
-        const std::string path = registry.unread.front();
+    while (!registry.unread_files.empty()) {
+        const std::string path = registry.unread_files.front();
         for (EngineMethod& engine : read_engines(path)) {
             if (std::ranges::find(registry.engines, engine.method->name, [](const EngineMethod& other) {
                     return other.method->name;
@@ -264,7 +264,7 @@ const std::vector<EngineMethod>& engines() {
                                  "choose another name");
             registry.engines.push_back(std::move(engine));
         }
-        registry.unread.erase(registry.unread.begin());
+        registry.unread_files.erase(registry.unread_files.begin());
     }
     return registry.engines;
 }

@@ -1,6 +1,6 @@
 // Requests to engines for one body, and their answers (README.md has the protocol).
 //
-// engine_scene() converts the scene to the body's principal frame (LoadTurner rotates the loads, add_shape() adds
+// engine_scene() converts the scene to the body's principal frame (LoadConverter rotates the loads, add_shape() adds
 // planes and hull). engine_request() writes it as JSON, with the loads as one piece per interval between events
 // (PieceWriter). read_answer() reads samples and readback into the scene's body axes.
 #include "integrators/engines/engine_request.h"
@@ -24,7 +24,7 @@ namespace {
 using engine_json::array, engine_json::json, engine_json::number, engine_json::quaternion_at, engine_json::vector_at;
 
 /// Converts a load to the axes of the engine's body.
-struct LoadTurner {
+struct LoadConverter {
     const Quaternion<double>& q_BP;
     const Vector3<double>& center;
 
@@ -49,8 +49,8 @@ struct LoadTurner {
     }
     Load operator()(Drag load) const {
         const Vector3<double>& c = load.rotational;
-        const bool turned = q_BP.x != 0 || q_BP.y != 0 || q_BP.z != 0;
-        if (turned && !(c[0] == c[1] && c[1] == c[2]))
+        const bool is_rotated = q_BP.x != 0 || q_BP.y != 0 || q_BP.z != 0;
+        if (is_rotated && !(c[0] == c[1] && c[1] == c[2]))
             throw std::invalid_argument(
                 "anisotropic drag is supported only where the body's axes are its principal axes");
         return load;
@@ -68,20 +68,20 @@ struct LoadTurner {
     static constexpr const char* several_bodies = "motors and point springs need a scene of several bodies";
 };
 
-void add_shape(EngineScene& known, const Scene& scene) {
+void add_shape(EngineScene& result, const Scene& scene) {
     for (Plane plane : scene.planes) {
         const double length = hypotenuse(plane.normal_W);
         plane.normal_W = (1 / length) * plane.normal_W, plane.offset /= length;
-        known.planes.push_back(plane);
+        result.planes.push_back(plane);
     }
-    if (known.planes.empty()) return;
-    const auto geometry = contact_geometry(scene, scene.body.center_of_mass, known.q_BP);
+    if (result.planes.empty()) return;
+    const auto geometry = contact_geometry(scene, scene.body.center_of_mass, result.q_BP);
     for (const SupportPiece<double>& piece : geometry.pieces) {
         const bool is_centered = hypotenuse(piece.center) <= 1e-12 * piece.radius;
         if (!piece.extended && piece.radius == 0)
-            known.hull.push_back(piece.center);
+            result.hull.push_back(piece.center);
         else if (!piece.extended && geometry.pieces.size() == 1 && is_centered)
-            known.ball = piece.radius;
+            result.ball = piece.radius;
         else
             throw std::invalid_argument("the shape must be a polyhedron or a ball about the centre of mass");
     }
@@ -128,7 +128,7 @@ struct PieceWriter {
     }
 };
 
-json pieces_of(const Scene& scene) {
+json write_pieces(const Scene& scene) {
     json pieces = json::array();
     for (const Leg& leg : itinerary(scene)) {
         json piece{{"begin", leg.begin}};
@@ -140,28 +140,27 @@ json pieces_of(const Scene& scene) {
     return pieces;
 }
 
-EngineReadback readback_of(const json& answer) {
-    EngineReadback back;
+EngineReadback read_readback(const json& answer) {
+    EngineReadback readback;
     const auto found = answer.find("readback");
-    if (found == answer.end() || !found->is_object()) return back;
+    if (found == answer.end() || !found->is_object()) return readback;
     const auto vector = [&](const char* key, std::optional<Vector3<double>>& v) {
         if (const auto at = found->find(key); at != found->end() && at->is_array()) v = vector_at(*at, 0);
     };
-    if (const auto mass = found->find("mass"); mass != found->end() && mass->is_number()) back.mass = number(*mass);
-    vector("moments", back.moments), vector("w", back.w), vector("p", back.p), vector("v", back.v);
-    if (const auto q = found->find("q"); q != found->end() && q->is_array()) back.q = quaternion_at(*q, 0);
-    return back;
+    if (const auto mass = found->find("mass"); mass != found->end() && mass->is_number()) readback.mass = number(*mass);
+    vector("moments", readback.moments), vector("w", readback.w), vector("p", readback.p), vector("v", readback.v);
+    if (const auto q = found->find("q"); q != found->end() && q->is_array()) readback.q = quaternion_at(*q, 0);
+    return readback;
 }
 
 // Reads the samples up to the first that is not finite or exceeds the energy bound.
 void read_samples(const json& rows, const Problem& problem, const EngineScene& scene, const Settings& settings,
                   Trajectory& trajectory) {
-    const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
-    if (rows.size() != wanted)
-        throw std::invalid_argument(fmt::format("{} samples instead of {}", rows.size(), wanted));
+    const std::size_t count = static_cast<std::size_t>(settings.samples) + 1;
+    if (rows.size() != count) throw std::invalid_argument(fmt::format("{} samples instead of {}", rows.size(), count));
     const double bound = energy_bound(problem);
     const Quaternion<double> q_PB = conjugate(scene.q_BP);
-    for (std::size_t k = 0; k < wanted; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
         const json& row = rows[k];
         Sample s;
         s.t = sample_time(problem.scene.duration, static_cast<long>(k), settings.samples);
@@ -179,38 +178,38 @@ void read_samples(const json& rows, const Problem& problem, const EngineScene& s
 EngineScene engine_scene(const Problem& problem) {
     const Scene& scene = problem.scene;
     const ExactBody<double>& body = problem.body;
-    EngineScene known;
+    EngineScene result;
     // the inertia about the centre of mass, also with a pivot
     Scene free = scene;
     free.pivot.reset(), free.planes.clear(), free.loads.clear();
     const PrincipalFrame frame = is_diagonal(scene.body.inertia_B)
                                      ? engine_frame(scene.body.inertia_B)
                                      : pose(free, Formulation::full_principal).body.principal;
-    known.moments = frame.moments, known.q_BP = frame.q_BP;
+    result.moments = frame.moments, result.q_BP = frame.q_BP;
     const Vector3<double>& center = scene.body.center_of_mass;
-    for (const Load& load : scene.loads) free.loads.push_back(std::visit(LoadTurner{known.q_BP, center}, load));
-    add_shape(known, scene);
-    free.body = {scene.body.mass, diagonal(known.moments), {}, nullptr};
-    free.initial = {body.q * known.q_BP, rotate(body.q, body.angular_velocity_B), Frame::world, body.position_W,
+    for (const Load& load : scene.loads) free.loads.push_back(std::visit(LoadConverter{result.q_BP, center}, load));
+    add_shape(result, scene);
+    free.body = {scene.body.mass, diagonal(result.moments), {}, nullptr};
+    free.initial = {body.q * result.q_BP, rotate(body.q, body.angular_velocity_B), Frame::world, body.position_W,
                     body.velocity_W};
-    if (scene.pivot) known.pivot = rotate_back(known.q_BP, *scene.pivot - center);
-    known.free = std::move(free);
-    return known;
+    if (scene.pivot) result.pivot = rotate_back(result.q_BP, *scene.pivot - center);
+    result.free = std::move(free);
+    return result;
 }
 
-double readback_difference(const EngineScene& scene, const EngineReadback& back) {
+double readback_difference(const EngineScene& scene, const EngineReadback& readback) {
     double worst = 0;
-    const auto compare = [&](const Vector3<double>& asked, const std::optional<Vector3<double>>& got) {
-        if (!got) return;
-        const double size = hypotenuse(asked), difference = hypotenuse(*got - asked);
+    const auto compare = [&](const Vector3<double>& requested, const std::optional<Vector3<double>>& reported) {
+        if (!reported) return;
+        const double size = hypotenuse(requested), difference = hypotenuse(*reported - requested);
         worst = std::max(worst, size > 0 ? difference / size : difference);
     };
     const Initial& initial = scene.free.initial;
-    compare(scene.moments, back.moments), compare(initial.angular_velocity, back.w);
-    compare(initial.position_W, back.p), compare(initial.velocity_W, back.v);
-    if (back.mass) worst = std::max(worst, std::abs(*back.mass / scene.free.body.mass - 1));
-    if (back.q) {
-        const Quaternion<double> turn = conjugate(initial.orientation) * *back.q;
+    compare(scene.moments, readback.moments), compare(initial.angular_velocity, readback.w);
+    compare(initial.position_W, readback.p), compare(initial.velocity_W, readback.v);
+    if (readback.mass) worst = std::max(worst, std::abs(*readback.mass / scene.free.body.mass - 1));
+    if (readback.q) {
+        const Quaternion<double> turn = conjugate(initial.orientation) * *readback.q;
         worst = std::max(worst, 2 * std::atan2(hypotenuse(vector_part(turn)), std::abs(turn.w)));
     }
     return worst;
@@ -238,7 +237,7 @@ std::string engine_request(const EngineScene& scene, const std::string& setting,
                  {"p", array(free.initial.position_W)},
                  {"v", array(free.initial.velocity_W)},
                  {"pivot", scene.pivot ? array(*scene.pivot) : json()},
-                 {"pieces", pieces_of(free)},
+                 {"pieces", write_pieces(free)},
                  {"planes", planes},
                  {"hull", hull},
                  {"scene", json::parse(write_scene(free), nullptr, true, true)}};
@@ -249,20 +248,20 @@ std::string engine_request(const EngineScene& scene, const std::string& setting,
 EngineHello read_hello(std::string_view line) {
     const json hello = json::parse(line, nullptr, false);
     if (!hello.is_object()) throw std::invalid_argument("did not send a JSON object as its first line");
-    EngineHello known;
+    EngineHello result;
     try {
-        known.version = one_line(hello.value("version", ""), 80);
-        known.missing = one_line(hello.value("missing", ""), 300);
+        result.version = one_line(hello.value("version", ""), 80);
+        result.missing = one_line(hello.value("missing", ""), 300);
         if (const auto settings = hello.find("settings"); settings != hello.end())
             for (const auto& [name, what] : settings->items())
-                known.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));
-        for (const auto& [key, types] : {std::pair{"joints", &known.joints}, {"loops", &known.loops}})
+                result.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));
+        for (const auto& [key, types] : {std::pair{"joints", &result.joints}, {"loops", &result.loops}})
             for (const json& type : hello.value(key, json::array()))
                 types->push_back(one_line(type.get<std::string>(), 80));
     } catch (const json::exception&) {
         throw std::invalid_argument("sent a first line with values of wrong types");
     }
-    return known;
+    return result;
 }
 
 EngineAnswer read_answer(std::string_view line, const Problem& problem, const EngineScene& scene,
@@ -273,10 +272,10 @@ EngineAnswer read_answer(std::string_view line, const Problem& problem, const En
         const json answer = json::parse(line);
         if (!engine_json::read_outcome(answer, trajectory)) return result;
         trajectory.step = problem.scene.duration / static_cast<double>(settings.samples * steps_per_sample);
-        result.readback = readback_of(answer);
+        result.readback = read_readback(answer);
         read_samples(answer.at("samples"), problem, scene, settings, trajectory);
     } catch (const std::exception& error) {
-        trajectory = engine_json::unreadable(error);
+        trajectory = engine_json::make_failed_trajectory(error);
     }
     return result;
 }

@@ -9,70 +9,70 @@ namespace polhode {
 namespace {
 
 /// Time limit for starting an interpreter and an engine in WebAssembly on a busy machine.
-constexpr std::chrono::seconds time_to_start(60);
+constexpr std::chrono::seconds start_timeout(60);
 /// Number of consecutive timeouts after which no more requests are sent.
-constexpr int silences = 2;
+constexpr int max_timeouts = 2;
 
 }  // namespace
 
-LineAnswer EngineSession::take(Running& running) {
+LineAnswer EngineSession::acquire(EngineProcess& engine) {
     {
         const std::scoped_lock lock(mutex_);
         if (!idle_.empty()) {
-            running = std::move(idle_.back());
+            engine = std::move(idle_.back());
             idle_.pop_back();
             return {};
         }
         // an engine that was not available at first is not searched again
-        if (absent_) {
-            running.hello = absent_->hello;
-            return absent_->answer;
+        if (missing_engine_) {
+            engine.hello = missing_engine_->hello;
+            return missing_engine_->answer;
         }
     }
-    running.process = std::make_unique<LineProcess>(command_);
-    LineAnswer first = running.process->next(time_to_start);
+    engine.process = std::make_unique<LineProcess>(command_);
+    LineAnswer first = engine.process->next(start_timeout);
     try {
-        if (first.fault.empty()) running.hello = read_hello(first.line);
+        if (first.fault.empty()) engine.hello = read_hello(first.line);
     } catch (const std::invalid_argument& error) {
         first.fault = program_name(command_.front()) + " " + error.what();
     }
-    if (first.not_found || !running.hello.missing.empty()) {
+    if (first.not_found || !engine.hello.missing.empty()) {
         const std::scoped_lock lock(mutex_);
-        absent_ = {first, running.hello};
+        missing_engine_ = {first, engine.hello};
     }
     return first;
 }
 
-void EngineSession::give_back(Running running) {
+void EngineSession::release(EngineProcess engine) {
     const std::scoped_lock lock(mutex_);
-    if (running.process && running.process->is_alive()) idle_.push_back(std::move(running));
+    if (engine.process && engine.process->is_alive()) idle_.push_back(std::move(engine));
 }
 
-LineAnswer EngineSession::greet(EngineHello& hello) {
-    Running running;
-    LineAnswer answer = take(running);
-    hello = running.hello;
-    if (answer.fault.empty()) give_back(std::move(running));
+LineAnswer EngineSession::request_hello(EngineHello& hello) {
+    EngineProcess engine;
+    LineAnswer answer = acquire(engine);
+    hello = engine.hello;
+    if (answer.fault.empty()) release(std::move(engine));
     return answer;
 }
 
-LineAnswer EngineSession::ask(const std::string& request, double seconds, EngineHello& hello) {
-    if (unanswered_ >= silences) {
-        LineAnswer none;
-        none.fault = program_name(command_.front()) + " received no request: its last requests timed out";
-        none.timed_out = true;
-        return none;
+LineAnswer EngineSession::send(const std::string& request, double seconds, EngineHello& hello) {
+    if (timeouts_ >= max_timeouts) {
+        LineAnswer refused;
+        refused.fault = program_name(command_.front()) + " received no request: its last requests timed out";
+        refused.timed_out = true;
+        return refused;
     }
-    Running running;
-    LineAnswer answer = take(running);
-    hello = running.hello;
+    EngineProcess engine;
+    LineAnswer answer = acquire(engine);
+    hello = engine.hello;
     if (!answer.fault.empty() || !hello.missing.empty()) return answer;
-    answer = running.process->ask(request, std::chrono::duration<double>(seconds));
+    answer = engine.process->ask(request, std::chrono::duration<double>(seconds));
     if (answer.timed_out)
-        ++unanswered_;
+        ++timeouts_;
     else
-        unanswered_ = 0;
-    give_back(std::move(running));
+        timeouts_ = 0;
+    release(std::move(engine));
     return answer;
 }
 

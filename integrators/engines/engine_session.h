@@ -21,27 +21,27 @@ class EngineSession {
     explicit EngineSession(std::vector<std::string> command) : command_(std::move(command)) {}
 
     /// Sends a request and returns the answer, with a limit of `seconds`. Sets `hello` if the process has started.
-    LineAnswer ask(const std::string& request, double seconds, EngineHello& hello);
+    LineAnswer send(const std::string& request, double seconds, EngineHello& hello);
     /// Returns the hello of a process, starting one if necessary.
-    LineAnswer greet(EngineHello& hello);
+    LineAnswer request_hello(EngineHello& hello);
 
   private:
-    struct Running {
+    struct EngineProcess {
         std::unique_ptr<LineProcess> process;
         EngineHello hello;
     };
-    struct Absent {
+    struct MissingEngine {
         LineAnswer answer;
         EngineHello hello;
     };
-    LineAnswer take(Running& running);
-    void give_back(Running running);
+    LineAnswer acquire(EngineProcess& engine);
+    void release(EngineProcess engine);
 
     std::vector<std::string> command_;
     std::mutex mutex_;
-    std::vector<Running> idle_;
-    std::optional<Absent> absent_;     ///< result of a start that found no engine
-    std::atomic<int> unanswered_ = 0;  ///< number of consecutive requests that timed out
+    std::vector<EngineProcess> idle_;
+    std::optional<MissingEngine> missing_engine_;  ///< result of a start that found no engine
+    std::atomic<int> timeouts_ = 0;                ///< number of consecutive requests that timed out
 };
 
 }  // namespace polhode

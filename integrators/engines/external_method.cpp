@@ -16,7 +16,7 @@
 namespace polhode {
 namespace {
 
-std::string user_torque_has_no_json(const Problem& problem) {
+std::string user_torque_refusal(const Problem& problem) {
     return problem.needs.user_torque ? "a user-defined torque cannot be passed to another process" : "";
 }
 
@@ -25,10 +25,10 @@ void replace_all(std::string& text, std::string_view word, const std::string& va
         text.replace(at, word.size(), value);
 }
 
-std::vector<std::string> arguments_of(const EngineCommand& command, const Scene& scene, const Settings& settings) {
+std::vector<std::string> make_arguments(const EngineCommand& command, const Scene& scene, const Settings& settings) {
     std::vector<std::string> arguments = command.arguments;
-    const auto& further = settings.step ? command.by_step : command.by_tolerance;
-    if (settings.step || settings.tolerance) arguments.insert(arguments.end(), further.begin(), further.end());
+    const auto& appended = settings.step ? command.by_step : command.by_tolerance;
+    if (settings.step || settings.tolerance) arguments.insert(arguments.end(), appended.begin(), appended.end());
     const auto text = [](const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; };
     for (std::string& argument : arguments) {
         replace_all(argument, "{samples}", fmt::format("{}", settings.samples));
@@ -40,16 +40,16 @@ std::vector<std::string> arguments_of(const EngineCommand& command, const Scene&
 }
 
 // Why the file is not valid for the run; empty if it is. Times that are correct up to rounding are made exact.
-std::string fault_of(TrajectoryFile& file, const Problem& problem, const Settings& settings) {
+std::string find_fault(TrajectoryFile& file, const Problem& problem, const Settings& settings) {
     const double duration = problem.scene.duration;
     if (!file.has_angular_velocity) return "its output has no columns wx, wy, wz";
     if (!problem.body.pivoted && !(file.has_position || file.has_origin))
         return "its output has no columns px, py, pz or ox, oy, oz";
     if (!problem.body.pivoted && !file.has_velocity) return "its output has no columns vx, vy, vz";
-    const std::size_t wanted = static_cast<std::size_t>(settings.samples) + 1;
-    if (file.rows.size() != wanted)
-        return fmt::format("its output has {} samples instead of {}", file.rows.size(), wanted);
-    for (std::size_t k = 0; k < wanted; ++k) {
+    const std::size_t expected = static_cast<std::size_t>(settings.samples) + 1;
+    if (file.rows.size() != expected)
+        return fmt::format("its output has {} samples instead of {}", file.rows.size(), expected);
+    for (std::size_t k = 0; k < expected; ++k) {
         const double t = sample_time(duration, static_cast<long>(k), settings.samples);
         if (!(std::abs(file.rows[k].t - t) <= 1e-12 * duration))
             return fmt::format("its sample {} is at t = {} s instead of {} s", k, file.rows[k].t, t);
@@ -58,15 +58,15 @@ std::string fault_of(TrajectoryFile& file, const Problem& problem, const Setting
     return "";
 }
 
-Trajectory run(const EngineCommand& command, const Problem& problem, const Settings& settings) {
+Trajectory run_command(const EngineCommand& command, const Problem& problem, const Settings& settings) {
     Trajectory trajectory;
     trajectory.status = Status::failed;
-    const auto arguments = arguments_of(command, problem.scene, settings);
+    const auto arguments = make_arguments(command, problem.scene, settings);
     ChildRun child;
     for (int i = 0; i < settings.repetitions && child.fault.empty(); ++i) {
-        const double left = settings.seconds_limit - trajectory.seconds;
+        const double remaining = settings.seconds_limit - trajectory.seconds;
         child = run_child(arguments, write_scene(problem.scene),
-                          {.time = std::chrono::duration<double>(left), .output_bytes = command.most_bytes});
+                          {.time = std::chrono::duration<double>(remaining), .output_bytes = command.most_bytes});
         trajectory.seconds += child.seconds;
     }
     trajectory.seconds /= settings.repetitions;
@@ -75,7 +75,7 @@ Trajectory run(const EngineCommand& command, const Problem& problem, const Setti
     try {
         const std::string name = one_line(arguments.front(), 100);
         TrajectoryFile file = parse_trajectory(child.output, name);
-        trajectory.message = fault_of(file, problem, settings);
+        trajectory.message = find_fault(file, problem, settings);
         if (!trajectory.message.empty()) return trajectory;
         trajectory.samples = samples_of(file, problem.scene.body.center_of_mass);
     } catch (const InputError& error) {
@@ -96,9 +96,9 @@ std::shared_ptr<const Method> external_method(const Method& description, const E
                      : step            ? Control::fixed_step
                      : tolerance       ? Control::tolerance
                                        : Control::none;
-    if (!method.refusal) method.refusal = user_torque_has_no_json;
+    if (!method.refusal) method.refusal = user_torque_refusal;
     return make_method(method, [command](const Problem& problem, const Settings& settings) {
-        return run(command, problem, settings);
+        return run_command(command, problem, settings);
     });
 }
 

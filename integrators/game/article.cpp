@@ -7,7 +7,7 @@
 //                                    position rotated by theta about the centre of mass
 //   3. position += h v
 // The article has no step 3, no gravity and no pivot; these follow the usual semi-implicit update. q is not
-// renormalised. Article is the stepper; Form selects which errors of the printed code it contains.
+// renormalised. ArticleStepper is the stepper; ArticleForm selects which errors of the printed code it contains.
 #include <cmath>
 #include <span>
 #include <vector>
@@ -18,11 +18,11 @@
 namespace polhode {
 namespace {
 
-enum class Form {
+enum class ArticleForm {
     as_written,         ///< x_com = position + center_of_mass, not rotated; the printed sign of w x I w
     offset_as_written,  ///< only the printed x_com
     sign_as_written,    ///< only the printed sign
-    mended,             ///< x_com rotated into the world; I dw/dt = tau - w x I w
+    corrected,          ///< x_com rotated into the world; I dw/dt = tau - w x I w
     body_frame,         ///< the corrected update with w and the tensor in body axes, q = q theta
 };
 
@@ -33,18 +33,18 @@ Quaternion<S> quaternion_angle_axis(S angle, const Vector3<S>& axis) {
     return {std::cos(angle / 2), scale * axis[0], scale * axis[1], scale * axis[2]};
 }
 
-template <Form form, class S>
-class Article {
+template <ArticleForm form, class S>
+class ArticleStepper {
   public:
-    explicit Article(const Problem& problem) : problem_(&problem) {
+    explicit ArticleStepper(const Problem& problem) : problem_(&problem) {
         const ExactBody<double>& body = problem.body;
-        held_ = body.pivoted;
+        pivoted_ = body.pivoted;
         mass_ = S(body.mass);
         inertia_B_ = cast<S>(body.inertia_B);
         inverse_inertia_B_ = cast<S>(inverse(body.inertia_B));
         mass_center_B_ = cast<S>(problem.scene.body.center_of_mass);
         // A held body rotates about its origin, with the inertia shifted there.
-        turning_center_B_ = held_ ? Vector3<S>() : mass_center_B_;
+        rotation_center_B_ = pivoted_ ? Vector3<S>() : mass_center_B_;
         loads_.reserve(problem.scene.loads.size());
         restart();
     }
@@ -53,22 +53,22 @@ class Article {
         const ExactBody<double>& body = problem_->body;
         orientation_ = cast<S>(body.q);
         angular_velocity_ = cast<S>(in_body ? body.angular_velocity_B : rotate(body.q, body.angular_velocity_B));
-        linear_velocity_ = held_ ? Vector3<S>() : cast<S>(body.velocity_W);
+        linear_velocity_ = pivoted_ ? Vector3<S>() : cast<S>(body.velocity_W);
         // The article's position is that of the body's origin.
         position_ =
-            held_ ? Vector3<S>() : cast<S>(body.position_W - rotate(body.q, problem_->scene.body.center_of_mass));
+            pivoted_ ? Vector3<S>() : cast<S>(body.position_W - rotate(body.q, problem_->scene.body.center_of_mass));
         steps_ = 0;
-        turn_tensor();
+        rotate_inertia();
     }
 
     void enter(const Segment& segment) {
-        turn_tensor();
+        rotate_inertia();
         loads_.clear();
         for (const Load& load : problem_->scene.loads) {
             const auto* impulse = std::get_if<Impulse>(&load);
             if (impulse && impulse->at == segment.begin) {
-                const Vector3<S> J = in_world(cast<S>(impulse->vector), impulse->frame);
-                apply_force(J, point_in_world(cast<S>(impulse->point), impulse->point_frame), 1);
+                const Vector3<S> J = to_world(cast<S>(impulse->vector), impulse->frame);
+                apply_force(J, point_to_world(cast<S>(impulse->point), impulse->point_frame), 1);
             } else if (!impulse && acts(window_of(load), segment.begin)) {
                 loads_.push_back(&load);
             }
@@ -77,10 +77,10 @@ class Article {
 
     [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
-        turn_tensor();
+        rotate_inertia();
         for (const Load* load : loads_) std::visit([&](const auto& l) { apply(l, t, h); }, *load);
         update_body_orientation(h);
-        if (!held_) position_ = position_ + h * linear_velocity_;
+        if (!pivoted_) position_ = position_ + h * linear_velocity_;
         ++steps_;
     }
 
@@ -92,7 +92,7 @@ class Article {
         const Vector3<double>& mass_center_B = problem_->scene.body.center_of_mass;
         s.position_W = cast<double>(position_) + rotate(s.q, mass_center_B);
         s.velocity_W = cast<double>(linear_velocity_);
-        if (held_) pivoted_center(s.q, s.angular_velocity_B, mass_center_B, s.position_W, s.velocity_W);
+        if (pivoted_) pivoted_center(s.q, s.angular_velocity_B, mass_center_B, s.position_W, s.velocity_W);
         return s;
     }
 
@@ -102,29 +102,29 @@ class Article {
     long rhs_evaluations() const { return steps_; }
 
   private:
-    static constexpr bool in_body = form == Form::body_frame;
-    static constexpr bool printed_offset = form == Form::as_written || form == Form::offset_as_written;
-    static constexpr bool printed_sign = form == Form::as_written || form == Form::sign_as_written;
+    static constexpr bool in_body = form == ArticleForm::body_frame;
+    static constexpr bool printed_offset = form == ArticleForm::as_written || form == ArticleForm::offset_as_written;
+    static constexpr bool printed_sign = form == ArticleForm::as_written || form == ArticleForm::sign_as_written;
 
     // R I R^-1 and its inverse, by the general matrix inverse as in the article.
-    void turn_tensor() {
+    void rotate_inertia() {
         if constexpr (in_body) return;
         const Matrix3<S> orientation_matrix = rotation_matrix(orientation_);
         world_inertia_ = orientation_matrix * inertia_B_ * inverse(orientation_matrix);
         inverse_world_inertia_ = inverse(world_inertia_);
     }
 
-    Vector3<S> in_world(const Vector3<S>& v, Frame frame) const {
+    Vector3<S> to_world(const Vector3<S>& v, Frame frame) const {
         return frame == Frame::world ? v : rotate(orientation_, v);
     }
-    Vector3<S> point_in_world(const Vector3<S>& point, Frame frame) const {
+    Vector3<S> point_to_world(const Vector3<S>& point, Frame frame) const {
         return frame == Frame::world ? point : position_ + rotate(orientation_, point);
     }
     Vector3<S> angular_velocity_in_body() const {
         return in_body ? angular_velocity_ : rotate_back(orientation_, angular_velocity_);
     }
     Vector3<S> mass_center_velocity_W() const {
-        if (!held_) return linear_velocity_;
+        if (!pivoted_) return linear_velocity_;
         return rotate(orientation_, cross(angular_velocity_in_body(), mass_center_B_));
     }
 
@@ -136,27 +136,27 @@ class Article {
             angular_velocity_ = angular_velocity_ + h * (inverse_world_inertia_ * torque_W);
     }
     void apply_force(const Vector3<S>& force_W, const Vector3<S>& point_W, S h) {
-        const Vector3<S> offset = printed_offset ? turning_center_B_ : rotate(orientation_, turning_center_B_);
+        const Vector3<S> offset = printed_offset ? rotation_center_B_ : rotate(orientation_, rotation_center_B_);
         const Vector3<S> world_com = position_ + offset;
         const Vector3<S> r = point_W - world_com;
         apply_torque(cross(r, force_W), h);
-        push(force_W, h);
+        accelerate(force_W, h);
     }
-    void push(const Vector3<S>& force_W, S h) {
-        if (!held_) linear_velocity_ = linear_velocity_ + (h / mass_) * force_W;
+    void accelerate(const Vector3<S>& force_W, S h) {
+        if (!pivoted_) linear_velocity_ = linear_velocity_ + (h / mass_) * force_W;
     }
     // A force at the centre of mass rotates the body only if it is held at another point.
     void apply_at_mass_center(const Vector3<S>& force_W, S h) {
-        if (held_)
-            apply_force(force_W, point_in_world(mass_center_B_, Frame::body), h);
+        if (pivoted_)
+            apply_force(force_W, point_to_world(mass_center_B_, Frame::body), h);
         else
-            push(force_W, h);
+            accelerate(force_W, h);
     }
 
     void apply(const Gravity& load, double, S h) { apply_at_mass_center(mass_ * cast<S>(load.acceleration_W), h); }
-    void apply(const Torque& load, double, S h) { apply_torque(in_world(cast<S>(load.vector), load.frame), h); }
+    void apply(const Torque& load, double, S h) { apply_torque(to_world(cast<S>(load.vector), load.frame), h); }
     void apply(const Force& load, double, S h) {
-        apply_force(in_world(cast<S>(load.vector), load.frame), point_in_world(cast<S>(load.point), load.point_frame),
+        apply_force(to_world(cast<S>(load.vector), load.frame), point_to_world(cast<S>(load.point), load.point_frame),
                     h);
     }
     void apply(const Drag& load, double, S h) {
@@ -187,7 +187,7 @@ class Article {
             w = w + h * (inverse_world_inertia_ * cross(world_inertia_ * w, w));
         else
             w = w + h * (inverse_inertia_B_ * cross(inertia_B_ * w, w));
-        const Vector3<S> world_com = position_ + rotate(orientation_, turning_center_B_);
+        const Vector3<S> world_com = position_ + rotate(orientation_, rotation_center_B_);
         const Vector3<S> com_to_position = position_ - world_com;
         // Without rotation there is no axis.
         const S rate = std::sqrt(dot(w, w));
@@ -195,7 +195,7 @@ class Article {
         const Quaternion<S> theta = quaternion_angle_axis(rate * h, w);
         if constexpr (in_body) {
             orientation_ = orientation_ * theta;
-            position_ = world_com - rotate(orientation_, turning_center_B_);
+            position_ = world_com - rotate(orientation_, rotation_center_B_);
         } else {
             orientation_ = theta * orientation_;
             position_ = world_com + rotate(theta, com_to_position);
@@ -203,11 +203,11 @@ class Article {
     }
 
     const Problem* problem_;
-    bool held_ = false;
+    bool pivoted_ = false;
     S mass_ = 1;
     Matrix3<S> inertia_B_, inverse_inertia_B_, world_inertia_, inverse_world_inertia_;
-    Vector3<S> mass_center_B_, turning_center_B_;  ///< from the body's origin
-    std::vector<const Load*> loads_;               ///< loads that act on this segment, in file order
+    Vector3<S> mass_center_B_, rotation_center_B_;  ///< from the body's origin
+    std::vector<const Load*> loads_;                ///< loads that act on this segment, in file order
 
     Quaternion<S> orientation_;
     Vector3<S> angular_velocity_;  ///< world axes; body axes in the body-frame form
@@ -216,29 +216,29 @@ class Article {
     long steps_ = 0;
 };
 
-template <Form form, class S = double>
-Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<Article<form, S>>(problem, settings);
+template <ArticleForm form, class S = double>
+Trajectory solve_article(const Problem& problem, const Settings& settings) {
+    return march<ArticleStepper<form, S>>(problem, settings);
 }
 
-std::string refused_pivot(const Problem& problem) {
+std::string article_refusal(const Problem& problem) {
     return problem.scene.pivot && !(*problem.scene.pivot == Vector3<double>())
                ? "the article rotates a body about its origin; a pivot elsewhere is not supported"
                : "";
 }
 
-constexpr std::string_view source =
+constexpr std::string_view article_source =
     "an article on rotational dynamics for game programmers (apply_torque, "
     "update_body_orientation); corrected by Euler's equations";
 
-constexpr Method each[] = {
+constexpr Method article_variants[] = {
     {.name = "article_as_written",
      .documentation =
          "The article's update as printed. Its internal torque has the wrong sign, w += h I^-1 (w x Iw), so it "
          "converges, with order 1, to I dw/dt = tau + w x Iw, which is a different motion. Where forces are "
          "applied, the offset of the centre of mass is not rotated into world axes.",
      .origin = "article: apply_torque and update_body_orientation, as printed",
-     .solve = solve<Form::as_written>},
+     .solve = solve_article<ArticleForm::as_written>},
     {.name = "article_offset_as_written",
      .documentation =
          "The article's `apply_torque` as printed, x_com = position + center_of_mass with the offset in body axes, "
@@ -246,41 +246,43 @@ constexpr Method each[] = {
          "rotated body whose centre of mass is not its origin. Otherwise the result equals that of "
          "`article_mended`, bit for bit.",
      .origin = "article: apply_torque's centre of mass as printed, sign corrected",
-     .solve = solve<Form::offset_as_written>},
+     .solve = solve_article<ArticleForm::offset_as_written>},
     {.name = "article_sign_as_written",
      .documentation = "The article's `update_body_orientation` as printed, w += h I^-1 (w x Iw), with the corrected "
                       "`apply_torque`: only the second error. It converges, with order 1, to I dw/dt = tau + w x Iw.",
      .origin = "article: update_body_orientation's sign as printed, centre of mass corrected",
-     .solve = solve<Form::sign_as_written>},
+     .solve = solve_article<ArticleForm::sign_as_written>},
     {.name = "article_mended",
      .documentation =
          "The article's update with the sign of Euler's equations, w -= h I^-1 (w x Iw), and the offset of the centre "
          "of mass rotated into world axes. The tensor is rotated and inverted again at every step. Order 1.",
      .origin = "article: sign and centre of mass corrected",
-     .solve = solve<Form::mended>},
+     .solve = solve_article<ArticleForm::corrected>},
     {.name = "article_body_frame",
      .documentation =
          "The corrected update in body axes, the article's other suggestion. It does not rotate the tensor. The "
          "motion equals that of `article_mended` except for rounding, at lower cost.",
      .origin = "article: \"put the body in its local coordinates\"",
-     .solve = solve<Form::body_frame>},
+     .solve = solve_article<ArticleForm::body_frame>},
 };
 
-constexpr auto in_binary64 = apply_defaults({.source = source,
+constexpr auto article_binary64_family = apply_defaults({.source = article_source,
                                              .conserves = "|q| to round-off",
                                              .control = Control::fixed_step,
                                              .order = 1,
                                              .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
                                              .family = Family::published_update,
-                                             .refusal = refused_pivot},
-                                            each);
+                                             .refusal = article_refusal},
+                                                 article_variants);
 
-constexpr auto family =
-    with_binary32<in_binary64, binary32_refusal, solve<Form::as_written, float>, solve<Form::offset_as_written, float>,
-                  solve<Form::sign_as_written, float>, solve<Form::mended, float>, solve<Form::body_frame, float>>();
+constexpr auto article_family =
+    with_binary32<article_binary64_family, binary32_refusal, solve_article<ArticleForm::as_written, float>,
+                  solve_article<ArticleForm::offset_as_written, float>,
+                  solve_article<ArticleForm::sign_as_written, float>, solve_article<ArticleForm::corrected, float>,
+                  solve_article<ArticleForm::body_frame, float>>();
 
 }  // namespace
 
-extern const std::span<const Method> article_methods{family};
+extern const std::span<const Method> article_methods{article_family};
 
 }  // namespace polhode

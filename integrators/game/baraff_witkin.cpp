@@ -24,7 +24,7 @@ class BaraffWitkin {
     explicit BaraffWitkin(const Problem& problem)
         : problem_(&problem),
           loads_(problem),
-          held_(problem.body.pivoted),
+          pivoted_(problem.body.pivoted),
           mass_(S(problem.body.mass)),
           inverse_inertia_B_(cast<S>(problem.body.full_inertia.inverse)) {
         restart();
@@ -79,7 +79,7 @@ class BaraffWitkin {
         now.q = normalized(quaternion_at(y.data(), 3));
         now.R = rotation_matrix(now.q);
         now.w = now.R * (inverse_inertia_B_ * (transposed(now.R) * vector_at(y.data(), 10)));
-        if (held_) {
+        if (pivoted_) {
             now.x = now.R * loads_.forcing().arm;
             now.v = cross(now.w, now.x);
         } else {
@@ -96,7 +96,7 @@ class BaraffWitkin {
         put(dy.data(), 10,
             loads_.torque_W(
                 t, now.R, [&] { return now.q; }, now.w, now.x, now.v));
-        if (!held_) {
+        if (!pivoted_) {
             put(dy.data(), 0, now.v);
             put(dy.data(), 7, mass_ * loads_.acceleration_W(now.R, now.v));
         }
@@ -105,7 +105,7 @@ class BaraffWitkin {
 
     const Problem* problem_;
     WorldLoads<S> loads_;
-    bool held_;
+    bool pivoted_;
     S mass_;
     Matrix3<S> inverse_inertia_B_;
     State y_{};
@@ -113,23 +113,23 @@ class BaraffWitkin {
 };
 
 template <class Scheme, class S = double>
-Trajectory solve(const Problem& problem, const Settings& settings) {
+Trajectory solve_baraff_witkin(const Problem& problem, const Settings& settings) {
     return march<BaraffWitkin<Scheme, S>>(problem, settings);
 }
 
-constexpr std::string_view source =
+constexpr std::string_view baraff_witkin_source =
     "D. Baraff, An Introduction to Physically Based Modeling: Rigid Body Simulation I, SIGGRAPH course notes 1997 (the "
     "Pixar course of A. Witkin & D. Baraff)";
-constexpr std::string_view kept = "L in world axes exactly if no torque acts";
+constexpr std::string_view baraff_witkin_invariants = "L in world axes exactly if no torque acts";
 
-constexpr Method each[] = {
+constexpr Method baraff_witkin_variants[] = {
     {.name = "baraff_witkin_rk4",
      .documentation =
          "The Pixar course's state x, q, P, L by the classical Runge-Kutta method of order 4. w = R I^-1 R^T L, so no "
          "term w x Iw appears. R is computed from the normalised q. The length of q itself drifts.",
      .origin = "the Pixar course that the article recommends",
      .order = 4,
-     .solve = solve<ClassicalRungeKutta>,
+     .solve = solve_baraff_witkin<ClassicalRungeKutta>,
      .amplification = classical_amplification},
     {.name = "baraff_witkin_euler",
      .documentation =
@@ -137,22 +137,23 @@ constexpr Method each[] = {
          "+ h^2 w^2 / 4), which does not affect R(q/|q|). Order 1.",
      .origin = "the Pixar course's Euler step",
      .order = 1,
-     .solve = solve<ExplicitEuler>,
+     .solve = solve_baraff_witkin<ExplicitEuler>,
      .amplification = explicit_euler_amplification},
 };
 
-constexpr auto in_binary64 = apply_defaults({.source = source,
-                                             .conserves = kept,
+constexpr auto baraff_witkin_binary64_family = apply_defaults({.source = baraff_witkin_source,
+                                             .conserves = baraff_witkin_invariants,
                                              .control = Control::fixed_step,
                                              .family = Family::published_update,
                                              .formulation = Formulation::full},
-                                            each);
+                                                       baraff_witkin_variants);
 
-constexpr auto family =
-    with_binary32<in_binary64, binary32_refusal, solve<ClassicalRungeKutta, float>, solve<ExplicitEuler, float>>();
+constexpr auto baraff_witkin_family =
+    with_binary32<baraff_witkin_binary64_family, binary32_refusal, solve_baraff_witkin<ClassicalRungeKutta, float>,
+                  solve_baraff_witkin<ExplicitEuler, float>>();
 
 }  // namespace
 
-extern const std::span<const Method> baraff_witkin_methods{family};
+extern const std::span<const Method> baraff_witkin_methods{baraff_witkin_family};
 
 }  // namespace polhode

@@ -33,10 +33,10 @@ class ChartedMotion {
     }
     bool enter(const Segment& segment, S* y) {
         Full full = quaternion_state(y);
-        const bool struck = body_.enter(segment, full.data());
+        const bool changed = body_.enter(segment, full.data());
         put(y, 0, FullMotion::angular_velocity(full.data()));
         put(y, 9, FullMotion::velocity(full.data()));
-        return struck;
+        return changed;
     }
     void derivative(double t, const S* y, S* dy) const {
         const Full full = quaternion_state(y);

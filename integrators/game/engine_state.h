@@ -16,7 +16,7 @@ class EngineState {
         : problem_(&problem),
           loads_(problem),
           inertia_{cast<S>(problem.body.full_inertia.tensor), cast<S>(problem.body.full_inertia.inverse)},
-          held_(problem.body.pivoted) {
+          pivoted_(problem.body.pivoted) {
         restart();
     }
     void restart() {
@@ -24,17 +24,17 @@ class EngineState {
         q_ = cast<S>(body.q);
         w_ = cast<S>(rotate(body.q, body.angular_velocity_B));
         x_ = cast<S>(body.position_W), v_ = cast<S>(body.velocity_W);
-        place_at_pivot();
+        move_to_pivot();
         steps_ = 0;
     }
     void enter(const Segment& segment) {
         loads_.enter(segment);
         if (segment.impulses.empty()) return;
         const Matrix3<S> R = rotation_matrix(q_);
-        Vector3<S> kick;
-        WorldLoads<S>::apply_impulses(*problem_, segment, R, x_, kick, v_);
-        w_ = w_ + R * (inertia_.inverse * (transposed(R) * kick));
-        place_at_pivot();
+        Vector3<S> angular_impulse;
+        WorldLoads<S>::apply_impulses(*problem_, segment, R, x_, angular_impulse, v_);
+        w_ = w_ + R * (inertia_.inverse * (transposed(R) * angular_impulse));
+        move_to_pivot();
     }
     Sample sample(double t) const { return sample_in_world(*problem_, t, cast<double>(q_), w_, x_, v_); }
     bool finite() const { return all_finite(w_, x_, v_) && all_finite(q_); }
@@ -45,11 +45,13 @@ class EngineState {
         return loads_.torque_W(
             t, R, [&] { return q_; }, w_, x_, v_);
     }
-    Vector3<S> acceleration_W(const Matrix3<S>& R) const { return held_ ? Vector3<S>() : loads_.acceleration_W(R, v_); }
+    Vector3<S> acceleration_W(const Matrix3<S>& R) const {
+        return pivoted_ ? Vector3<S>() : loads_.acceleration_W(R, v_);
+    }
     /// Rotates q by the rotation vector h w and normalises it.
-    void turn(S h) { q_ = normalized(quaternion_from_rotation_vector(h * w_) * q_); }
+    void rotate_attitude(S h) { q_ = normalized(quaternion_from_rotation_vector(h * w_) * q_); }
     /// q += (h/2) (0, w) q, then normalises q.
-    void turn_in_first_order(S h) {
+    void rotate_first_order(S h) {
         const Vector3<S> half = (h / 2) * w_;
         const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q_;
         q_ = normalized(Quaternion<S>{q_.w + change.w, q_.x + change.x, q_.y + change.y, q_.z + change.z});
@@ -59,8 +61,8 @@ class EngineState {
         v_ = v_ + h * acceleration;
         x_ = x_ + h * v_;
     }
-    void place_at_pivot() {
-        if (!held_) return;
+    void move_to_pivot() {
+        if (!pivoted_) return;
         x_ = rotate(q_, loads_.forcing().arm);
         v_ = cross(w_, x_);
     }
@@ -68,7 +70,7 @@ class EngineState {
     const Problem* problem_;
     WorldLoads<S> loads_;
     BodyInertia<S> inertia_;
-    bool held_;
+    bool pivoted_;
     Quaternion<S> q_;
     Vector3<S> w_;      ///< world axes
     Vector3<S> x_, v_;  ///< centre of mass

@@ -20,14 +20,14 @@ class MomentumUpdate : public EngineState<S> {
     using Base::q_, Base::w_, Base::inertia_, Base::steps_;
 
   public:
-    explicit MomentumUpdate(const Problem& problem) : Base(problem) { take_momentum(); }
+    explicit MomentumUpdate(const Problem& problem) : Base(problem) { update_momentum(); }
     void restart() {
         Base::restart();
-        take_momentum();
+        update_momentum();
     }
     void enter(const Segment& segment) {
         Base::enter(segment);
-        if (!segment.impulses.empty()) take_momentum();
+        if (!segment.impulses.empty()) update_momentum();
     }
     [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
@@ -35,17 +35,17 @@ class MomentumUpdate : public EngineState<S> {
         const Vector3<S> acceleration = this->acceleration_W(R);
         L_ = L_ + h * this->torque_W(t, R);
         w_ = rate(R);
-        this->turn(h);
+        this->rotate_attitude(h);
         w_ = rate(rotation_matrix(q_));
         this->translate(h, acceleration);
-        this->place_at_pivot();
+        this->move_to_pivot();
         ++steps_;
     }
     long rhs_evaluations() const { return steps_; }
 
   private:
     Vector3<S> rate(const Matrix3<S>& R) const { return R * (inertia_.inverse * (transposed(R) * L_)); }
-    void take_momentum() {
+    void update_momentum() {
         const Matrix3<S> R = rotation_matrix(q_);
         L_ = R * (inertia_.tensor * (transposed(R) * w_));
     }
@@ -79,10 +79,10 @@ class DampedImplicitUpdate : public EngineState<S> {
         J = inertia_.inverse * J;
         for (int i = 0; i < 3; ++i) J[i][i] += 1;
         w_ = R * (w + inverse(J) * (h * (inertia_.inverse * (torque + cross(L, w)))));
-        this->turn(h);
+        this->rotate_attitude(h);
         if (forcing.has_translational_drag) acceleration = (S(1) / (S(1) + h * forcing.specific_drag)) * acceleration;
         this->translate(h, acceleration);
-        this->place_at_pivot();
+        this->move_to_pivot();
         ++steps_;
     }
     long rhs_evaluations() const { return steps_; }
@@ -107,7 +107,7 @@ class MujocoRungeKutta : public EngineState<S> {
         Vector3<S> mean_rate, mean_change, mean_speed, mean_acceleration;
         for (int i = 0; i < 4; ++i) {
             const S part = h * along[i];
-            place(q, w, x, v, part, rate, change, speed, acceleration);
+            set_stage_state(q, w, x, v, part, rate, change, speed, acceleration);
             const Matrix3<S> R = rotation_matrix(q_);
             rate = transposed(R) * w_, speed = v_;
             const Vector3<S> torque = transposed(R) * this->torque_W(t + along[i] * step, R);
@@ -117,35 +117,35 @@ class MujocoRungeKutta : public EngineState<S> {
             mean_speed = mean_speed + weight[i] * speed;
             mean_acceleration = mean_acceleration + weight[i] * acceleration;
         }
-        place(q, w, x, v, h, mean_rate, mean_change, mean_speed, mean_acceleration);
+        set_stage_state(q, w, x, v, h, mean_rate, mean_change, mean_speed, mean_acceleration);
         ++steps_;
     }
     long rhs_evaluations() const { return 4 * steps_; }
 
   private:
     // Sets the state a time `part` after (q, w, x, v), at these rates; w in body axes.
-    void place(const Quaternion<S>& q, const Vector3<S>& w, const Vector3<S>& x, const Vector3<S>& v, S part,
-               const Vector3<S>& rate, const Vector3<S>& change, const Vector3<S>& speed,
-               const Vector3<S>& acceleration) {
+    void set_stage_state(const Quaternion<S>& q, const Vector3<S>& w, const Vector3<S>& x, const Vector3<S>& v, S part,
+                         const Vector3<S>& rate, const Vector3<S>& change, const Vector3<S>& speed,
+                         const Vector3<S>& acceleration) {
         q_ = normalized(q * quaternion_from_rotation_vector(part * rate));
         w_ = rotate(q_, w + part * change);
         x_ = x + part * speed, v_ = v + part * acceleration;
-        this->place_at_pivot();
+        this->move_to_pivot();
     }
 };
 
 template <class Update>
-Trajectory solve_update(const Problem& problem, const Settings& settings) {
+Trajectory solve_engine_update(const Problem& problem, const Settings& settings) {
     return march<Update>(problem, settings);
 }
 
 // v+ = v - c v+ - s theta, theta+ = theta + v+.
 double damped_pendulum_growth(double c, double s) {
-    const double kept = 1 / (1 + c);
-    return spectral_radius(1 - s * kept, kept, -s * kept, kept);
+    const double factor = 1 / (1 + c);
+    return spectral_radius(1 - s * factor, factor, -s * factor, factor);
 }
 
-constexpr Method each_update[] = {
+constexpr Method engine_update_variants[] = {
     {.name = "momentum_exponential_map",
      .documentation =
          "A first-order step whose state is the angular momentum in world axes, L += h tau. w = I_W^-1 L at the "
@@ -153,7 +153,7 @@ constexpr Method each_update[] = {
          "unlike in updates whose state is w in world axes. Order 1.",
      .source = "D. Baraff 1997, Physically Based Modeling, SIGGRAPH course notes (L as the state)",
      .conserves = "|q|; L if no torque acts",
-     .solve = solve_update<MomentumUpdate<double>>,
+     .solve = solve_engine_update<MomentumUpdate<double>>,
      .pendulum_amplification = semi_implicit_euler_pendulum_amplification},
     {.name = "damped_implicit",
      .documentation =
@@ -164,7 +164,7 @@ constexpr Method each_update[] = {
          "derivative of the centripetal force. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrators implicit and implicitfast (mj_implicitSkip, mjd_freeMhat)",
      .conserves = "|q|",
-     .solve = solve_update<DampedImplicitUpdate<double>>,
+     .solve = solve_engine_update<DampedImplicitUpdate<double>>,
      .pendulum_amplification = damped_pendulum_growth},
     {.name = "mujoco_rk4",
      .documentation =
@@ -175,7 +175,7 @@ constexpr Method each_update[] = {
      .source = "Google DeepMind, MuJoCo, integrator RK4 (mj_RungeKutta)",
      .conserves = "|q|",
      .order = 2,
-     .solve = solve_update<MujocoRungeKutta<double>>,
+     .solve = solve_engine_update<MujocoRungeKutta<double>>,
      .amplification = classical_amplification},
     {.name = "xpbd_rigid",
      .documentation =
@@ -191,16 +191,16 @@ constexpr Method each_update[] = {
      .pendulum_amplification = semi_implicit_euler_pendulum_amplification},
 };
 
-constexpr auto updates_in_binary64 = apply_defaults(
+constexpr auto engine_update_binary64_family = apply_defaults(
     {.control = Control::fixed_step, .order = 1, .family = Family::engine_update, .formulation = Formulation::full},
-    each_update);
+    engine_update_variants);
 
-constexpr auto all_updates = with_binary32<updates_in_binary64, binary32_refusal, solve_update<MomentumUpdate<float>>,
-                                           solve_update<DampedImplicitUpdate<float>>,
-                                           solve_update<MujocoRungeKutta<float>>, solve_position_based<float>>();
+constexpr auto engine_update_family = with_binary32<engine_update_binary64_family, binary32_refusal, solve_engine_update<MomentumUpdate<float>>,
+                                           solve_engine_update<DampedImplicitUpdate<float>>,
+                                           solve_engine_update<MujocoRungeKutta<float>>, solve_position_based<float>>();
 
 }  // namespace
 
-extern const std::span<const Method> engine_updates_methods{all_updates};
+extern const std::span<const Method> engine_updates_methods{engine_update_family};
 
 }  // namespace polhode

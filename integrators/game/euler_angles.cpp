@@ -5,8 +5,8 @@
 //   dpsi/dt   = (q sin phi + r cos phi) / cos theta
 //   I dw/dt   = tau - w x I w
 // The closer the motion passes gimbal lock at theta = +-90 deg, the faster roll and yaw change. The angles are not
-// wrapped: beyond a right angle the same equations hold. EulerAnglesStepper takes fixed steps, WatchedSession uses
-// CVODE; Watch records how a run passes gimbal lock.
+// wrapped: beyond a right angle the same equations hold. EulerAnglesStepper takes fixed steps, RecordedSession uses
+// CVODE; LockRecorder records how a run passes gimbal lock.
 #include "integrators/game/euler_angles.h"
 
 #include <fmt/format.h>
@@ -44,40 +44,43 @@ struct RollPitchYaw {
 using AngleMotion = ChartedMotion<RollPitchYaw>;
 using AngleState = std::array<double, AngleMotion::dimension>;
 
-double pitch_of(const double* y) { return AngleMotion::coordinates(y)[1]; }
+double pitch(const double* y) { return AngleMotion::coordinates(y)[1]; }
 
-constexpr double near = 1e-6;  // rad; failures closer to gimbal lock are attributed to it
+constexpr double lock_distance = 1e-6;  // rad; failures closer to gimbal lock are attributed to it
 
 /// Distance of the pitch from the nearest right angle, rad.
-double distance_from_lock(double pitch) { return std::asin(std::min(std::abs(std::cos(pitch)), 1.0)); }
+double distance_from_lock(double pitch_angle) { return std::asin(std::min(std::abs(std::cos(pitch_angle)), 1.0)); }
 
-double largest(const Vector3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
+double largest_component(const Vector3<double>& v) {
+    return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+}
 
 /// Records step sizes, angle rates and distances from gimbal lock.
-class Watch {
+class LockRecorder {
   public:
-    Watch(const Problem& problem, LockPassage* passage) : passage_(passage), from_(problem.scene.duration / 10) {}
+    LockRecorder(const Problem& problem, LockPassage* passage)
+        : passage_(passage), start_time_(problem.scene.duration / 10) {}
 
-    void step(double end, double h) {
-        if (passage_ && end > from_) passage_->smallest_step = std::min(passage_->smallest_step, h);
+    void record_step(double end, double h) {
+        if (passage_ && end > start_time_) passage_->smallest_step = std::min(passage_->smallest_step, h);
     }
-    void angles(double pitch, const Vector3<double>& rate) {
+    void record_angles(double pitch_angle, const Vector3<double>& rate) {
         if (!passage_) return;
-        passage_->nearest = std::min(passage_->nearest, distance_from_lock(pitch));
-        passage_->largest_angle_rate = std::max(passage_->largest_angle_rate, largest(rate));
+        passage_->nearest = std::min(passage_->nearest, distance_from_lock(pitch_angle));
+        passage_->largest_angle_rate = std::max(passage_->largest_angle_rate, largest_component(rate));
     }
-    bool looks() const { return passage_ != nullptr; }
+    bool is_recording() const { return passage_ != nullptr; }
 
   private:
     LockPassage* passage_;
-    double from_;
+    double start_time_;
 };
 
 /// Explicit Euler steps. A step that would change an angle by more than half a revolution fails and ends the run.
 class EulerAnglesStepper {
   public:
     EulerAnglesStepper(const Problem& problem, LockPassage* const& passage)
-        : motion_(problem), watch_(problem, passage) {
+        : motion_(problem), recorder_(problem, passage) {
         restart();
     }
     void restart() {
@@ -90,15 +93,15 @@ class EulerAnglesStepper {
         AngleState rate{};
         motion_.derivative(t, y_.data(), rate.data());
         const Vector3<double> angle_rate = AngleMotion::coordinates(rate.data());
-        watch_.angles(pitch_of(y_.data()), angle_rate);
+        recorder_.record_angles(pitch(y_.data()), angle_rate);
         ++steps_;
-        turn_ = h * largest(angle_rate);
-        if (turn_ > std::numbers::pi) {
+        angle_change_ = h * largest_component(angle_rate);
+        if (angle_change_ > std::numbers::pi) {
             failed_ = true, failed_at_ = t;
             return;
         }
         ExplicitEuler::step([&](double, const AngleState&) { return rate; }, t, y_, h);
-        watch_.step(t + h, h);
+        recorder_.record_step(t + h, h);
     }
     Sample sample(double t) const { return motion_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
@@ -109,48 +112,48 @@ class EulerAnglesStepper {
         trajectory.status = Status::failed;
         trajectory.message = fmt::format(
             "at t = {:g} s an angle would change by {:.3g} rad in one step; the pitch is {:.3g} rad from gimbal lock",
-            failed_at_, turn_, distance_from_lock(pitch_of(y_.data())));
+            failed_at_, angle_change_, distance_from_lock(pitch(y_.data())));
     }
 
   private:
     AngleMotion motion_;
-    Watch watch_;
+    LockRecorder recorder_;
     AngleState y_{};
     long steps_ = 0;
     bool failed_ = false;
-    double failed_at_ = 0, turn_ = 0;
+    double failed_at_ = 0, angle_change_ = 0;
 };
 
 // Not FixedVector itself, because a session on that would require a Jacobian for Newton's method.
 struct AngleVector : FixedVector<AngleMotion::dimension> {};
 
 template <class SystemType, class Vector>
-class WatchedSession : public CvodeSession<SystemType, Vector> {
+class RecordedSession : public CvodeSession<SystemType, Vector> {
     using Base = CvodeSession<SystemType, Vector>;
 
   public:
-    WatchedSession(const Problem& problem, double tolerance, LockPassage* passage)
-        : Base(problem, Multistep::adams, Iteration::functional, tolerance), watch_(problem, passage) {}
+    RecordedSession(const Problem& problem, double tolerance, LockPassage* passage)
+        : Base(problem, Multistep::adams, Iteration::functional, tolerance), recorder_(problem, passage) {}
 
     int step() {
-        const double begin = this->time();
+        const double start = this->time();
         const int flag = Base::step();
-        if (flag < 0 || !watch_.looks()) return flag;
-        if (flag != CV_TSTOP_RETURN) watch_.step(this->time(), this->time() - begin);
+        if (flag < 0 || !recorder_.is_recording()) return flag;
+        if (flag != CV_TSTOP_RETURN) recorder_.record_step(this->time(), this->time() - start);
         if constexpr (std::is_same_v<SystemType, AngleMotion>) {
             const double* y = this->y();
-            watch_.angles(pitch_of(y), this->system_.coordinate_rate(y));
+            recorder_.record_angles(pitch(y), this->system_.coordinate_rate(y));
         }
         return flag;
     }
 
   private:
-    Watch watch_;
+    LockRecorder recorder_;
 };
 
 template <class SystemType, class Vector>
-Trajectory solve_watched(const Problem& problem, const Settings& settings, LockPassage* passage) {
-    WatchedSession<SystemType, Vector> session(problem, *settings.tolerance, passage);
+Trajectory solve_recorded(const Problem& problem, const Settings& settings, LockPassage* passage) {
+    RecordedSession<SystemType, Vector> session(problem, *settings.tolerance, passage);
     return run_sundials(problem, settings, session);
 }
 
@@ -161,11 +164,11 @@ Trajectory euler_angles_cvode(const Problem& problem, const Settings& settings) 
     return solve_euler_angles_cvode(problem, settings, nullptr);
 }
 
-constexpr std::string_view source =
+constexpr std::string_view euler_angles_source =
     "D. Fleck, Game Physics, part IV: Moving to 3D (slides: roll, pitch, yaw); the rates as in B. Etkin, Dynamics of "
     "Atmospheric Flight, 1972, section 5.2";
 
-constexpr Method each[] = {
+constexpr Method euler_angles_variants[] = {
     {.name = "euler_angles",
      .documentation =
          "Roll, pitch and yaw (z-y-x) and w in body axes by explicit Euler steps, I dw/dt = tau - w x Iw. Near "
@@ -190,11 +193,11 @@ constexpr Method each[] = {
      .library = sundials_library},
 };
 
-constexpr auto family = apply_defaults({.source = source,
+constexpr auto euler_angles_family = apply_defaults({.source = euler_angles_source,
                                         .conserves = "nothing; |q| = 1 by construction",
                                         .family = Family::published_update,
                                         .formulation = Formulation::full},
-                                       each);
+                                             euler_angles_variants);
 
 }  // namespace
 
@@ -203,12 +206,12 @@ Trajectory solve_euler_angles(const Problem& problem, const Settings& settings, 
 }
 
 Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
-    LockPassage own;
-    if (!passage) passage = &own;
+    LockPassage unused;
+    if (!passage) passage = &unused;
     passage->nearest = distance_from_lock(euler_from_quaternion(EulerSequence::zyx, problem.body.q)[1]);
-    Trajectory trajectory = solve_watched<AngleMotion, AngleVector>(problem, settings, passage);
+    Trajectory trajectory = solve_recorded<AngleMotion, AngleVector>(problem, settings, passage);
     // CVODE reports only that its steps become too small, not why.
-    if (trajectory.status != Status::ok && passage->nearest < near)
+    if (trajectory.status != Status::ok && passage->nearest < lock_distance)
         trajectory.message =
             fmt::format("the pitch came within {:.3g} rad of gimbal lock; {}", passage->nearest, trajectory.message);
     return trajectory;
@@ -216,9 +219,9 @@ Trajectory solve_euler_angles_cvode(const Problem& problem, const Settings& sett
 
 Trajectory solve_quaternion_cvode(const Problem& problem, const Settings& settings, LockPassage* passage) {
     using Vector = FixedVector<FullMotion::dimension>;
-    return solve_watched<FullMotion, Vector>(problem, settings, passage);
+    return solve_recorded<FullMotion, Vector>(problem, settings, passage);
 }
 
-extern const std::span<const Method> euler_angles_methods{family};
+extern const std::span<const Method> euler_angles_methods{euler_angles_family};
 
 }  // namespace polhode

@@ -22,12 +22,11 @@
 namespace polhode {
 namespace {
 
-using Term = GyroscopicTerm;
-enum class Turning { exponential, first_order };
+enum class AttitudeUpdate { exponential, first_order };
 
-/// `parts`: number of substeps of the gyroscopic term and the attitude, each with an equal part of the change due to
+/// `substeps`: number of substeps of the gyroscopic term and the attitude, each with an equal part of the change due to
 /// loads.
-template <Term term, Turning turning, int parts, class S>
+template <GyroscopicTerm term, AttitudeUpdate attitude_update, int substeps, class S>
 class GyroscopicUpdate : public EngineState<S> {
     using Base = EngineState<S>;
     using Base::q_, Base::w_, Base::inertia_, Base::steps_;
@@ -35,29 +34,31 @@ class GyroscopicUpdate : public EngineState<S> {
   public:
     using Base::Base;
     [[gnu::flatten]] void step(double t, double step) {
-        const S h = S(step) / parts;
+        const S h = S(step) / substeps;
         Matrix3<S> R = rotation_matrix(q_);
         const Vector3<S> torque = this->torque_W(t, R), acceleration = this->acceleration_W(R);
-        for (int part = 0; part < parts; ++part) {
-            if (part > 0) R = rotation_matrix(q_);
+        for (int substep = 0; substep < substeps; ++substep) {
+            if (substep > 0) R = rotation_matrix(q_);
             const Matrix3<S> back = transposed(R);
             w_ = w_ + h * (R * (inertia_.inverse * (back * torque)));
-            if constexpr (term != Term::none) w_ = R * inertia_.template turned<term>(back * w_, h);
-            if constexpr (turning == Turning::exponential)
-                this->turn(h);
+            if constexpr (term != GyroscopicTerm::none)
+                w_ = R * inertia_.template apply_gyroscopic_term<term>(back * w_, h);
+            if constexpr (attitude_update == AttitudeUpdate::exponential)
+                this->rotate_attitude(h);
             else
-                this->turn_in_first_order(h);
+                this->rotate_first_order(h);
             this->translate(h, acceleration);
         }
-        this->place_at_pivot();
+        this->move_to_pivot();
         ++steps_;
     }
     long rhs_evaluations() const { return steps_; }
 };
 
-template <Term term, Turning turning = Turning::exponential, int parts = 1, class S = double>
-Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<GyroscopicUpdate<term, turning, parts, S>>(problem, settings);
+template <GyroscopicTerm term, AttitudeUpdate attitude_update = AttitudeUpdate::exponential, int substeps = 1,
+          class S = double>
+Trajectory solve_gyroscopic(const Problem& problem, const Settings& settings) {
+    return march<GyroscopicUpdate<term, attitude_update, substeps, S>>(problem, settings);
 }
 
 // a = -c v - s theta, v+ = v + a, theta+ = theta + the mean of v + a/4, v + 2a/4, v + 3a/4 and v + a.
@@ -66,9 +67,9 @@ double substepped_pendulum_growth(double c, double s) {
     return spectral_radius(1 - share * s, 1 - share * c, -s, 1 - c);
 }
 
-constexpr std::string_view catto = "E. Catto 2015, Numerical Methods, Game Developers Conference";
+constexpr std::string_view catto_source = "E. Catto 2015, Numerical Methods, Game Developers Conference";
 
-constexpr Method each[] = {
+constexpr Method gyroscopic_variants[] = {
     {.name = "gyroscopic_none",
      .documentation =
          "The semi-implicit step of game engines without a gyroscopic term: only loads change w in world axes, then q "
@@ -76,22 +77,22 @@ constexpr Method each[] = {
          "different motion: a free body spins indefinitely about an axis fixed in body and world. Godot, cannon-es and "
          "Havok's web build use it; Jolt, PhysX and Unity use it by default.",
      .conserves = "|q|; w in world axes, not L, if no torque acts",
-     .solve = solve<Term::none>},
+     .solve = solve_gyroscopic<GyroscopicTerm::none>},
     {.name = "gyroscopic_explicit",
      .documentation =
          "The gyroscopic term by an explicit Euler step in body axes, w -= h I^-1 (w x I w). For a free body every "
          "step adds h^2/2 (dw/dt . I dw/dt) to the energy, so that a tumbling body spins up until it diverges. An "
          "option of Bullet; Chrono, DART and MuJoCo's Euler use the same update. Order 1.",
      .source = "the sources of the engines named; D. Baraff & A. Witkin 1997 for the equation",
-     .solve = solve<Term::explicit_euler>},
+     .solve = solve_gyroscopic<GyroscopicTerm::explicit_euler>},
     {.name = "gyroscopic_implicit",
      .documentation =
          "The gyroscopic term by an implicit Euler step in body axes, I (w - w0) + h w x I w = 0, solved by one "
          "Newton step from w0. A free tumbling body loses energy until it rotates about the axis of its largest "
          "moment, and its momentum decreases. Bullet's default; Box3D and MuJoCo's implicit integrators use the "
          "same update. Order 1.",
-     .source = catto,
-     .solve = solve<Term::one_newton_step>},
+     .source = catto_source,
+     .solve = solve_gyroscopic<GyroscopicTerm::one_newton_step>},
     {.name = "gyroscopic_rescaled_momentum",
      .documentation =
          "The angular momentum in body axes by an explicit Euler step, L + h L x w, rescaled to its previous "
@@ -100,7 +101,7 @@ constexpr Method each[] = {
          "use it if their gyroscopic forces are enabled. Order 1.",
      .source = "J. Rouwe, Jolt Physics, MotionProperties::ApplyGyroscopicForceInternal; NVIDIA PhysX 5",
      .conserves = "|q|; |L|, not L, if no torque acts",
-     .solve = solve<Term::rescaled_momentum>},
+     .solve = solve_gyroscopic<GyroscopicTerm::rescaled_momentum>},
     {.name = "gyroscopic_linearly_implicit",
      .documentation =
          "The gyroscopic term with the momentum at the start of the step and the new w, (I - h skew(I w0)) w = I "
@@ -108,7 +109,7 @@ constexpr Method each[] = {
          "size. The term of ODE 0.16, which rotates the body by the first-order quaternion update unless finite "
          "rotations are enabled. Order 1.",
      .source = "C. Lacoursière 2006, Stabilizing gyroscopic forces in rigid multibody simulations, UMINF 06.05",
-     .solve = solve<Term::linearly_implicit>},
+     .solve = solve_gyroscopic<GyroscopicTerm::linearly_implicit>},
     {.name = "midpoint_gyroscopic",
      .documentation =
          "The gyroscopic term by the implicit midpoint rule in body axes, its equations solved to rounding. The "
@@ -116,7 +117,7 @@ constexpr Method each[] = {
          "`implicitfast` from 3.7 to 3.10 and by Genesis. Order 1.",
      .source = "Google DeepMind, MuJoCo 3.7; Genesis",
      .conserves = "|q|; |L|, not L, and energy if no loads act",
-     .solve = solve<Term::midpoint>},
+     .solve = solve_gyroscopic<GyroscopicTerm::midpoint>},
     {.name = "gyroscopic_substepped",
      .documentation =
          "`gyroscopic_rescaled_momentum` in four parts per step: torque and force are evaluated once, at the start "
@@ -124,36 +125,37 @@ constexpr Method each[] = {
          "This is Rapier's scheme with four solver iterations. Order 1.",
      .source = "Dimforge, Rapier",
      .conserves = "|q|; |L|, not L, if no torque acts",
-     .solve = solve<Term::rescaled_momentum, Turning::exponential, 4>,
+     .solve = solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 4>,
      .pendulum_amplification = substepped_pendulum_growth},
     {.name = "first_order_quaternion",
      .documentation =
          "`gyroscopic_explicit` with the attitude by the first-order update instead of the exponential: q += (h/2) "
          "(0, w) q, normalised, which rotates by 2 atan(h |w| / 2) instead of h |w|. ODE's default and cannon-es "
          "use this attitude update (cannon-es without a gyroscopic term). Order 1.",
-     .solve = solve<Term::explicit_euler, Turning::first_order>},
+     .solve = solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::first_order>},
 };
 
-constexpr auto in_binary64 = apply_defaults({.source = "the sources of the engines named",
+constexpr auto gyroscopic_binary64_family = apply_defaults({.source = "the sources of the engines named",
                                              .conserves = "|q|",
                                              .control = Control::fixed_step,
                                              .order = 1,
                                              .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
                                              .family = Family::engine_update,
                                              .formulation = Formulation::full},
-                                            each);
+                                                    gyroscopic_variants);
 
-constexpr auto family = with_binary32<in_binary64, binary32_refusal, solve<Term::none, Turning::exponential, 1, float>,
-                                      solve<Term::explicit_euler, Turning::exponential, 1, float>,
-                                      solve<Term::one_newton_step, Turning::exponential, 1, float>,
-                                      solve<Term::rescaled_momentum, Turning::exponential, 1, float>,
-                                      solve<Term::linearly_implicit, Turning::exponential, 1, float>,
-                                      solve<Term::midpoint, Turning::exponential, 1, float>,
-                                      solve<Term::rescaled_momentum, Turning::exponential, 4, float>,
-                                      solve<Term::explicit_euler, Turning::first_order, 1, float>>();
+constexpr auto gyroscopic_family = with_binary32<gyroscopic_binary64_family, binary32_refusal,
+                  solve_gyroscopic<GyroscopicTerm::none, AttitudeUpdate::exponential, 1, float>,
+                                      solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::exponential, 1, float>,
+                                      solve_gyroscopic<GyroscopicTerm::one_newton_step, AttitudeUpdate::exponential, 1, float>,
+                                      solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 1, float>,
+                                      solve_gyroscopic<GyroscopicTerm::linearly_implicit, AttitudeUpdate::exponential, 1, float>,
+                                      solve_gyroscopic<GyroscopicTerm::midpoint, AttitudeUpdate::exponential, 1, float>,
+                                      solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 4, float>,
+                                      solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::first_order, 1, float>>();
 
 }  // namespace
 
-extern const std::span<const Method> gyroscopic_methods{family};
+extern const std::span<const Method> gyroscopic_methods{gyroscopic_family};
 
 }  // namespace polhode

@@ -19,7 +19,7 @@ struct BodyInertia {
 
     /// w_B after a time h of the gyroscopic term alone.
     template <GyroscopicTerm term>
-    Vector3<S> turned(const Vector3<S>& w, S h) const {
+    Vector3<S> apply_gyroscopic_term(const Vector3<S>& w, S h) const {
         if constexpr (term == GyroscopicTerm::none) return w;
         const Vector3<S> L = tensor * w;
         if constexpr (term == GyroscopicTerm::explicit_euler) return w + h * (inverse * cross(L, w));
@@ -36,10 +36,10 @@ struct BodyInertia {
         if constexpr (term == GyroscopicTerm::midpoint) {
             // For the mean m: m - w + (h/2) I^-1 (m x I m) = 0, with the Jacobian 1 + (h/2) I^-1 (skew(m) I - skew(I
             // m)).
-            constexpr int most_iterations = 20;
+            constexpr int max_iterations = 20;
             Vector3<S> mean = w;
             S before = std::numeric_limits<S>::infinity();
-            for (int i = 0; i < most_iterations; ++i) {
+            for (int i = 0; i < max_iterations; ++i) {
                 const Vector3<S> momentum = tensor * mean;
                 Matrix3<S> J = skew(mean) * tensor;
                 const Matrix3<S> skew_L = skew(momentum);
@@ -57,9 +57,9 @@ struct BodyInertia {
             return S(2) * mean - w;
         }
         if constexpr (term == GyroscopicTerm::rescaled_momentum) {
-            const Vector3<S> turned = L + h * cross(L, w);
-            const S before = hypotenuse(L), after = hypotenuse(turned);
-            return after > 0 ? inverse * ((before / after) * turned) : w;
+            const Vector3<S> L_new = L + h * cross(L, w);
+            const S before = hypotenuse(L), after = hypotenuse(L_new);
+            return after > 0 ? inverse * ((before / after) * L_new) : w;
         }
     }
 };

@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-enum class Detection { after_the_step, by_halving };
+enum class Detection { step_end, halving };
 
 /// Halving continues until the body's depth in a plane is below this fraction of its size.
 constexpr double allowed_depth = 1e-6;
@@ -24,16 +24,16 @@ class ImpactStepper {
     void restart() {
         system_.initial(y_.data());
         evaluations_ = 0;
-        times_.clear();
+        impact_times_.clear();
     }
     void enter(const Segment& segment) { system_.enter(segment, y_.data()); }
     void step(double t, double h) {
         if (!problem_->body.geometry->any()) return advance(t, h);
-        if constexpr (detection == Detection::after_the_step) {
+        if constexpr (detection == Detection::step_end) {
             advance(t, h);
-            strike(t + h, 0);
+            apply_impacts(t + h, 0);
         } else {
-            halve(t, h);
+            step_by_halving(t, h);
         }
     }
     Sample sample(double t) const {
@@ -46,10 +46,10 @@ class ImpactStepper {
     long rhs_evaluations() const { return evaluations_; }
     /// Reports the impacts since restart().
     void report(Trajectory& trajectory) const {
-        trajectory.impact_times = times_;
-        if (trajectory.status == Status::ok && !times_.empty())
-            trajectory.message = fmt::format("{} impact{}, the last at t = {:.10g} s", times_.size(),
-                                             times_.size() == 1 ? "" : "s", times_.back());
+        trajectory.impact_times = impact_times_;
+        if (trajectory.status == Status::ok && !impact_times_.empty())
+            trajectory.message = fmt::format("{} impact{}, the last at t = {:.10g} s", impact_times_.size(),
+                                             impact_times_.size() == 1 ? "" : "s", impact_times_.back());
     }
 
   private:
@@ -66,30 +66,31 @@ class ImpactStepper {
                                  normalized(Quaternion<double>{q.w + dq.w, q.x + dq.x, q.y + dq.y, q.z + dq.z}));
         for (int i = 7; i < 10; ++i) y_[i] += h * y_[i + 3];
     }
-    void strike(double t, double tolerance) {
-        if (resolve_plane_impacts(*problem_, tolerance, y_.data()).has_impact) times_.push_back(t);
+    void apply_impacts(double t, double tolerance) {
+        if (resolve_plane_impacts(*problem_, tolerance, y_.data()).has_impact) impact_times_.push_back(t);
     }
     double distance() const { return problem_->body.geometry->distance(placement_of(y_.data())); }
 
     // A part of the step that ends too deep is repeated with half its length. The number of parts per step is
     // limited: after that (as for a body at rest), the remainder is taken in one part.
-    void halve(double t, double h) {
-        constexpr int most_parts = 1000;
-        const double deep = -allowed_depth * problem_->body.geometry->reach, shortest = std::ldexp(h, -48);
-        double left = h, part = h;
-        for (int parts = 0; left > 0; ++parts) {
+    void step_by_halving(double t, double h) {
+        constexpr int max_substeps = 1000;
+        const double depth_limit = -allowed_depth * problem_->body.geometry->reach, shortest = std::ldexp(h, -48);
+        double remaining = h, substep = h;
+        for (int substeps = 0; remaining > 0; ++substeps) {
             const State before = y_;
-            const double begun = distance();
-            advance(t, part);
-            const double reached = distance();
-            if (reached < deep && reached < begun && part > shortest && parts < most_parts) {
+            const double distance_before = distance();
+            advance(t, substep);
+            const double distance_after = distance();
+            if (distance_after < depth_limit && distance_after < distance_before && substep > shortest &&
+                substeps < max_substeps) {
                 y_ = before;
-                part /= 2;
+                substep /= 2;
                 continue;
             }
-            t += part, left -= part;
-            if (reached <= 0) strike(t, 0);
-            part = left;
+            t += substep, remaining -= substep;
+            if (distance_after <= 0) apply_impacts(t, 0);
+            substep = remaining;
         }
     }
 
@@ -97,16 +98,16 @@ class ImpactStepper {
     SystemType system_;
     State y_{};
     long evaluations_ = 0;
-    std::vector<double> times_;
+    std::vector<double> impact_times_;
 };
 
 template <Detection detection>
-Trajectory solve_steps(const Problem& problem, const Settings& settings) {
+Trajectory solve_impact_stepping(const Problem& problem, const Settings& settings) {
     if (problem.formulation == Formulation::full) return march<ImpactStepper<FullMotion, detection>>(problem, settings);
     return march<ImpactStepper<LoadedMotion, detection>>(problem, settings);
 }
 
-constexpr Method each[] = {
+constexpr Method impact_stepping_variants[] = {
     {.name = "impact_stepping",
      .documentation =
          "Semi-implicit Euler as in game engines, with impacts detected after the step: if a step ends with the body "
@@ -115,7 +116,7 @@ constexpr Method each[] = {
      .source =
          "E. Catto 2005-2015, GDC talks on sequential impulses; C. Hecker 1997, Game Developer, \"Physics, Part 4\" "
          "(the impulse)",
-     .solve = solve_steps<Detection::after_the_step>},
+     .solve = solve_impact_stepping<Detection::step_end>},
     {.name = "impact_halving",
      .documentation =
          "`impact_stepping` with the rule of game-physics lectures: a step that ends too deep in a plane is repeated "
@@ -124,19 +125,19 @@ constexpr Method each[] = {
      .source =
          "C. Hecker 1997, Game Developer, \"Physics, Part 3: Collision Response\"; lecture slides on game physics "
          "after it",
-     .solve = solve_steps<Detection::by_halving>},
+     .solve = solve_impact_stepping<Detection::halving>},
 };
 
-constexpr auto list = apply_defaults({.conserves = "|q|; at an impact, the invariants of the impulse",
+constexpr auto impact_stepping_family = apply_defaults({.conserves = "|q|; at an impact, the invariants of the impulse",
                                       .control = Control::fixed_step,
                                       .planes = true,
                                       .order = 1,
                                       .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
                                       .family = Family::published_update},
-                                     each);
+                                                impact_stepping_variants);
 
 }  // namespace
 
-extern const std::span<const Method> impact_stepping_methods{list};
+extern const std::span<const Method> impact_stepping_methods{impact_stepping_family};
 
 }  // namespace polhode

@@ -26,7 +26,7 @@ class PositionBasedUpdate : public EngineState<S> {
   public:
     /// `arm`: pivot relative to the centre of mass, body axes, m. `step`: length of a step without events, s.
     PositionBasedUpdate(const Problem& problem, const std::optional<Vector3<double>>& arm, double step)
-        : Base(problem), shortest_(step / 64) {
+        : Base(problem), min_step_(step / 64) {
         if (arm) arm_ = cast<S>(*arm);
     }
     [[gnu::flatten]] void step(double t, double step) {
@@ -37,10 +37,10 @@ class PositionBasedUpdate : public EngineState<S> {
         const Vector3<S> w = transposed(R) * w_, torque = transposed(R) * this->torque_W(t, R);
         this->translate(h, this->acceleration_W(R));
         w_ = w_ + h * (R * (inertia_.inverse * (torque + cross(inertia_.tensor * w, w))));
-        this->turn_in_first_order(h);
+        this->rotate_first_order(h);
         ++steps_;
-        if (step < shortest_) return;
-        if (arm_) hold();
+        if (step < min_step_) return;
+        if (arm_) solve_pivot();
         v_ = (S(1) / h) * (x_ - x);
         const Quaternion<S> change = q_ * conjugate(q);
         w_ = ((change.w < 0 ? S(-2) : S(2)) / h) * vector_part(change);
@@ -48,21 +48,22 @@ class PositionBasedUpdate : public EngineState<S> {
     long rhs_evaluations() const { return steps_; }
 
   private:
-    void hold() {
+    void solve_pivot() {
         const Matrix3<S> R = rotation_matrix(q_);
         const Vector3<S> r = R * *arm_, c = x_ + r;
         const S distance = hypotenuse(c);
         if (!(distance > 0)) return;
         const Vector3<S> n = (S(1) / distance) * c, lever = cross(r, n);
-        const Vector3<S> turned = R * (inertia_.inverse * (transposed(R) * lever));
-        const S inverse_mass = S(1 / problem_->body.mass), lambda = -distance / (inverse_mass + dot(lever, turned));
+        const Vector3<S> angular_response = R * (inertia_.inverse * (transposed(R) * lever));
+        const S inverse_mass = S(1 / problem_->body.mass),
+                lambda = -distance / (inverse_mass + dot(lever, angular_response));
         x_ = x_ + (lambda * inverse_mass) * n;
-        w_ = lambda * turned;  // as a rotation in unit time
-        this->turn_in_first_order(1);
+        w_ = lambda * angular_response;  // as a rotation in unit time
+        this->rotate_first_order(1);
     }
 
     std::optional<Vector3<S>> arm_;
-    double shortest_;  ///< s; shorter steps keep their velocities and leave the pivot to the next step
+    double min_step_;  ///< s; shorter steps keep their velocities and leave the pivot to the next step
 };
 
 /// The body keeps all its coordinates, and the pivot is a constraint.

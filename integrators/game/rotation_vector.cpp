@@ -39,9 +39,9 @@ struct RotationVectorChart {
 };
 
 template <class S>
-class RotationVector {
+class RotationVectorStepper {
   public:
-    explicit RotationVector(const Problem& problem) : motion_(problem) { restart(); }
+    explicit RotationVectorStepper(const Problem& problem) : motion_(problem) { restart(); }
     void restart() {
         motion_.initial(y_.data());
         steps_ = 0;
@@ -76,11 +76,11 @@ class RotationVector {
 };
 
 template <class S>
-Trajectory solve(const Problem& problem, const Settings& settings) {
-    return march<RotationVector<S>>(problem, settings);
+Trajectory solve_rotation_vector(const Problem& problem, const Settings& settings) {
+    return march<RotationVectorStepper<S>>(problem, settings);
 }
 
-constexpr Method each[] = {
+constexpr Method rotation_vector_variants[] = {
     {.name = "rotation_vector",
      .documentation =
          "The attitude as a rotation vector theta (axis times angle), with w in body axes, by the classical "
@@ -94,17 +94,18 @@ constexpr Method each[] = {
      .conserves = "|q| to round-off",
      .control = Control::fixed_step,
      .order = 4,
-     .solve = solve<double>,
+     .solve = solve_rotation_vector<double>,
      .amplification = classical_amplification},
 };
 
-constexpr auto in_binary64 =
-    apply_defaults({.family = Family::published_update, .formulation = Formulation::full}, each);
+constexpr auto rotation_vector_binary64_family =
+    apply_defaults({.family = Family::published_update, .formulation = Formulation::full}, rotation_vector_variants);
 
-constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve<float>>();
+constexpr auto rotation_vector_family =
+    with_binary32<rotation_vector_binary64_family, binary32_system_refusal, solve_rotation_vector<float>>();
 
 }  // namespace
 
-extern const std::span<const Method> rotation_vector_methods{family};
+extern const std::span<const Method> rotation_vector_methods{rotation_vector_family};
 
 }  // namespace polhode

@@ -15,19 +15,19 @@ namespace polhode {
 namespace {
 
 template <class S>
-class Buss : public MomentumStateOf<S> {
+class BussStepper : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
-    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W;
+    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::has_loads, Base::rates, Base::torque_W;
 
   public:
-    explicit Buss(const Problem& problem) : Base(problem) {}
+    explicit BussStepper(const Problem& problem) : Base(problem) {}
 
     void step(double t, double step) {
         const S h = S(step);
         const Quaternion<S> q = attitude_.value();
         const Matrix3<S> R = rotation_matrix(q), back = transposed(R);
         const Vector3<S> L = momentum_.value(), y = back * L, w = rates(y);
-        const bool torque_acts = loaded();
+        const bool torque_acts = has_loads();
         Vector3<S> torque, acceleration = rates(cross(y, w));
         if (torque_acts) {
             torque = torque_W(t, R, q, w, {}, {});
@@ -54,7 +54,7 @@ double buss_pendulum_growth(double c, double s) {
                            1 + (-c - c * (1 - c) - s * theta_of_v) / 2);
 }
 
-constexpr Method each[] = {
+constexpr Method buss_variants[] = {
     {.name = "buss",
      .documentation =
          "The augmented second-order method of Buss: one rotation per step, by a rate corrected with the angular "
@@ -65,16 +65,18 @@ constexpr Method each[] = {
      .conserves = "|q|; L in world axes exactly if no torque acts; not energy",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_momentum<Buss<double>>,
+     .solve = march_momentum<BussStepper<double>>,
      .pendulum_amplification = buss_pendulum_growth},
 };
 
-constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
+constexpr auto buss_binary64_family =
+    apply_defaults({.family = Family::rotation_group, .refusal = translation_refusal}, buss_variants);
 
-constexpr auto family = with_binary32<in_binary64, binary32_refusal, march_momentum<Buss<float>>>();
+constexpr auto buss_family =
+    with_binary32<buss_binary64_family, binary32_refusal, march_momentum<BussStepper<float>>>();
 
 }  // namespace
 
-extern const std::span<const Method> buss_methods{family};
+extern const std::span<const Method> buss_methods{buss_family};
 
 }  // namespace polhode

@@ -4,7 +4,7 @@
 //
 // The flows are ThreeRotations, ExactFreeMotion and DiscreteMoserVeselov. A flow has `void prepare(const
 // Vector3<double>& y)`, called whenever the momentum's length or the energy has changed by more than rounding, and
-// `bool turn(const Vector3<double>& y, double h, RotationIncrement& d)`, which returns false if it finds no solution.
+// `bool compute_rotation(const Vector3<double>& y, double h, RotationIncrement& d)`, which returns false if it finds no solution.
 #pragma once
 
 #include <array>
@@ -28,14 +28,14 @@ class ThreeRotations {
         : inverse_moments_(cast<S>(problem.body.principal_inertia.inverse_moments)) {}
 
     void prepare(const Vector3<S>&) {}
-    bool turn(const Vector3<S>& y, S h, RotationIncrementOf<S>& d) const {
+    bool compute_rotation(const Vector3<S>& y, S h, RotationIncrementOf<S>& d) const {
         Vector3<S> now = y;
         d = {};
-        about<0>(h / 2, now, d);
-        about<1>(h / 2, now, d);
-        about<2>(h, now, d);
-        about<1>(h / 2, now, d);
-        about<0>(h / 2, now, d);
+        rotate_about<0>(h / 2, now, d);
+        rotate_about<1>(h / 2, now, d);
+        rotate_about<2>(h, now, d);
+        rotate_about<1>(h / 2, now, d);
+        rotate_about<0>(h / 2, now, d);
         return true;
     }
 
@@ -44,7 +44,7 @@ class ThreeRotations {
 
     // Rotates by half = h y_i / 2 I_i: updates d, and rotates the other two components of y back.
     template <int i>
-    void about(S h, Vector3<S>& y, RotationIncrementOf<S>& d) const {
+    void rotate_about(S h, Vector3<S>& y, RotationIncrementOf<S>& d) const {
         constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
         const S half = S(0.5) * h * inverse_moments_[i] * y[i];
         const SineCosine f(half * half);
@@ -82,15 +82,15 @@ class ExactFreeMotion {
             // I_i g_i / (I_j I_k) = 1/I_k - 1/I_j without its cancellation.
             coefficient_[i] = g[i] * moments_[i] * inverse_moments_[j] * inverse_moments_[k];
         }
-        if (axis_ >= 0) excess_ = inverse_moments_[axis_] - inverse_moments_[(axis_ + 1) % 3];
+        if (axis_ >= 0) inverse_difference_ = inverse_moments_[axis_] - inverse_moments_[(axis_ + 1) % 3];
     }
 
     void prepare(const Vector3<double>&) {}
-    bool turn(const Vector3<double>& y, double h, RotationIncrement& d) const {
+    bool compute_rotation(const Vector3<double>& y, double h, RotationIncrement& d) const {
         if (axis_ < 0) return series(y, h, d) || closed_form(y, h, d);
         // w = y / I1 + (1/I3 - 1/I1) y3 e3: a rotation about y, which is fixed in the world, and one about e3.
         d = rotation_increment((h * inverse_moments_[(axis_ + 1) % 3]) * y);
-        const double half = 0.5 * h * excess_ * y[axis_];
+        const double half = 0.5 * h * inverse_difference_ * y[axis_];
         const SineCosine f(half * half);
         RotationIncrement spin;
         spin.w = f.cosine_less_one, spin.v[axis_] = half * f.sine_by_angle;
@@ -99,11 +99,11 @@ class ExactFreeMotion {
     }
 
   private:
-    static constexpr int most = 20;  ///< terms; beyond this number the closed form is cheaper
+    static constexpr int max_terms = 20;  ///< terms; beyond this number the closed form is cheaper
 
     Vector3<double> moments_, inverse_moments_, coefficient_;
     int axis_ = -1;
-    double excess_ = 0;
+    double inverse_difference_ = 0;
 
     // With t in units of h: (k+1) y_i,k+1 = h (1/I_k - 1/I_j) sum of y_j,l y_k,k-l.
     bool series(const Vector3<double>& start, double h, RotationIncrement& d) const {
@@ -114,14 +114,14 @@ class ExactFreeMotion {
         const double a0 = h * coefficient_[0], a1 = h * coefficient_[1], a2 = h * coefficient_[2];
         const Vector3<double> rate(inverse_moments_[0] * start[0], inverse_moments_[1] * start[1],
                                    inverse_moments_[2] * start[2]);
-        std::array<double, most + 1> y0{}, y1{}, y2{}, D{}, F{};
+        std::array<double, max_terms + 1> y0{}, y1{}, y2{}, D{}, F{};
         y0[0] = start[0], y1[0] = start[1], y2[0] = start[2];
         F[0] = dot(rate, start) * inverse_square;
         const double small = 0x1p-58 * length, small_rate = 0x1p-58 * F[0];
         double phi = F[0];
         Vector3<double> rest;
-        int in_a_row = 0;
-        for (int k = 0; k < most; ++k) {
+        int small_terms = 0;
+        for (int k = 0; k < max_terms; ++k) {
             double p0 = 0, p1 = 0, p2 = 0;
             for (int l = 0; l <= k; ++l) {
                 p0 += y1[l] * y2[k - l];
@@ -141,8 +141,8 @@ class ExactFreeMotion {
             const double last = std::abs(y0[n]) + std::abs(y1[n]) + std::abs(y2[n]);
             if (!(last <= 4 * length)) return false;
             // Two small terms in a row are required, because one may vanish by coincidence.
-            in_a_row = last <= small && std::abs(f) <= small_rate ? in_a_row + 1 : 0;
-            if (in_a_row < 2) continue;
+            small_terms = last <= small && std::abs(f) <= small_rate ? small_terms + 1 : 0;
+            if (small_terms < 2) continue;
             // Add the largest term last. In the reverse order the rounding errors have a bias, and the energy drifts.
             const Vector3<double> change = Vector3<double>(y0[1], y1[1], y2[1]) + rest;
             // sin^2 of a quarter of the angle between y(h) and y(0).
@@ -159,9 +159,9 @@ class ExactFreeMotion {
         }
         return false;
     }
-    static constexpr std::array<double, most + 2> reciprocal = [] {
-        std::array<double, most + 2> r{};
-        for (int n = 1; n < most + 2; ++n) r[n] = 1.0 / n;
+    static constexpr std::array<double, max_terms + 2> reciprocal = [] {
+        std::array<double, max_terms + 2> r{};
+        for (int n = 1; n < max_terms + 2; ++n) r[n] = 1.0 / n;
         return r;
     }();
     bool closed_form(const Vector3<double>& y, double h, RotationIncrement& d) const {
@@ -191,12 +191,12 @@ class DiscreteMoserVeselov {
     void prepare(const Vector3<S>& y) {
         if constexpr (terms > 1) modified_ = ModifiedMoments<terms>(inverse_moments_, y);
     }
-    bool turn(const Vector3<S>& y, S h, RotationIncrementOf<S>& d) const {
+    bool compute_rotation(const Vector3<S>& y, S h, RotationIncrementOf<S>& d) const {
         Vector3<S> r = inverse_moments_;
         if constexpr (terms > 1) r = modified_.inverse_moments(inverse_moments_, h);
         const auto scaled = [&r](const Vector3<S>& m) { return Vector3<S>(r[0] * m[0], r[1] * m[1], r[2] * m[2]); };
         const Vector3<S> g = (S(0.5) * h) * y;
-        const auto right = [&](const Vector3<S>& m) {
+        const auto map = [&](const Vector3<S>& m) {
             const Vector3<S> e = scaled(m);
             return (1 + dot(e, e)) * g + cross(m, e);
         };
@@ -214,9 +214,9 @@ class DiscreteMoserVeselov {
             }
             return M;
         };
-        Vector3<S> m = right(right(g));
+        Vector3<S> m = map(map(g));
         if (!solve_to_rounding(
-                m, [&](const Vector3<S>& x) { return x - right(x); }, slope))
+                m, [&](const Vector3<S>& x) { return x - map(x); }, slope))
             return false;
         const Vector3<S> e = scaled(m);
         const S square = dot(e, e), root = std::sqrt(1 + square), inverse_root = 1 / root;

@@ -32,31 +32,31 @@ class ImplicitMidpoint {
     }
     void restart() {
         system_.initial(y_.data());
-        forget();
+        clear_history();
         evaluations_ = 0, failed_ = false;
     }
     void enter(const Segment& segment) {
         system_.enter(segment, y_.data());
-        forget();
+        clear_history();
     }
     void step(double t, double step) {
         const S h = S(step);
-        Column k = guess(t, h);
-        if (stiff_ || !iterate(t, h, k)) {
+        Column k = predict_slope(t, h);
+        if (stiff_ || !iterate_fixed_point(t, h, k)) {
             stiff_ = true;
-            k = slope(t, now());
-            if (!newton(t, h, k)) {
+            k = slope(t, current_state());
+            if (!iterate_newton(t, h, k)) {
                 failed_ = true, failed_at_ = t;
                 return;
             }
         }
-        before_last_ = last_, last_ = k, steps_known_ = h == last_h_ ? steps_known_ + 1 : 1, last_h_ = h;
+        before_last_ = last_, last_ = k, history_length_ = h == last_h_ ? history_length_ + 1 : 1, last_h_ = h;
         for (int i = 0; i < system_.size(); ++i) {
-            CompensatedSumOf<S> sum{y_[i], lost_[i]};
+            CompensatedSumOf<S> sum{y_[i], rounding_errors_[i]};
             sum.add(h * k[i]);
-            y_[i] = sum.value, lost_[i] = sum.lost;
+            y_[i] = sum.value, rounding_errors_[i] = sum.lost;
         }
-        if (project_step(system_, y_.data())) forget();
+        if (project_step(system_, y_.data())) clear_history();
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
@@ -68,21 +68,21 @@ class ImplicitMidpoint {
     const Problem* problem_;
     SystemType system_;
     alignas(32) Numbers<N, S> y_{system_.size()};
-    Numbers<N, S> lost_ = y_;
+    Numbers<N, S> rounding_errors_ = y_;
     Numbers<N> scales_{system_.size()};
     Column last_ = Column::Zero(system_.size()), before_last_ = last_;  ///< k of the previous steps
     S last_h_ = 0;
-    int steps_known_ = 0;
+    int history_length_ = 0;
     bool stiff_ = false;  ///< fixed-point iteration does not contract
     long evaluations_ = 0;
     double failed_at_ = 0;
     bool failed_ = false;
 
-    void forget() {
-        for (S& lost : lost_) lost = 0;
-        steps_known_ = 0, last_h_ = 0, stiff_ = false;
+    void clear_history() {
+        for (S& lost : rounding_errors_) lost = 0;
+        history_length_ = 0, last_h_ = 0, stiff_ = false;
     }
-    Column now() const { return Eigen::Map<const Column>(y_.data(), system_.size()); }
+    Column current_state() const { return Eigen::Map<const Column>(y_.data(), system_.size()); }
     Column slope(double t, const Column& z) {
         alignas(32) Numbers<N, S> from(system_.size()), to = from;
         Eigen::Map<Column>(from.data(), system_.size()) = z;
@@ -91,12 +91,12 @@ class ImplicitMidpoint {
         return Eigen::Map<const Column>(to.data(), system_.size());
     }
     // Predicts k from the previous one or two steps.
-    Column guess(double t, S h) {
-        if (h == last_h_ && steps_known_ > 1) return 2 * last_ - before_last_;
-        return slope(t, now());
+    Column predict_slope(double t, S h) {
+        if (h == last_h_ && history_length_ > 1) return 2 * last_ - before_last_;
+        return slope(t, current_state());
     }
     // Largest component of the change h dk, in units of the scales.
-    double size(S h, const Column& change) const {
+    double change_size(S h, const Column& change) const {
         double worst = 0;
         for (int i = 0; i < system_.size(); ++i) worst = std::max(worst, std::abs(double(h * change[i])) / scales_[i]);
         return worst;
@@ -104,13 +104,13 @@ class ImplicitMidpoint {
     static constexpr double rounding = std::numeric_limits<S>::epsilon() / 4, near = 256 * rounding;
 
     // Fixed-point iteration k <- f(y + h k/2) to rounding. Returns false if it does not contract well.
-    bool iterate(double t, S h, Column& k) {
-        constexpr int most = 30;
-        const Column y = now();
+    bool iterate_fixed_point(double t, S h, Column& k) {
+        constexpr int max_iterations = 30;
+        const Column y = current_state();
         double before = INFINITY;
-        for (int i = 0; i < most; ++i) {
+        for (int i = 0; i < max_iterations; ++i) {
             const Column next = slope(t + h / 2, y + (S(0.5) * h) * k);
-            const double moved = size(h, next - k);
+            const double moved = change_size(h, next - k);
             k = next;
             if (moved <= rounding) return true;
             if (moved >= 0.25 * before) return moved <= near;
@@ -120,9 +120,9 @@ class ImplicitMidpoint {
     }
     // Newton's method for k - f(y + h k/2) = 0, with the Jacobian at the initial guess. The Jacobian is recomputed if
     // the iteration contracts slowly.
-    bool newton(double t, S h, Column& k) {
-        constexpr int most = 60;
-        const Column y = now();
+    bool iterate_newton(double t, S h, Column& k) {
+        constexpr int max_iterations = 60;
+        const Column y = current_state();
         Eigen::PartialPivLU<Square> factors;
         const auto factorise = [&] {
             const Eigen::Matrix<double, N, 1> middle = (y + (S(0.5) * h) * k).template cast<double>();
@@ -133,10 +133,10 @@ class ImplicitMidpoint {
         };
         factorise();
         double before = INFINITY;
-        for (int i = 0; i < most; ++i) {
+        for (int i = 0; i < max_iterations; ++i) {
             const Column change = factors.solve(k - slope(t + h / 2, y + (S(0.5) * h) * k));
             k -= change;
-            const double moved = size(h, change);
+            const double moved = change_size(h, change);
             if (!(moved < INFINITY)) return false;
             if (moved <= rounding || (moved >= 0.25 * before && moved <= near)) return true;
             if (moved > 0.1 * before) factorise();
@@ -147,12 +147,12 @@ class ImplicitMidpoint {
 };
 
 template <class S>
-Trajectory solve(const Problem& problem, const Settings& settings) {
+Trajectory solve_implicit_midpoint(const Problem& problem, const Settings& settings) {
     return with_system_in<S>(
         problem, [&]<class SystemType>() { return march<ImplicitMidpoint<SystemType>>(problem, settings); });
 }
 
-constexpr Method each[] = {
+constexpr Method implicit_midpoint_variants[] = {
     {.name = "implicit_midpoint",
      .documentation =
          "The implicit midpoint rule on the first-order system, solved to round-off: by fixed-point iteration, or by "
@@ -165,16 +165,17 @@ constexpr Method each[] = {
      .control = Control::fixed_step,
      .general_systems = true,
      .order = 2,
-     .solve = solve<double>,
+     .solve = solve_implicit_midpoint<double>,
      .amplification = midpoint_amplification},
 };
 
-constexpr auto in_binary64 = apply_defaults({.family = Family::runge_kutta}, each);
+constexpr auto implicit_midpoint_binary64_family = apply_defaults({.family = Family::runge_kutta}, implicit_midpoint_variants);
 
-constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve<float>>();
+constexpr auto implicit_midpoint_family =
+    with_binary32<implicit_midpoint_binary64_family, binary32_system_refusal, solve_implicit_midpoint<float>>();
 
 }  // namespace
 
-extern const std::span<const Method> implicit_midpoint_methods{family};
+extern const std::span<const Method> implicit_midpoint_methods{implicit_midpoint_family};
 
 }  // namespace polhode

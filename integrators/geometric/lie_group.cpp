@@ -8,7 +8,7 @@ namespace polhode {
 namespace {
 
 /// The vectors of the state, or their rates.
-struct Vectors {
+struct VectorState {
     Vector3<double> momentum_W, position_W, velocity_W;
 };
 
@@ -19,15 +19,15 @@ class LieGroupStepper : public MomentumState {
 
     void step(double t, double h) {
         const Quaternion<double> q = attitude_.value();
-        const Vectors start{momentum_.value(), position_.value(), velocity_.value()};
-        Vectors k[4];
+        const VectorState start{momentum_.value(), position_.value(), velocity_.value()};
+        VectorState k[4];
         // Body rates at time t + c h, with the attitude q (1 + d) and the vectors advanced by c h times `before`. The
         // rates of the vectors are stored in `slope`.
-        const auto rates_at = [&](double c, const RotationIncrement& d, const Vectors& before, Vectors& slope) {
+        const auto rates_at = [&](double c, const RotationIncrement& d, const VectorState& before, VectorState& slope) {
             const Quaternion<double> turned = q * Quaternion<double>{1 + d.w, d.v[0], d.v[1], d.v[2]};
             const Matrix3<double> R = rotation_matrix(turned);
             Vector3<double> L = start.momentum_W;
-            if (!loaded()) return rates(transposed(R) * L);
+            if (!has_loads()) return rates(transposed(R) * L);
             L = L + (c * h) * before.momentum_W;
             const Vector3<double> w = rates(transposed(R) * L);
             Vector3<double> p, v;
@@ -40,23 +40,23 @@ class LieGroupStepper : public MomentumState {
             slope.momentum_W = torque_W(t + c * h, R, turned, w, p, v);
             return w;
         };
-        Scheme::turn(h, rates_at, k, attitude_);
+        Scheme::advance_attitude(h, rates_at, k, attitude_);
         evaluations_ += 4;
-        if (!loaded()) return;
-        const auto sum = [&](Vector3<double> Vectors::*part) {
+        if (!has_loads()) return;
+        const auto sum = [&](Vector3<double> VectorState::*part) {
             return (h / 6) * ((k[0].*part + k[3].*part) + 2.0 * (k[1].*part + k[2].*part));
         };
-        momentum_.add(sum(&Vectors::momentum_W));
+        momentum_.add(sum(&VectorState::momentum_W));
         if (!translates_) return;
-        position_.add(sum(&Vectors::position_W));
-        velocity_.add(sum(&Vectors::velocity_W));
+        position_.add(sum(&VectorState::position_W));
+        velocity_.add(sum(&VectorState::velocity_W));
     }
 };
 
 /// Classical tableau for the rotation vector u of q exp(u), du/dt = w + u x w / 2 + u x (u x w) / 12 + O(u^4).
 struct MuntheKaas {
-    template <class RatesAt>
-    static void turn(double h, const RatesAt& rates_at, Vectors* k, CompensatedAttitude& attitude) {
+    template <class RateFunction>
+    static void advance_attitude(double h, const RateFunction& rates_at, VectorState* k, CompensatedAttitude& attitude) {
         const auto pulled_back = [](const Vector3<double>& u, const Vector3<double>& w) {
             const Vector3<double> across = cross(u, w);
             return w + (0.5 * across + (1.0 / 12) * cross(u, across));
@@ -74,8 +74,8 @@ struct MuntheKaas {
 
 /// Five exponentials, no commutators.
 struct CommutatorFree {
-    template <class RatesAt>
-    static void turn(double h, const RatesAt& rates_at, Vectors* k, CompensatedAttitude& attitude) {
+    template <class RateFunction>
+    static void advance_attitude(double h, const RateFunction& rates_at, VectorState* k, CompensatedAttitude& attitude) {
         const Vector3<double> k1 = rates_at(0, RotationIncrement{}, k[0], k[0]);
         const RotationIncrement half = rotation_increment((h / 2) * k1);
         const Vector3<double> k2 = rates_at(0.5, half, k[0], k[1]);
@@ -88,38 +88,38 @@ struct CommutatorFree {
 };
 
 template <class Scheme>
-Trajectory solve(const Problem& problem, const Settings& settings) {
+Trajectory solve_lie_group(const Problem& problem, const Settings& settings) {
     return march_momentum<LieGroupStepper<Scheme>>(problem, settings);
 }
 
-constexpr std::string_view kept = "|q|; L in world axes exactly if no torque acts; not energy";
+constexpr std::string_view lie_group_invariants = "|q|; L in world axes exactly if no torque acts; not energy";
 
-constexpr Method each[] = {
+constexpr Method lie_group_variants[] = {
     {.name = "munthe_kaas4",
      .documentation =
          "The classical Runge-Kutta method on the rotation group: the stages are rotation vectors from the start of "
          "the step, their rates pulled back by the inverse differential of exp. The state is the angular momentum in "
          "world axes, which is therefore constant without torque. Supports all loads. Order 4.",
      .source = "H. Munthe-Kaas 1998, BIT 38, 92; H. Munthe-Kaas & B. Owren 1999, Phil. Trans. R. Soc. A 357, 957",
-     .solve = solve<MuntheKaas>},
+     .solve = solve_lie_group<MuntheKaas>},
     {.name = "commutator_free4",
      .documentation =
          "A commutator-free Runge-Kutta method on the rotation group, by products of five exponentials per step. The "
          "state is the angular momentum in world axes, which is therefore constant without torque. Supports all "
          "loads. Order 4.",
      .source = "E. Celledoni, A. Marthinsen & B. Owren 2003, Future Gener. Comput. Syst. 19, 341",
-     .solve = solve<CommutatorFree>},
+     .solve = solve_lie_group<CommutatorFree>},
 };
 
-constexpr auto family = apply_defaults({.conserves = kept,
+constexpr auto lie_group_family = apply_defaults({.conserves = lie_group_invariants,
                                         .control = Control::fixed_step,
                                         .order = 4,
                                         .amplification = classical_amplification,
                                         .family = Family::rotation_group},
-                                       each);
+                                          lie_group_variants);
 
 }  // namespace
 
-extern const std::span<const Method> lie_group_methods{family};
+extern const std::span<const Method> lie_group_methods{lie_group_family};
 
 }  // namespace polhode

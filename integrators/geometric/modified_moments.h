@@ -42,19 +42,23 @@ class ModifiedMoments {
         Series A{1}, B{1}, S{}, P0{1}, P1{}, P2{}, P3{};
         for (int k = 0; k < terms; ++k) {
             S[k] = product(A, B, k) / (2 * k + 1);
-            const auto rising = [k](const Series& u, const Series& v) { return k > 0 ? product(u, v, k - 1) : 0; };
+            const auto shifted_product = [k](const Series& u, const Series& v) {
+                return k > 0 ? product(u, v, k - 1) : 0;
+            };
             P1[k] =
-                0.5 / (2 * k + 1) * (r1 * product(P0, A, k) + z33 * (r3 * rising(P2, B) - r2 * range * rising(P3, S)));
+                0.5 / (2 * k + 1) *
+                (r1 * product(P0, A, k) + z33 * (r3 * shifted_product(P2, B) - r2 * range * shifted_product(P3, S)));
             P3[k] =
-                0.5 / (2 * k + 1) * (r3 * product(P0, B, k) + z11 * (r2 * range * rising(P1, S) - r1 * rising(P2, A)));
+                0.5 / (2 * k + 1) *
+                (r3 * product(P0, B, k) + z11 * (r2 * range * shifted_product(P1, S) - r1 * shifted_product(P2, A)));
             P2[k] =
                 0.5 / (2 * k + 2) * (r2 * range * product(P0, S, k) + r1 * product(P3, A, k) - r3 * product(P1, B, k));
             if (k + 1 == terms) break;
             A[k + 1] = -0.5 / (k + 1) * (r2 - r3) * range * z33 * product(S, B, k);
             B[k + 1] = -0.5 / (k + 1) * (r1 - r2) * range * z11 * product(S, A, k);
-            P0[k + 1] =
-                -0.25 / (k + 1) *
-                (z11 * r1 * product(P1, A, k) + z33 * r3 * product(P3, B, k) + z11 * z33 * r2 * range * rising(P2, S));
+            P0[k + 1] = -0.25 / (k + 1) *
+                        (z11 * r1 * product(P1, A, k) + z33 * r3 * product(P3, B, k) +
+                         z11 * z33 * r2 * range * shifted_product(P2, S));
         }
         // (1, e) = q(-h/2)^-1 q(h/2), where q(-t) = (P_0, -.., +.., -..).
         Series turn0{}, turn1{}, turn3{};
@@ -67,7 +71,7 @@ class ModifiedMoments {
             if (k > 0) turn1[k] -= 2 * z33 * product(P2, P3, k - 1), turn3[k] += 2 * z11 * product(P1, P2, k - 1);
         }
         const Series E1 = quotient(turn1, turn0), E3 = quotient(turn3, turn0);
-        const Series g = quotient(S, multiplied(A, B)), f1 = quotient(E1, A), f3 = quotient(E3, B);
+        const Series g = quotient(S, product(A, B)), f1 = quotient(E1, A), f3 = quotient(E3, B);
         Series alpha{1}, rest{};
         for (int k = 0; k < terms; ++k) {
             if (k > 0) alpha[k] = z11 * product(E1, E1, k - 1) + z33 * product(E3, E3, k - 1);
@@ -90,9 +94,10 @@ class ModifiedMoments {
     /// a r + b for a step h.
     Vector3<double> inverse_moments(const Vector3<double>& r, double h) const {
         const double x = h * h;
-        double more = 0, shift = 0;
-        for (int k = terms - 1; k > 0; --k) more = x * (a_[k] + more), shift = x * (b_[k] + shift);
-        return {r[0] + (more * r[0] + shift), r[1] + (more * r[1] + shift), r[2] + (more * r[2] + shift)};
+        double scale_change = 0, shift = 0;
+        for (int k = terms - 1; k > 0; --k) scale_change = x * (a_[k] + scale_change), shift = x * (b_[k] + shift);
+        return {r[0] + (scale_change * r[0] + shift), r[1] + (scale_change * r[1] + shift),
+                r[2] + (scale_change * r[2] + shift)};
     }
 
   private:
@@ -104,7 +109,7 @@ class ModifiedMoments {
         for (int l = 0; l <= k; ++l) sum += x[l] * y[k - l];
         return sum;
     }
-    static Series multiplied(const Series& x, const Series& y) {
+    static Series product(const Series& x, const Series& y) {
         Series z{};
         for (int k = 0; k < terms; ++k) z[k] = product(x, y, k);
         return z;

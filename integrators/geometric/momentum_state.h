@@ -37,7 +37,7 @@ class MomentumStateOf {
         loads_.enter(segment);
         if (segment.impulses.empty()) return;
         double y[LoadedMotion::dimension];
-        write(y);
+        write_state(y);
         if (translates_) {
             LoadedMotion(*problem_).enter(segment, y);
             velocity_ = CompensatedVectorOf<S>(cast<S>(LoadedMotion::velocity(y)));
@@ -48,7 +48,7 @@ class MomentumStateOf {
     }
     Sample sample(double t) const {
         double y[LoadedMotion::dimension];
-        write(y);
+        write_state(y);
         if (problem_->needs.translation != Translation::integrated) return FreeRotation(*problem_).motion(t, y);
         if (!translates_) {
             Vector3<double> p, v;
@@ -67,7 +67,7 @@ class MomentumStateOf {
 
   protected:
     /// Whether any load couples L, p or v to the attitude, the rates or the time.
-    bool loaded() const { return translates_ || forcing().any_torque(); }
+    bool has_loads() const { return translates_ || forcing().any_torque(); }
     const Forcing<S>& forcing() const { return loads_.forcing(); }
 
     Vector3<S> rates(const Vector3<S>& y_B) const {
@@ -99,7 +99,7 @@ class MomentumStateOf {
         const Vector3<double> y_B(moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]);
         momentum_ = CompensatedVectorOf<S>(cast<S>((1 / squared_norm(q)) * rotate(q, y_B)));
     }
-    void write(double* y) const {
+    void write_state(double* y) const {
         const Quaternion<double> q = cast<double>(attitude_.value());
         const Vector3<double>& inverse = problem_->body.principal_inertia.inverse_moments;
         const Vector3<double> y_B = rotate_back(q, cast<double>(momentum_.value()));
@@ -119,7 +119,7 @@ Trajectory march_momentum(const Problem& problem, const Settings& settings, cons
 }
 
 /// Returns why a stepper for rotations only refuses the problem, or an empty string.
-inline std::string refused_translation(const Problem& problem) {
+inline std::string translation_refusal(const Problem& problem) {
     return problem.needs.translation == Translation::integrated && !problem.body.pivoted
                ? "this method integrates only the rotation; scenes whose translation must be integrated too are not "
                  "supported"

@@ -9,21 +9,21 @@ namespace polhode {
 namespace {
 
 template <int order, class S = double>
-Trajectory solve(const Problem& problem, const Settings& settings) {
+Trajectory solve_moser_veselov(const Problem& problem, const Settings& settings) {
     return march_momentum<Splitting<DiscreteMoserVeselov<order / 2, S>, true, S>>(problem, settings, order);
 }
 
 template <int order>
-std::string refused(const Problem& problem) {
-    if (std::string why = refused_by_kicks(problem); !why.empty() || !composition(order).empty()) return why;
+std::string moser_veselov_refusal(const Problem& problem) {
+    if (std::string why = kick_refusal(problem); !why.empty() || !composition(order).empty()) return why;
     bool loaded = problem.needs.translation == Translation::integrated && !problem.body.pivoted;
     for (const Segment& segment : problem.segments) loaded = loaded || segment.forcing.any_torque();
     return loaded ? "this order is not available under loads; use moser_veselov8 or a lower order" : "";
 }
 
-constexpr std::string_view source =
+constexpr std::string_view moser_veselov_source =
     "J. Moser & A. P. Veselov 1991, Commun. Math. Phys. 139, 217; E. Hairer & G. Vilmart 2006, J. Phys. A 39, 13225";
-constexpr std::string_view kept =
+constexpr std::string_view moser_veselov_invariants =
     "|q|; L in world axes exactly and energy to round-off if no torque acts, otherwise L along a uniform force field, "
     "and energy without drift (its error stays of the order of the step's error)";
 
@@ -31,17 +31,17 @@ template <int order>
 constexpr Method moser_veselov(std::string_view name, std::string_view documentation) {
     return {.name = name,
             .documentation = documentation,
-            .source = source,
-            .conserves = kept,
+            .source = moser_veselov_source,
+            .conserves = moser_veselov_invariants,
             .control = Control::fixed_step,
             .order = order,
-            .solve = solve<order>,
+            .solve = solve_moser_veselov<order>,
             // To first order in the angle, the free motion is theta + h theta'. Order 10 does not support loads.
             .pendulum_amplification = order == 10 ? nullptr : &kicked_pendulum_growth<order>,
-            .refusal = refused<order>};
+            .refusal = moser_veselov_refusal<order>};
 }
 
-constexpr Method each[] = {
+constexpr Method moser_veselov_variants[] = {
     moser_veselov<2>("moser_veselov2",
                      "The discrete Moser-Veselov motion of a free body, which is integrable like the continuous "
                      "motion: three quadratic equations per step, solved to round-off. Loads act as half kicks before "
@@ -63,13 +63,14 @@ constexpr Method each[] = {
                       "same equations, order 10. Free bodies only."),
 };
 
-constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group}, each);
+constexpr auto moser_veselov_binary64_family = apply_defaults({.family = Family::rotation_group}, moser_veselov_variants);
 
-constexpr auto family =
-    with_binary32<in_binary64, binary32_refusal, solve<2, float>, nullptr, nullptr, nullptr, nullptr>();
+constexpr auto moser_veselov_family =
+    with_binary32<moser_veselov_binary64_family, binary32_refusal, solve_moser_veselov<2, float>, nullptr, nullptr,
+                  nullptr, nullptr>();
 
 }  // namespace
 
-extern const std::span<const Method> moser_veselov_methods{family};
+extern const std::span<const Method> moser_veselov_methods{moser_veselov_family};
 
 }  // namespace polhode

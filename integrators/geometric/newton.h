@@ -31,12 +31,12 @@ class Inverse {
 /// fails; x is then not usable.
 template <class S, class Residual, class Slope>
 bool solve_to_rounding(Vector3<S>& x, const Residual& residual, const Slope& slope) {
-    constexpr int most = 60;
+    constexpr int max_iterations = 60;
     constexpr S unit = std::numeric_limits<S>::epsilon() / 2;
     constexpr S rounding = unit * unit, near = 128 * unit * (128 * unit);  // of squares
     Inverse<S> inverted(slope(x));
     S before = std::numeric_limits<S>::infinity();
-    for (int i = 0; i < most; ++i) {
+    for (int i = 0; i < max_iterations; ++i) {
         const Vector3<S> change = inverted(residual(x));
         x = x - change;
         const S moved = dot(change, change), size = dot(x, x);

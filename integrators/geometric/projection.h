@@ -34,7 +34,7 @@ class Projection {
         std::array<double, N> scale{};
         system_.scales(scale.data());
         for (int i = 0; i < N; ++i) weight_[i] = scale[i] * scale[i];
-        find_kept();
+        find_invariants();
         std::array<double, N> start{};
         system_.initial(start.data());
         system_.enter(problem.segments.front(), start.data());
@@ -53,12 +53,12 @@ class Projection {
         std::copy(y, y + N, moved.begin());
         for (int k = 0; k < iterations; ++k) {
             std::array<Dual<N>, N> state;
-            std::array<Dual<N>, most> values;
+            std::array<Dual<N>, max_constraints> values;
             for (int i = 0; i < N; ++i) state[i] = Dual<N>(moved[i]), state[i].slope[i] = 1;
             evaluate(state.data(), values.data());
             double worst = 0;
             factorise(values);
-            std::array<double, most> g{};
+            std::array<double, max_constraints> g{};
             for (int r = 0; r < rank_; ++r) {
                 const int c = order_[r];
                 g[r] = (values[c].value - target_[c]) / length_[c];
@@ -82,40 +82,40 @@ class Projection {
     }
 
   private:
-    static constexpr int most = SystemType::about_axis ? 2 : 9;
+    static constexpr int max_constraints = SystemType::about_axis ? 2 : 9;
 
-    void find_kept() {
+    void find_invariants() {
         const bool full = problem_->formulation == Formulation::full;
         const Problem reduced = full ? pose(problem_->scene) : *problem_;
-        for (const Conserved& one : conserved(reduced)) {
-            switch (one.kind) {
+        for (const Conserved& invariant : conserved(reduced)) {
+            switch (invariant.kind) {
                 case ConservedKind::energy:
-                    energy_ = true;
+                    has_energy_ = true;
                     break;
                 case ConservedKind::angular_momentum:
                     angular_ = {Vector3<double>(1, 0, 0), Vector3<double>(0, 1, 0), Vector3<double>(0, 0, 1)};
                     angular_count_ = 3;
                     break;
                 case ConservedKind::angular_momentum_component:
-                    angular_[angular_count_++] = one.direction;
+                    angular_[angular_count_++] = invariant.direction;
                     break;
                 case ConservedKind::linear_momentum:
                     linear_ = {Vector3<double>(1, 0, 0), Vector3<double>(0, 1, 0), Vector3<double>(0, 0, 1)};
                     linear_count_ = 3;
                     break;
                 case ConservedKind::linear_momentum_component:
-                    linear_[linear_count_++] = one.direction;
+                    linear_[linear_count_++] = invariant.direction;
                     break;
                 case ConservedKind::spin:
-                    spin_ = true;
-                    spin_axis_ = full ? rotate(reduced.body.q_BP, one.direction) : one.direction;
+                    has_spin_ = true;
+                    spin_axis_ = full ? rotate(reduced.body.q_BP, invariant.direction) : invariant.direction;
                     break;
                 case ConservedKind::integral_of_a_special_top:
                     break;
             }
         }
-        count_ = 1 + energy_;
-        if constexpr (!SystemType::about_axis) count_ += angular_count_ + spin_;
+        count_ = 1 + has_energy_;
+        if constexpr (!SystemType::about_axis) count_ += angular_count_ + has_spin_;
         if constexpr (SystemType::has_translation) count_ += linear_count_;
     }
 
@@ -132,22 +132,22 @@ class Projection {
             }
             if constexpr (SystemType::has_translation)
                 for (int i = 0; i < linear_count_; ++i) values[k++] = dot(linear_[i], system_.velocity(y));
-            if (spin_) values[k++] = dot(spin_axis_, L);
+            if (has_spin_) values[k++] = dot(spin_axis_, L);
         }
-        if (energy_) values[k++] = system_.energy(y);
+        if (has_energy_) values[k++] = system_.energy(y);
     }
 
     // J D J^T with each constraint divided by the length of its gradient; C = G G^T by rows, in pivot order.
-    void factorise(const std::array<Dual<N>, most>& values) {
-        constexpr double least_pivot = 1e-6;
-        std::array<std::array<double, most>, most> C{};
-        std::array<bool, most> taken{};
+    void factorise(const std::array<Dual<N>, max_constraints>& values) {
+        constexpr double min_pivot = 1e-6;
+        std::array<std::array<double, max_constraints>, max_constraints> C{};
+        std::array<bool, max_constraints> used{};
         for (int c = 0; c < count_; ++c) {
             double square = 0;
             for (int i = 0; i < N; ++i) square += weight_[i] * values[c].slope[i] * values[c].slope[i];
             length_[c] = std::sqrt(square);
-            taken[c] = !(length_[c] > 0);
-            for (int i = 0; i < N; ++i) slope_[c][i] = taken[c] ? 0 : values[c].slope[i] / length_[c];
+            used[c] = !(length_[c] > 0);
+            for (int i = 0; i < N; ++i) slope_[c][i] = used[c] ? 0 : values[c].slope[i] / length_[c];
         }
         for (int a = 0; a < count_; ++a)
             for (int b = 0; b < count_; ++b)
@@ -156,19 +156,19 @@ class Projection {
             int pivot = -1;
             // Prefer a later constraint to an earlier one only if it is larger by more than rounding.
             for (int c = 0; c < count_; ++c)
-                if (!taken[c] && (pivot < 0 || C[c][c] > C[pivot][pivot] * (1 + 1e-9))) pivot = c;
-            if (pivot < 0 || !(C[pivot][pivot] > least_pivot)) break;
-            taken[pivot] = true, order_[rank_] = pivot;
+                if (!used[c] && (pivot < 0 || C[c][c] > C[pivot][pivot] * (1 + 1e-9))) pivot = c;
+            if (pivot < 0 || !(C[pivot][pivot] > min_pivot)) break;
+            used[pivot] = true, order_[rank_] = pivot;
             const double root = std::sqrt(C[pivot][pivot]);
             for (int c = 0; c < count_; ++c) column_[rank_][c] = C[c][pivot] / root;
             for (int a = 0; a < count_; ++a)
                 for (int b = 0; b < count_; ++b)
-                    if (!taken[a] && !taken[b]) C[a][b] -= column_[rank_][a] * column_[rank_][b];
+                    if (!used[a] && !used[b]) C[a][b] -= column_[rank_][a] * column_[rank_][b];
         }
     }
 
     // g <- C^-1 g, in pivot order.
-    void solve(std::array<double, most>& g) const {
+    void solve(std::array<double, max_constraints>& g) const {
         for (int r = 0; r < rank_; ++r) {
             for (int k = 0; k < r; ++k) g[r] -= column_[k][order_[r]] * g[k];
             g[r] /= column_[r][order_[r]];
@@ -182,14 +182,14 @@ class Projection {
     const Problem* problem_;
     SystemType system_;
     std::array<double, N> weight_{};
-    bool energy_ = false, spin_ = false;
+    bool has_energy_ = false, has_spin_ = false;
     int angular_count_ = 0, linear_count_ = 0, count_ = 0, rank_ = 0;
     std::array<Vector3<double>, 3> angular_, linear_;
     Vector3<double> spin_axis_;
-    std::array<double, most> target_{}, length_{};
-    std::array<std::array<double, N>, most> slope_{};      // gradients of unit length
-    std::array<std::array<double, most>, most> column_{};  // columns of the factor, one per pivot
-    std::array<int, most> order_{};
+    std::array<double, max_constraints> target_{}, length_{};
+    std::array<std::array<double, N>, max_constraints> slope_{};                 // gradients of unit length
+    std::array<std::array<double, max_constraints>, max_constraints> column_{};  // columns of the factor, one per pivot
+    std::array<int, max_constraints> order_{};
 };
 
 }  // namespace polhode

@@ -15,20 +15,20 @@ namespace polhode {
 namespace {
 
 template <class S>
-class SimoWong : public MomentumStateOf<S> {
+class SimoWongStepper : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
-    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::loaded, Base::rates, Base::torque_W,
+    using Base::attitude_, Base::momentum_, Base::evaluations_, Base::has_loads, Base::rates, Base::torque_W,
         Base::failed_, Base::failed_at_, Base::forcing, Base::inverse_moments_;
 
   public:
-    explicit SimoWong(const Problem& problem) : Base(problem) {}
+    explicit SimoWongStepper(const Problem& problem) : Base(problem) {}
 
     [[gnu::flatten]] void step(double t, double step) {
         const S h = S(step);
         const Quaternion<S> q = attitude_.value();
         const Matrix3<S> R = rotation_matrix(q);
         const Vector3<S> L = momentum_.value(), y = transposed(R) * L, w = rates(y);
-        const bool torque_acts = loaded();
+        const bool torque_acts = has_loads();
         const Vector3<S> torque = torque_acts ? torque_W(t, R, q, w, {}, {}) : Vector3<S>();
         ++evaluations_;
 
@@ -57,20 +57,8 @@ class SimoWong : public MomentumStateOf<S> {
             }
             return M;
         };
-        // Finite-difference slope, including the terms omitted above, for torques that change fast with the attitude.
-        const auto measured_slope = [&](const Vector3<S>& theta) {
-            // About the cube root of the rounding unit, which balances rounding and truncation errors of the
-            // difference.
-            constexpr S width = S(std::is_same_v<S, double> ? 1e-6 : 4e-3);
-            Matrix3<S> M;
-            for (int j = 0; j < 3; ++j) {
-                Vector3<S> up = theta, down = theta;
-                up[j] += width, down[j] -= width;
-                const Vector3<S> difference = residual(up) - residual(down);
-                for (int i = 0; i < 3; ++i) M[i][j] = difference[i] / (2 * width);
-            }
-            return M;
-        };
+        // Includes the terms omitted above, for torques that change fast with the attitude.
+        const auto measured_slope = [&](const Vector3<S>& theta) { return measure_slope(residual, theta); };
         const Vector3<S> guess = h * (w + (h / 2) * rates(cross(y, w) + transposed(R) * torque));
         y_later = y;
         Vector3<S> theta = guess;
@@ -84,9 +72,25 @@ class SimoWong : public MomentumStateOf<S> {
         attitude_.rotate(rotation_increment(theta));
         if (torque_acts) momentum_.add((h / 2) * (torque + torque_later));
     }
+
+  private:
+    // The derivative of the residual by central differences. The width is about the cube root of the rounding unit,
+    // which balances rounding and truncation errors of the difference.
+    template <class Residual>
+    static Matrix3<S> measure_slope(const Residual& residual, const Vector3<S>& theta) {
+        constexpr S width = S(std::is_same_v<S, double> ? 1e-6 : 4e-3);
+        Matrix3<S> M;
+        for (int j = 0; j < 3; ++j) {
+            Vector3<S> up = theta, down = theta;
+            up[j] += width, down[j] -= width;
+            const Vector3<S> difference = residual(up) - residual(down);
+            for (int i = 0; i < 3; ++i) M[i][j] = difference[i] / (2 * width);
+        }
+        return M;
+    }
 };
 
-constexpr Method each[] = {
+constexpr Method simo_wong_variants[] = {
     {.name = "simo_wong",
      .documentation =
          "The implicit algorithm of Simo & Wong in its trapezoidal form (their ALGO_C1): the momentum balance in world "
@@ -96,16 +100,18 @@ constexpr Method each[] = {
      .conserves = "|q|; L in world axes exactly and energy to round-off if no torque acts",
      .control = Control::fixed_step,
      .order = 2,
-     .solve = march_momentum<SimoWong<double>>,
+     .solve = march_momentum<SimoWongStepper<double>>,
      .amplification = midpoint_amplification},
 };
 
-constexpr auto in_binary64 = apply_defaults({.family = Family::rotation_group, .refusal = refused_translation}, each);
+constexpr auto simo_wong_binary64_family =
+    apply_defaults({.family = Family::rotation_group, .refusal = translation_refusal}, simo_wong_variants);
 
-constexpr auto family = with_binary32<in_binary64, binary32_refusal, march_momentum<SimoWong<float>>>();
+constexpr auto simo_wong_family =
+    with_binary32<simo_wong_binary64_family, binary32_refusal, march_momentum<SimoWongStepper<float>>>();
 
 }  // namespace
 
-extern const std::span<const Method> simo_wong_methods{family};
+extern const std::span<const Method> simo_wong_methods{simo_wong_family};
 
 }  // namespace polhode

@@ -17,13 +17,13 @@
 
 namespace polhode {
 
-/// Flow: see free_flows.h. With `whole_when_free`, a step without loads is taken as one stage; for flows that have
-/// the method's order by themselves.
-template <class Flow, bool whole_when_free, class S = double>
+/// Flow: see free_flows.h. With `single_stage_when_free`, a step without loads is taken as one stage; for flows that
+/// have the method's order by themselves.
+template <class Flow, bool single_stage_when_free, class S = double>
 class Splitting : public MomentumStateOf<S> {
     using Base = MomentumStateOf<S>;
     using Base::attitude_, Base::momentum_, Base::position_, Base::velocity_, Base::translates_, Base::failed_,
-        Base::failed_at_, Base::evaluations_, Base::forcing, Base::loaded, Base::torque_W, Base::acceleration_W;
+        Base::failed_at_, Base::evaluations_, Base::forcing, Base::has_loads, Base::torque_W, Base::acceleration_W;
 
   public:
     Splitting(const Problem& problem, const int& order) : Base(problem), flow_(problem), stages_(composition(order)) {}
@@ -32,43 +32,43 @@ class Splitting : public MomentumStateOf<S> {
         Base::enter(segment);
         R_ = rotation_matrix(attitude_.value());
         flow_.prepare(transposed(R_) * momentum_.value());
-        if (!loaded()) return;
+        if (!has_loads()) return;
         if (forcing().has_damping)
             damping_ = RotationalDampingOf<S>(this->problem_->body.principal.moments, segment.forcing.damping);
-        find_forces();
+        update_forces();
     }
     void step(double t, double step) {
         const S h = S(step);
         failed_at_ = t;
-        if (!loaded() && whole_when_free) {
+        if (!has_loads() && single_stage_when_free) {
             drift(h);
             return;
         }
         S before = 0;
         for (const double stage : stages_) {
             const S g = S(stage);
-            if (loaded()) kick(S(0.5) * (before + g) * h);
+            if (has_loads()) kick(S(0.5) * (before + g) * h);
             drift(g * h);
             if (failed_) return;
-            if (loaded()) find_forces();
+            if (has_loads()) update_forces();
             before = g;
         }
-        if (loaded()) kick(S(0.5) * before * h);
+        if (has_loads()) kick(S(0.5) * before * h);
     }
 
   private:
     Flow flow_;
     std::span<const double> stages_;
     RotationalDampingOf<S> damping_;
-    Matrix3<S> R_;              ///< at the current attitude
-    Vector3<S> torque_, push_;  ///< world axes, at the current attitude and position: torque without drag,
-                                ///< acceleration
+    Matrix3<S> R_;                      ///< at the current attitude
+    Vector3<S> torque_, acceleration_;  ///< world axes, at the current attitude and position: torque without drag,
+                                        ///< acceleration
 
     // The rates enter the torque only through drag, which the kick includes.
-    void find_forces() {
+    void update_forces() {
         const Vector3<S> p = translates_ ? position_.value() : Vector3<S>();
         torque_ = torque_W(0, R_, attitude_.value(), {}, p, {});
-        if (translates_) push_ = acceleration_W(R_, {});
+        if (translates_) acceleration_ = acceleration_W(R_, {});
     }
     void kick(S h) {
         if (forcing().has_damping) {
@@ -79,17 +79,17 @@ class Splitting : public MomentumStateOf<S> {
         }
         if (!translates_) return;
         if (forcing().has_translational_drag) {
-            velocity_.add(damped_change(velocity_.value(), push_, forcing().specific_drag, h));
+            velocity_.add(damped_change(velocity_.value(), acceleration_, forcing().specific_drag, h));
         } else {
-            velocity_.add(h * push_);
+            velocity_.add(h * acceleration_);
         }
     }
     void drift(S h) {
         ++evaluations_;
         const Vector3<S> y = transposed(R_) * momentum_.value();
-        if (loaded()) flow_.prepare(y);
+        if (has_loads()) flow_.prepare(y);
         RotationIncrementOf<S> d;
-        if (!flow_.turn(y, h, d)) {
+        if (!flow_.compute_rotation(y, h, d)) {
             failed_ = true;
             return;
         }
@@ -100,7 +100,7 @@ class Splitting : public MomentumStateOf<S> {
 };
 
 /// Returns why a kick at a fixed attitude cannot represent the loads, or an empty string if it can.
-inline std::string refused_by_kicks(const Problem& problem) {
+inline std::string kick_refusal(const Problem& problem) {
     return problem.needs.user_torque ? "user-defined torques are not supported: they may depend on the rates, which a "
                                        "kick at fixed attitude ignores"
                                      : "";

@@ -28,10 +28,10 @@ namespace polhode {
 namespace {
 
 /// The library's names are variables set by the dynamic linker.
-struct Scheme {
+struct GslScheme {
     const gsl_odeiv2_step_type* const* type;
     /// Solver from the start of a step to a sample inside it, because the library has no dense output.
-    const gsl_odeiv2_step_type* const* sideways;
+    const gsl_odeiv2_step_type* const* sample_type;
     int order;  ///< initial order
 };
 
@@ -44,20 +44,20 @@ class GslSession {
 
     /// Relative tolerance R, absolute tolerance R times each component's scale. Throws std::bad_alloc if memory is
     /// exhausted.
-    GslSession(const Problem& problem, const Scheme& scheme, double tolerance)
+    GslSession(const Problem& problem, const GslScheme& scheme, double tolerance)
         : problem_(&problem), system_(problem), order_(scheme.order), tolerance_(tolerance) {
         // By default the library aborts the program on errors.
         [[maybe_unused]] static const auto former = gsl_set_error_handler_off();
         system_.scales(scales_.data());
-        driver_ = driver(main_, *scheme.type);
-        sideways_ = driver(side_, *scheme.sideways);
+        driver_ = make_driver(main_context_, *scheme.type);
+        sample_driver_ = make_driver(sample_context_, *scheme.sample_type);
     }
     GslSession(const GslSession&) = delete;
     GslSession& operator=(const GslSession&) = delete;
 
     void restart() {
         system_.initial(y_.data());
-        main_.evaluations = side_.evaluations = 0;
+        main_context_.evaluations = sample_context_.evaluations = 0;
         steps_ = rejected_ = 0;
         gsl_odeiv2_driver_reset(driver_.get());
     }
@@ -77,13 +77,13 @@ class GslSession {
     /// Takes one step, shortened at the end of the segment, and repeats it until its error is accepted. Returns a
     /// negative flag on failure.
     int step() {
-        const double left = end_ - t_;
+        const double remaining = end_ - t_;
         ++steps_;
         // A remainder of a few rounding errors is merged into the step; on its own it is too short for the library.
-        if (left <= 4 * std::numeric_limits<double>::epsilon() * end_) return leap();
-        if (h_ >= left * (1 - 1e-14)) h_ = left * (1 + 1e-14);
-        begin_ = t_;
-        side_t_.reset();
+        if (remaining <= 4 * std::numeric_limits<double>::epsilon() * end_) return take_euler_step();
+        if (h_ >= remaining * (1 - 1e-14)) h_ = remaining * (1 + 1e-14);
+        step_start_ = t_;
+        sample_t_.reset();
         const int flag = flag_of(advance(*driver_, t_, end_, h_, y_));
         // Skipped for multistep methods (initial order 1), whose history would restart each time.
         if (flag >= 0 && order_ > 1 && project_step(system_, y_.data())) {
@@ -98,26 +98,26 @@ class GslSession {
 
     /// The motion at a time within the last step, integrated separately from the start of that step.
     std::optional<Motion> sample_inside(double at) {
-        constexpr int most_steps = 1000;
-        if (!side_t_) {
+        constexpr int max_steps = 1000;
+        if (!sample_t_) {
             // The library keeps the state at the start of the step.
-            std::copy(driver_->e->y0, driver_->e->y0 + size(), side_y_.begin());
-            side_t_ = begin_, side_h_ = at - begin_;
-            gsl_odeiv2_driver_reset(sideways_.get());
+            std::copy(driver_->e->y0, driver_->e->y0 + size(), sample_y_.begin());
+            sample_t_ = step_start_, sample_h_ = at - step_start_;
+            gsl_odeiv2_driver_reset(sample_driver_.get());
         }
-        for (int i = 0; i < most_steps && *side_t_ < at; ++i)
-            if (flag_of(advance(*sideways_, *side_t_, at, side_h_, side_y_)) < 0) return {};
-        if (*side_t_ < at) {
+        for (int i = 0; i < max_steps && *sample_t_ < at; ++i)
+            if (flag_of(advance(*sample_driver_, *sample_t_, at, sample_h_, sample_y_)) < 0) return {};
+        if (*sample_t_ < at) {
             status_ = GSL_EMAXITER;
             return {};
         }
-        return system_.motion(at, side_y_.data());
+        return system_.motion(at, sample_y_.data());
     }
     int inside_flag() const { return flag_of(status_); }
 
     /// Meaning of a negative flag.
     SolverFailure failure(int) const {
-        if (main_.not_finite || side_.not_finite)
+        if (main_context_.not_finite || sample_context_.not_finite)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {} at any step size{}",
                                                   format_time(t_), last_state(sample()))};
         return {Status::tolerance_not_met,
@@ -128,8 +128,8 @@ class GslSession {
 
     /// Counts since restart().
     long steps() const { return steps_; }
-    long rhs_evaluations() const { return main_.evaluations; }
-    long sample_evaluations() const { return side_.evaluations; }
+    long rhs_evaluations() const { return main_context_.evaluations; }
+    long sample_evaluations() const { return sample_context_.evaluations; }
     SolverCounts counts() const { return {rejected_ + static_cast<long>(driver_->e->failed_steps), {}, {}}; }
 
   private:
@@ -143,12 +143,12 @@ class GslSession {
         gsl_odeiv2_system system{};
         long evaluations = 0;
         bool not_finite = false;  ///< whether the last evaluation was not finite
-        std::exception_ptr thrown{};
+        std::exception_ptr exception{};
     };
-    struct Free {
+    struct FreeDriver {
         void operator()(gsl_odeiv2_driver* driver) const { gsl_odeiv2_driver_free(driver); }
     };
-    using Driver = std::unique_ptr<gsl_odeiv2_driver, Free>;
+    using Driver = std::unique_ptr<gsl_odeiv2_driver, FreeDriver>;
 
     // Any status except GSL_EBADFUNC makes the library retry with half the step.
     static int right_hand_side(double t, const double* y, double* dy, void* context) {
@@ -157,7 +157,7 @@ class GslSession {
         try {
             self->session->system_.derivative(t, y, dy);
         } catch (...) {  // exceptions must not cross the C library
-            self->thrown = std::current_exception();
+            self->exception = std::current_exception();
             return GSL_EBADFUNC;
         }
         self->not_finite = !all_finite({dy, self->session->size()});
@@ -173,29 +173,29 @@ class GslSession {
         return self->not_finite ? GSL_EDOM : GSL_SUCCESS;
     }
 
-    Driver driver(Context& context, const gsl_odeiv2_step_type* type) {
+    Driver make_driver(Context& context, const gsl_odeiv2_step_type* type) {
         context.session = this;
         context.system = {right_hand_side, fill_jacobian, size(), &context};
-        Driver made(
+        Driver result(
             gsl_odeiv2_driver_alloc_scaled_new(&context.system, type, 1, tolerance_, tolerance_, 1, 0, scales_.data()));
-        if (!made) throw std::bad_alloc();
-        return made;
+        if (!result) throw std::bad_alloc();
+        return result;
     }
 
     // The driver's own loop, one step at a time.
     int advance(gsl_odeiv2_driver& driver, double& t, double stop, double& h, State& y) {
         status_ = gsl_odeiv2_evolve_apply(driver.e, driver.c, driver.s, driver.sys, &t, stop, &h, y.data());
-        for (Context* context : {&main_, &side_})
-            if (context->thrown) std::rethrow_exception(std::exchange(context->thrown, nullptr));
+        for (Context* context : {&main_context_, &sample_context_})
+            if (context->exception) std::rethrow_exception(std::exchange(context->exception, nullptr));
         return status_;
     }
     static int flag_of(int status) { return status == GSL_SUCCESS ? 0 : -1; }
 
     // One explicit Euler step is exact over a few rounding errors of time.
-    int leap() {
+    int take_euler_step() {
         State rate(system_.size());
         system_.derivative(t_, y_.data(), rate.data());
-        ++main_.evaluations;
+        ++main_context_.evaluations;
         for (std::size_t i = 0; i < size(); ++i) y_[i] += (end_ - t_) * rate[i];
         t_ = end_;
         return GSL_SUCCESS;
@@ -206,7 +206,7 @@ class GslSession {
         for (std::size_t i = 0; i < size(); ++i) tolerated[i] = tolerance_ * (scales_[i] + std::abs(y_[i]));
         const auto rate = [&](double later, const State& y, State& dy) {
             system_.derivative(t_ + later, y.data(), dy.data());
-            ++main_.evaluations;
+            ++main_context_.evaluations;
         };
         const double h = polhode::first_step(rate, y_, tolerated, order_);
         return h > 0 && std::isfinite(h) ? h : 1e-6 * problem_->scene.duration;
@@ -216,22 +216,22 @@ class GslSession {
     SystemType system_;
     int order_;
     double tolerance_;
-    State scales_{system_.size()}, y_ = scales_, side_y_ = scales_;
-    double t_ = 0, begin_ = 0, end_ = 0, h_ = 0, side_h_ = 0;
-    std::optional<double> side_t_;
+    State scales_{system_.size()}, y_ = scales_, sample_y_ = scales_;
+    double t_ = 0, step_start_ = 0, end_ = 0, h_ = 0, sample_h_ = 0;
+    std::optional<double> sample_t_;
     long steps_ = 0, rejected_ = 0;
     int status_ = GSL_SUCCESS;
-    Context main_{}, side_{};
-    Driver driver_, sideways_;
+    Context main_context_{}, sample_context_{};
+    Driver driver_, sample_driver_;
 };
 
-const Scheme rk8pd{&gsl_odeiv2_step_rk8pd, &gsl_odeiv2_step_rk8pd, 8};
-const Scheme msadams{&gsl_odeiv2_step_msadams, &gsl_odeiv2_step_rk8pd, 1};
-const Scheme bsimp{&gsl_odeiv2_step_bsimp, &gsl_odeiv2_step_bsimp, 4};
-const Scheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
+const GslScheme rk8pd{&gsl_odeiv2_step_rk8pd, &gsl_odeiv2_step_rk8pd, 8};
+const GslScheme msadams{&gsl_odeiv2_step_msadams, &gsl_odeiv2_step_rk8pd, 1};
+const GslScheme bsimp{&gsl_odeiv2_step_bsimp, &gsl_odeiv2_step_bsimp, 4};
+const GslScheme msbdf{&gsl_odeiv2_step_msbdf, &gsl_odeiv2_step_bsimp, 1};
 
-template <const Scheme& scheme>
-Trajectory solve_by(const Problem& problem, const Settings& settings) {
+template <const GslScheme& scheme>
+Trajectory solve_gsl(const Problem& problem, const Settings& settings) {
     if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         GslSession<SystemType> session(problem, scheme, *settings.tolerance);
@@ -239,11 +239,11 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
     });
 }
 
-constexpr std::string_view source =
+constexpr std::string_view gsl_source =
     "Galassi, Davies, Theiler, Gough, Jungman, Alken, Booth & Rossi 2009, GNU Scientific Library Reference Manual, 3rd "
     "ed.";
 
-constexpr Method each[] = {
+constexpr Method gsl_variants[] = {
     {.name = "gsl_rk8pd",
      .documentation =
          "GSL's explicit Runge-Kutta pair of orders 8 and 9. Relative tolerance R, absolute tolerance R times the "
@@ -252,15 +252,15 @@ constexpr Method each[] = {
          "sides are counted. Only in the build tree, with POLHODE_PEERS_GPL: GSL is under the GPL.",
      .source = "Prince & Dormand 1981, High order embedded Runge-Kutta formulae, J. Comput. Appl. Math. 7, 67-75; "
                "Galassi et al. 2009, GNU Scientific Library Reference Manual, 3rd ed.",
-     .solve = solve_by<rk8pd>,
+     .solve = solve_gsl<rk8pd>,
      .family = Family::runge_kutta},
     {.name = "gsl_msadams",
      .documentation =
          "GSL's Adams formulas of order 1 to 12 in Nordsieck form, the implicit equation solved by functional "
          "iteration; for non-stiff motion. Events restart the history. Samples inside a step are computed by steps of "
          "`gsl_rk8pd`. Tolerances as for `gsl_rk8pd`.",
-     .source = source,
-     .solve = solve_by<msadams>,
+     .source = gsl_source,
+     .solve = solve_gsl<msadams>,
      .family = Family::multistep},
     {.name = "gsl_bsimp",
      .documentation =
@@ -269,7 +269,7 @@ constexpr Method each[] = {
      .source = "Bader & Deuflhard 1983, A semi-implicit mid-point rule for stiff systems of ordinary differential "
                "equations, Numer. Math. 41, 373-398; Galassi et al. 2009, GNU Scientific Library Reference Manual, "
                "3rd ed.",
-     .solve = solve_by<bsimp>,
+     .solve = solve_gsl<bsimp>,
      .family = Family::extrapolation,
      .refusal = no_jacobian_of_user_torque},
     {.name = "gsl_msbdf",
@@ -277,18 +277,18 @@ constexpr Method each[] = {
          "GSL's backward differentiation formulas of order 1 to 5 in Nordsieck form, the implicit equation solved by a "
          "modified Newton iteration with the exact Jacobian; for stiff motion. Events restart the history. Samples "
          "inside a step are computed by steps of `gsl_bsimp`. Tolerances as for `gsl_bsimp`.",
-     .source = source,
-     .solve = solve_by<msbdf>,
+     .source = gsl_source,
+     .solve = solve_gsl<msbdf>,
      .family = Family::multistep,
      .refusal = no_jacobian_of_user_torque},
 };
 
-constexpr auto list = apply_defaults(
-    {.conserves = "nothing", .control = Control::tolerance, .general_systems = true, .library = gsl_library}, each);
+constexpr auto gsl_family = apply_defaults( 
+    {.conserves = "nothing", .control = Control::tolerance, .general_systems = true, .library = gsl_library}, gsl_variants);
 
 }  // namespace
 
-const std::span<const Method> gsl_methods{list};
+const std::span<const Method> gsl_methods{gsl_family};
 
 std::string gsl_library_version() { return gsl_version; }
 

@@ -9,7 +9,7 @@ using Wrench = Pair6<double>;
 
 }  // namespace
 
-void ArmatureSolver::take(const Tree<double>& tree, const TreeWork<double>& at) {
+void ArmatureSolver::copy_links(const Tree<double>& tree, const TreeWork<double>& at) {
     const std::size_t n = tree.links().links.size();
     links_.assign(at.links.begin(), at.links.begin() + static_cast<std::ptrdiff_t>(n));
     for (LinkWork<double>& link : links_) link.inertia.n = link.inertia.f = {};
@@ -37,19 +37,19 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
             const Matrix3<double> full = full_matrix(I.J);
             J = I.J - polhode::congruence(full, w.inverse);
             M = I.M - polhode::congruence(transposed(I.B), w.inverse);
-            const Matrix3<double> gives = full * full_matrix(w.inverse) * I.B;
-            for (int r = 0; r < 3; ++r) B[r] = I.B[r] - gives[r];
+            const Matrix3<double> reduction = full * full_matrix(w.inverse) * I.B;
+            for (int r = 0; r < 3; ++r) B[r] = I.B[r] - reduction[r];
         } else {
-            const bool turns = link.kind == LinkJoint::revolute;
+            const bool is_revolute = link.kind == LinkJoint::revolute;
             Vector3<double>&U_n = w.U.turning, &U_f = w.U.linear;
-            if (turns)
+            if (is_revolute)
                 U_n = {I.J.xz, I.J.yz, I.J.zz}, U_f = I.B[2];
             else
                 U_n = {I.B[0][2], I.B[1][2], I.B[2][2]}, U_f = {I.M.xz, I.M.yz, I.M.zz};
-            const double per = 1 / ((turns ? I.J.zz : I.M.zz) + d[0]);
-            w.inverse.xx = per;
+            const double inverse_D = 1 / ((is_revolute ? I.J.zz : I.M.zz) + d[0]);
+            w.inverse.xx = inverse_D;
             if (link.parent < 0) continue;
-            const Vector3<double> N = per * U_n, F = per * U_f;
+            const Vector3<double> N = inverse_D * U_n, F = inverse_D * U_f;
             J = I.J - outer(N, U_n), M = I.M - outer(F, U_f);
             for (int r = 0; r < 3; ++r) B[r] = I.B[r] - N[r] * U_f;
         }
@@ -61,7 +61,12 @@ void ArmatureSolver::factorize(const Tree<double>& tree, const std::vector<doubl
 void ArmatureSolver::solve(const Tree<double>& tree, const std::vector<double>& torque, std::vector<double>& x) {
     const Links<double>& all = tree.links();
     x.resize(static_cast<std::size_t>(all.rates));
-    // w.bias: force that the child links require from a link;  w.force: u = tau - S^T p
+    sweep_inward(all, torque);
+    sweep_outward(all, torque, x);
+}
+
+// w.bias: force that the child links require from a link;  w.force: u = tau - S^T p
+void ArmatureSolver::sweep_inward(const Links<double>& all, const std::vector<double>& torque) {
     for (LinkWork<double>& w : links_) w.bias = {};
     for (std::size_t i = links_.size(); i-- > 0;) {
         const Link<double>& link = all.links[i];
@@ -86,6 +91,11 @@ void ArmatureSolver::solve(const Tree<double>& tree, const std::vector<double>& 
         parent.linear = parent.linear + f;
         parent.turning = parent.turning + (w.R * p.turning + cross(w.r, f));
     }
+}
+
+// accelerations of the links, and the rates' part of them: x
+void ArmatureSolver::sweep_outward(const Links<double>& all, const std::vector<double>& torque,
+                                   std::vector<double>& x) {
     for (std::size_t i = 0; i < links_.size(); ++i) {
         const Link<double>& link = all.links[i];
         LinkWork<double>& w = links_[i];

@@ -14,7 +14,7 @@ namespace polhode::multibody {
 class ArmatureSolver {
   public:
     /// Copies the links' data from `at`, which tree.move() has computed for a state.
-    void take(const Tree<double>& tree, const TreeWork<double>& at);
+    void copy_links(const Tree<double>& tree, const TreeWork<double>& at);
     /// `armature`: d of each rate (those of a free base are ignored). Must be called before solve().
     void factorize(const Tree<double>& tree, const std::vector<double>& armature);
     /// Solves for x given tau. Both are in the order of the rates.
@@ -22,6 +22,9 @@ class ArmatureSolver {
 
   private:
     std::vector<LinkWork<double>> links_;
+
+    void sweep_inward(const Links<double>& all, const std::vector<double>& torque);
+    void sweep_outward(const Links<double>& all, const std::vector<double>& torque, std::vector<double>& x);
 };
 
 }  // namespace polhode::multibody

@@ -5,7 +5,8 @@
 namespace polhode::multibody {
 
 // outward sweep: velocities and accelerations, and for each link alone its momentum and the wrench that accelerates it
-void JointSweeps::sweep_out(const Tree<double>& tree, const TreeWork<double>& at, const double* y, const double* a) {
+void JointSweeps::sweep_outward(const Tree<double>& tree, const TreeWork<double>& at, const double* y,
+                                const double* a) {
     const Links<double>& all = tree.links();
     const std::size_t n = all.links.size();
     speed_.resize(n), momentum_.resize(n), acceleration_.resize(n), wrench_.resize(n);
@@ -40,9 +41,9 @@ void JointSweeps::sweep_out(const Tree<double>& tree, const TreeWork<double>& at
     }
 }
 
-void JointSweeps::run(const Tree<double>& tree, const TreeWork<double>& at, const double* y, const double* a,
-                      DiscreteForces& out) {
-    sweep_out(tree, at, y, a);
+void JointSweeps::compute(const Tree<double>& tree, const TreeWork<double>& at, const double* y, const double* a,
+                          DiscreteForces& out) {
+    sweep_outward(tree, at, y, a);
     const Links<double>& all = tree.links();
     const std::size_t rates = static_cast<std::size_t>(all.rates);
     out.momentum.resize(rates), out.force.resize(rates);
@@ -51,35 +52,36 @@ void JointSweeps::run(const Tree<double>& tree, const TreeWork<double>& at, cons
         const LinkWork<double>& w = at.links[i];
         const std::size_t k = static_cast<std::size_t>(link.rate - all.coordinates);
         const double* const rate = y + link.rate;
-        const Pair6<double>&own = momentum_[i], &load = wrench_[i];
+        const Pair6<double>&momentum = momentum_[i], &load = wrench_[i];
         // dT/dx = momentum . [V, S], where V is the twist of the parent and S the joint's directions
         if (link.kind == LinkJoint::revolute) {
-            out.momentum[k] = own.turning[2];
-            out.force[k] = (cross(own.turning, w.w) + cross(own.linear, speed_[i]) + load.turning)[2];
+            out.momentum[k] = momentum.turning[2];
+            out.force[k] = (cross(momentum.turning, w.w) + cross(momentum.linear, speed_[i]) + load.turning)[2];
         } else if (link.kind == LinkJoint::prismatic) {
-            out.momentum[k] = own.linear[2];
-            out.force[k] = (cross(own.linear, w.w) + load.linear)[2];
+            out.momentum[k] = momentum.linear[2];
+            out.force[k] = (cross(momentum.linear, w.w) + load.linear)[2];
         } else {
-            const Vector3<double> carried = w.w - Vector3<double>(rate[0], rate[1], rate[2]);
-            const Vector3<double> force = cross(own.turning, carried) + cross(own.linear, speed_[i]) + load.turning;
-            for (std::size_t c = 0; c < 3; ++c) out.momentum[k + c] = own.turning[c], out.force[k + c] = force[c];
+            const Vector3<double> parent_velocity = w.w - Vector3<double>(rate[0], rate[1], rate[2]);
+            const Vector3<double> force =
+                cross(momentum.turning, parent_velocity) + cross(momentum.linear, speed_[i]) + load.turning;
+            for (std::size_t c = 0; c < 3; ++c) out.momentum[k + c] = momentum.turning[c], out.force[k + c] = force[c];
             if (link.kind == LinkJoint::free) {
-                const Vector3<double> p_W = w.R * own.linear, f_W = w.R * load.linear;
+                const Vector3<double> p_W = w.R * momentum.linear, f_W = w.R * load.linear;
                 for (std::size_t c = 0; c < 3; ++c) out.momentum[k + 3 + c] = p_W[c], out.force[k + 3 + c] = f_W[c];
             }
         }
         if (link.parent < 0) continue;
-        const auto carry = [&](const Pair6<double>& child, Pair6<double>& parent) {
+        const auto add_to_parent = [&](const Pair6<double>& child, Pair6<double>& parent) {
             const Vector3<double> f = w.R * child.linear;
             parent.linear = parent.linear + f;
             parent.turning = parent.turning + (w.R * child.turning + cross(w.r, f));
         };
         const std::size_t p = static_cast<std::size_t>(link.parent);
-        carry(own, momentum_[p]), carry(load, wrench_[p]);
+        add_to_parent(momentum, momentum_[p]), add_to_parent(load, wrench_[p]);
     }
 }
 
-TurnMaps::TurnMaps(const Vector3<double>& xi) : xi_(xi) {
+RotationMaps::RotationMaps(const Vector3<double>& xi) : xi_(xi) {
     const double square = dot(xi, xi), theta = std::sqrt(square);
     if (theta < 1e-2) {
         quadratic_ = 1.0 / 12 + square / 720, tangent_ = 0.25 + square / 192;
@@ -88,12 +90,12 @@ TurnMaps::TurnMaps(const Vector3<double>& xi) : xi_(xi) {
     }
 }
 
-Vector3<double> TurnMaps::at_begin(const Vector3<double>& momentum, const Vector3<double>& half_force) const {
+Vector3<double> RotationMaps::start_momentum(const Vector3<double>& momentum, const Vector3<double>& half_force) const {
     const Vector3<double> once = cross(xi_, momentum);
     return momentum + 0.5 * once + quadratic_ * cross(xi_, once) - half_force - tangent_ * cross(xi_, half_force);
 }
 
-Vector3<double> TurnMaps::at_end(const Vector3<double>& momentum, const Vector3<double>& half_force) const {
+Vector3<double> RotationMaps::end_momentum(const Vector3<double>& momentum, const Vector3<double>& half_force) const {
     const Vector3<double> once = cross(xi_, momentum);
     return momentum - 0.5 * once + quadratic_ * cross(xi_, once) + half_force - tangent_ * cross(xi_, half_force);
 }

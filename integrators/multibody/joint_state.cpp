@@ -5,14 +5,14 @@
 namespace polhode::multibody {
 
 JointState::JointState(const Problem& problem)
-    : posed_(std::shared_ptr<const MechanismModel>(problem.model(), &mechanism_of(problem))),
-      y_(static_cast<std::size_t>(posed_->dimension())),
+    : initial_model_(std::shared_ptr<const MechanismModel>(problem.model(), &mechanism_of(problem))),
+      y_(static_cast<std::size_t>(initial_model_->dimension())),
       dy_(y_.size()) {
     JointState::restart();
 }
 
 void JointState::restart() {
-    model_ = posed_;
+    model_ = initial_model_;
     model_->initial(y_.data());
     steps_ = 0;
 }
@@ -29,7 +29,7 @@ std::vector<Sample> JointState::sample(double t) const {
     return samples;
 }
 
-void JointState::go_along(double h, std::vector<double>& y) const {
+void JointState::advance_coordinates(double h, std::vector<double>& y) const {
     for (const Link<double>& link : tree().links().links) {
         double* const x = y.data() + link.coordinate;
         const double* const rate = y.data() + link.rate;

@@ -24,9 +24,9 @@ class JointState {
     std::size_t coordinates() const { return static_cast<std::size_t>(tree().links().coordinates); }
     std::size_t rates() const { return static_cast<std::size_t>(tree().links().rates); }
     /// Advances x by h times the rates in y. Attitudes are advanced by one exponential and normalised.
-    void go_along(double h, std::vector<double>& y) const;
+    void advance_coordinates(double h, std::vector<double>& y) const;
 
-    std::shared_ptr<const MechanismModel> posed_, model_;
+    std::shared_ptr<const MechanismModel> initial_model_, model_;
     std::vector<double> y_;   ///< x, x'
     std::vector<double> dy_;  ///< storage for x', x''
     long steps_ = 0;

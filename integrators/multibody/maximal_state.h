@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "integrators/multibody/acting.h"
+#include "integrators/multibody/active_loads.h"
 #include "integrators/run/march.h"
 #include "motion/mechanism.h"
 
@@ -21,17 +21,17 @@ class MaximalState {
             MovingBody<S> body;
             body.R = diagonal(Vector3<S>(1, 1, 1));
             if (b < start.size()) {
-                const maximal::MaximalBody<double>& given = shared->mechanism.bodies[b];
-                body.movable = given.movable;
-                body.mass = S(given.mass);
-                if (given.movable) {
-                    body.inverse_mass = S(1 / given.mass);
-                    body.inertia = {cast<S>(given.inertia), cast<S>(given.inverse_inertia)};
+                const maximal::MaximalBody<double>& source = shared->mechanism.bodies[b];
+                body.movable = source.movable;
+                body.mass = S(source.mass);
+                if (source.movable) {
+                    body.inverse_mass = S(1 / source.mass);
+                    body.inertia = {cast<S>(source.inertia), cast<S>(source.inverse_inertia)};
                 }
                 body.q = cast<S>(start[b].q), body.x = cast<S>(start[b].position_W);
                 body.v = cast<S>(start[b].velocity_W);
                 body.w = cast<S>(rotate(start[b].q, start[b].angular_velocity_B));
-                body.turned();
+                body.update_rotation();
             }
             shared->start.push_back(body);
         }
@@ -39,13 +39,13 @@ class MaximalState {
         for (std::size_t k = 0; k < links.size(); ++k) {
             if (!shared->mechanism.movable(links[k].from.body) && !shared->mechanism.movable(links[k].to.body))
                 continue;
-            shared->pairs.push_back(held_pair<S>(links[k], k));
+            shared->pairs.push_back(make_joint_pair<S>(links[k], k));
         }
         // initial joint coordinates, including those of joints that the reader has moved
-        for (const HeldPair<S>& pair : shared->pairs) {
+        for (const JointPair<S>& pair : shared->pairs) {
             std::array<S, 2> coordinate{S(links[pair.link].coordinate[0]), S(links[pair.link].coordinate[1])};
             if (pair.has_spring)
-                follow_coordinates(PairView<S>{pair, shared->start[pair.from], shared->start[pair.to]}, coordinate);
+                update_coordinates(PairView<S>{pair, shared->start[pair.from], shared->start[pair.to]}, coordinate);
             shared->coordinates.push_back(coordinate);
         }
         shared_ = std::move(shared);
@@ -54,16 +54,16 @@ class MaximalState {
 
     void restart() {
         bodies_ = shared_->start, coordinates_ = shared_->coordinates;
-        acting_ = {}, steps_ = 0;
+        active_loads_ = {}, steps_ = 0;
     }
     /// An impulse changes only the velocity of the body that it acts on; the next step transmits it to the others.
     void enter(const Segment& segment) {
-        acting_ = Acting<S>(shared_->mechanism, segment.begin);
-        std::vector<WorldWrench<S>> given(bodies_.size());
-        if (!Acting<S>::add_impulses(shared_->mechanism, segment.begin, bodies_, given)) return;
+        active_loads_ = ActiveLoads<S>(shared_->mechanism, segment.begin);
+        std::vector<WorldWrench<S>> impulses(bodies_.size());
+        if (!ActiveLoads<S>::add_impulses(shared_->mechanism, segment.begin, bodies_, impulses)) return;
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
-            bodies_[b].v = bodies_[b].v + bodies_[b].inverse_mass * given[b].force;
-            bodies_[b].w = bodies_[b].w + bodies_[b].inverse_I_W * given[b].torque;
+            bodies_[b].v = bodies_[b].v + bodies_[b].inverse_mass * impulses[b].force;
+            bodies_[b].w = bodies_[b].w + bodies_[b].inverse_I_W * impulses[b].torque;
         }
     }
     std::vector<Sample> sample(double t) const {
@@ -83,27 +83,28 @@ class MaximalState {
     long rhs_evaluations() const { return steps_; }
 
   protected:
-    const std::vector<HeldPair<S>>& pairs() const { return shared_->pairs; }
-    PairView<S> view(const HeldPair<S>& pair) const { return {pair, bodies_[pair.from], bodies_[pair.to]}; }
+    const std::vector<JointPair<S>>& pairs() const { return shared_->pairs; }
+    PairView<S> view(const JointPair<S>& pair) const { return {pair, bodies_[pair.from], bodies_[pair.to]}; }
 
     /// v += h F / m, w += h I^-1 tau for all loads at the current state, and the `gyroscopic` term of w.
     template <GyroscopicTerm gyroscopic>
     void accelerate(S h) {
         wrenches_.assign(bodies_.size(), {});
-        acting_.add(bodies_, wrenches_);
+        active_loads_.add_wrenches(bodies_, wrenches_);
         for (std::size_t k = 0; k < pairs().size(); ++k) {
-            const HeldPair<S>& pair = pairs()[k];
-            const S motor = acting_.motor(pair.link);
+            const JointPair<S>& pair = pairs()[k];
+            const S motor = active_loads_.motor(pair.link);
             if (!pair.has_spring && !pair.has_damper && motor == S(0)) continue;
-            if (pair.has_spring) follow_coordinates(view(pair), coordinates_[k]);
-            add_own_forces(view(pair), motor, coordinates_[k], wrenches_[pair.from], wrenches_[pair.to]);
+            if (pair.has_spring) update_coordinates(view(pair), coordinates_[k]);
+            add_joint_forces(view(pair), motor, coordinates_[k], wrenches_[pair.from], wrenches_[pair.to]);
         }
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             MovingBody<S>& body = bodies_[b];
             if (!body.movable) continue;
             body.v = body.v + (h * body.inverse_mass) * wrenches_[b].force;
             if constexpr (gyroscopic != GyroscopicTerm::none)
-                body.w = body.R * body.inertia.template turned<gyroscopic>(transposed(body.R) * body.w, h);
+                body.w =
+                    body.R * body.inertia.template apply_gyroscopic_term<gyroscopic>(transposed(body.R) * body.w, h);
             body.w = body.w + h * (body.inverse_I_W * wrenches_[b].torque);
         }
     }
@@ -112,8 +113,8 @@ class MaximalState {
     static void move(MovingBody<S>& body, S h, const Vector3<S>& v, const Vector3<S>& w) {
         if (!body.movable) return;
         body.x = body.x + h * v;
-        body.turn(h * w);
-        body.turned();
+        body.rotate_by(h * w);
+        body.update_rotation();
     }
 
     std::vector<MovingBody<S>> bodies_;  ///< in the scene's order, then the world
@@ -123,11 +124,11 @@ class MaximalState {
     struct Shared {
         maximal::Mechanism<double> mechanism;
         std::vector<MovingBody<S>> start;
-        std::vector<HeldPair<S>> pairs;
+        std::vector<JointPair<S>> pairs;
         std::vector<std::array<S, 2>> coordinates;  // one entry per pair
     };
     std::shared_ptr<const Shared> shared_;
-    Acting<S> acting_;
+    ActiveLoads<S> active_loads_;
     std::vector<std::array<S, 2>> coordinates_;  // one entry per pair; updated for joints with a spring
     std::vector<WorldWrench<S>> wrenches_;
 };

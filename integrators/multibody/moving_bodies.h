@@ -29,16 +29,16 @@ struct MovingBody {
     Matrix3<S> inverse_I_W;  ///< R I^-1 R^T
 
     /// Updates the quantities that depend on q.
-    void turned() {
+    void update_rotation() {
         R = rotation_matrix(q);
         if (movable) inverse_I_W = R * inertia.inverse * transposed(R);
     }
     Vector3<S> velocity_at(const Vector3<S>& arm_W) const { return v + cross(w, arm_W); }
     /// Rotates q by a rotation vector in world axes and normalises it.
-    void turn(const Vector3<S>& by_W) { q = normalized(quaternion_from_rotation_vector(by_W) * q); }
-    /// q += 1/2 (0, by_W) q, then normalises it.
-    void turn_in_first_order(const Vector3<S>& by_W) {
-        const Vector3<S> half = S(0.5) * by_W;
+    void rotate_by(const Vector3<S>& rotation_W) { q = normalized(quaternion_from_rotation_vector(rotation_W) * q); }
+    /// q += 1/2 (0, rotation_W) q, then normalises it.
+    void rotate_first_order(const Vector3<S>& rotation_W) {
+        const Vector3<S> half = S(0.5) * rotation_W;
         const Quaternion<S> change = Quaternion<S>{0, half[0], half[1], half[2]} * q;
         q = normalized(Quaternion<S>{q.w + change.w, q.x + change.x, q.y + change.y, q.z + change.z});
     }
@@ -46,7 +46,7 @@ struct MovingBody {
 
 /// A joint or loop between two bodies, given by their numbers. The members are documented in maximal::Link.
 template <class S>
-struct HeldPair {
+struct JointPair {
     maximal::Kind kind = maximal::Kind::revolute;
     std::size_t link = 0;  ///< in the order of joints, then loops
     std::size_t from = 0, to = 0;
@@ -63,8 +63,8 @@ struct HeldPair {
 };
 
 template <class S>
-HeldPair<S> held_pair(const maximal::Link<double>& link, std::size_t number) {
-    HeldPair<S> pair;
+JointPair<S> make_joint_pair(const maximal::Link<double>& link, std::size_t number) {
+    JointPair<S> pair;
     pair.kind = link.kind, pair.link = number;
     pair.from = static_cast<std::size_t>(link.from.body), pair.to = static_cast<std::size_t>(link.to.body);
     pair.arm_from = cast<S>(link.from.arm_B), pair.arm_to = cast<S>(link.to.arm_B);
@@ -84,13 +84,13 @@ HeldPair<S> held_pair(const maximal::Link<double>& link, std::size_t number) {
 /// A pair with the current state of its bodies; world axes.
 template <class S>
 struct PairView {
-    const HeldPair<S>& pair;
+    const JointPair<S>& pair;
     const MovingBody<S>&from, &to;
 
     Vector3<S> arm_from() const { return from.R * pair.arm_from; }
     Vector3<S> arm_to() const { return to.R * pair.arm_to; }
     /// Vector from the point on `from` to the point on `to`.
-    Vector3<S> apart() const { return (to.x + arm_to()) - (from.x + arm_from()); }
+    Vector3<S> gap() const { return (to.x + arm_to()) - (from.x + arm_from()); }
     /// Attitude of the child relative to a fixed joint, as a rotation vector in world axes to first order: 2 vec.
     Vector3<S> twist() const {
         const Quaternion<S> turn = to.q * conjugate(from.q * pair.orientation);

@@ -22,9 +22,9 @@ class SemiImplicitSteps : public JointState {
         tree().derivative(y_.data(), dy_.data());
         return {dy_.begin() + static_cast<std::ptrdiff_t>(coordinates()), dy_.end()};
     }
-    void go(double h, const std::vector<double>& a) {
+    void advance(double h, const std::vector<double>& a) {
         for (std::size_t k = 0; k < rates(); ++k) y_[coordinates() + k] += h * a[k];
-        go_along(h, y_);
+        advance_coordinates(h, y_);
         if (model_->projects()) model_->project(y_.data());
         ++steps_;
     }
@@ -34,7 +34,7 @@ class SemiImplicitSteps : public JointState {
 class SemiImplicitEuler : public SemiImplicitSteps {
   public:
     using SemiImplicitSteps::SemiImplicitSteps;
-    void step(double, double h) { go(h, accelerations()); }
+    void step(double, double h) { advance(h, accelerations()); }
 };
 
 /// (M + h D) a = f(x, x'),  x' += h a,  x += h x', where D holds the joints' dampers. With M a_0 = f,
@@ -44,36 +44,36 @@ class ImplicitDamping : public SemiImplicitSteps {
     explicit ImplicitDamping(const Problem& problem) : SemiImplicitSteps(problem) {
         for (const Link<double>& link : tree().links().links)
             for (int k = 0; k < link.rates(); ++k) damping_.push_back(link.kind == LinkJoint::free ? 0 : link.damping);
-        for (const double c : damping_) damped_ = damped_ || c != 0;
+        for (const double c : damping_) has_damping_ = has_damping_ || c != 0;
     }
     void step(double, double h) {
         std::vector<double> a = accelerations();
-        if (damped_) {
+        if (has_damping_) {
             TreeWork<double>& at = tree().work<double>();
             tree().move(y_.data(), at);
             armature_.resize(damping_.size()), torque_.resize(damping_.size());
             for (std::size_t k = 0; k < damping_.size(); ++k)
                 armature_[k] = h * damping_[k], torque_[k] = armature_[k] * a[k];
-            solver_.take(tree(), at);
+            solver_.copy_links(tree(), at);
             solver_.factorize(tree(), armature_);
             solver_.solve(tree(), torque_, change_);
             for (std::size_t k = 0; k < a.size(); ++k) a[k] -= change_[k];
         }
-        go(h, a);
+        advance(h, a);
     }
 
   private:
     std::vector<double> damping_, armature_, torque_, change_;
-    bool damped_ = false;
+    bool has_damping_ = false;
     multibody::ArmatureSolver solver_;
 };
 
 template <class Update>
-Trajectory solve_in_joints(const Problem& problem, const Settings& settings) {
+Trajectory solve_reduced(const Problem& problem, const Settings& settings) {
     return march<Update>(problem, settings);
 }
 
-constexpr Method each_in_joints[] = {
+constexpr Method reduced_variants[] = {
     {.name = "reduced_semi_implicit_euler",
      .documentation =
          "Joint coordinates by the articulated-body recursion and semi-implicit Euler: rates from the accelerations "
@@ -82,7 +82,7 @@ constexpr Method each_in_joints[] = {
          "where engines use springs. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrator Euler without implicit damping; E. Coumans, Bullet, btMultiBody",
      .conserves = "joints closed; |q|",
-     .solve = solve_in_joints<SemiImplicitEuler>},
+     .solve = solve_reduced<SemiImplicitEuler>},
     {.name = "reduced_implicit_damping",
      .documentation =
          "`reduced_semi_implicit_euler` with implicit joint dampers, (M + h D) a = f: each joint's damper adds h c to "
@@ -90,18 +90,18 @@ constexpr Method each_in_joints[] = {
          "stable; springs do not. Order 1.",
      .source = "Google DeepMind, MuJoCo, integrator Euler (eulerdamp) and, for joint damping, implicitfast",
      .conserves = "joints closed; |q|",
-     .solve = solve_in_joints<ImplicitDamping>},
+     .solve = solve_reduced<ImplicitDamping>},
 };
 
-constexpr auto in_joints = apply_defaults({.control = Control::fixed_step,
+constexpr auto reduced_family = apply_defaults({.control = Control::fixed_step,
                                            .general_systems = true,
                                            .order = 1,
                                            .family = Family::engine_update,
-                                           .refusal = multibody::needs_a_mechanism},
-                                          each_in_joints);
+                                           .refusal = multibody::mechanism_refusal},
+                                        reduced_variants);
 
 }  // namespace
 
-extern const std::span<const Method> reduced_coordinates_methods{in_joints};
+extern const std::span<const Method> reduced_coordinates_methods{reduced_family};
 
 }  // namespace polhode

@@ -9,19 +9,19 @@
 
 namespace polhode::multibody {
 
-std::string needs_a_mechanism(const Problem& problem) {
+std::string mechanism_refusal(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return "";
     return std::holds_alternative<UserSystem>(problem.system)
                ? "this method supports only scenes of several bodies, not user-defined systems"
                : "this method supports only scenes of several bodies with joints";
 }
 
-std::string needs_inertia_of_each_body(const Problem& problem) {
-    const std::string why = needs_a_mechanism(problem);
+std::string inertia_refusal(const Problem& problem) {
+    const std::string why = mechanism_refusal(problem);
     return why.empty() ? body_without_inertia(problem.scene) : why;
 }
 
-std::string beyond_binary32(const Problem& problem) {
+std::string mechanism_binary32_refusal(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system)) return "";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     constexpr double largest = std::numeric_limits<float>::max(), smallest = std::numeric_limits<float>::min();

@@ -8,13 +8,13 @@
 namespace polhode::multibody {
 
 /// For all of them: the scene must have several bodies.
-std::string needs_a_mechanism(const Problem& problem);
+std::string mechanism_refusal(const Problem& problem);
 
 /// For methods that use the inverse of each body's mass and tensor: every body must have both.
-std::string needs_inertia_of_each_body(const Problem& problem);
+std::string inertia_refusal(const Problem& problem);
 
 /// Why binary32 cannot represent a mechanism: a mass, moment or scale out of range, or a body without inertia. Empty if
 /// it can, and for problems that are not mechanisms.
-std::string beyond_binary32(const Problem& problem);
+std::string mechanism_binary32_refusal(const Problem& problem);
 
 }  // namespace polhode::multibody

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "integrators/multibody/in_binary32.h"
+#include "integrators/multibody/binary32_variants.h"
 
 namespace polhode {
 namespace {
@@ -10,15 +10,16 @@ namespace {
 using multibody::ImpulseOptions;
 
 template <class S, ImpulseOptions options>
-Trajectory solve_by_impulses(const Problem& problem, const Settings& settings) {
+Trajectory solve_sequential_impulses(const Problem& problem, const Settings& settings) {
     return march<multibody::SequentialImpulses<S, options>>(problem, settings);
 }
 
-constexpr ImpulseOptions four{.iterations = 4}, ten{.iterations = 10}, fifty{.iterations = 50},
-    split{.iterations = 10, .split = true}, cold{.iterations = 10, .warm_start = false},
-    plain{.iterations = 10, .gyroscopic_term = false}, blocks{.iterations = 10, .blocks = true};
+constexpr ImpulseOptions iterations_4{.iterations = 4}, iterations_10{.iterations = 10},
+    iterations_50{.iterations = 50}, split_impulses{.iterations = 10, .split = true},
+    cold_start{.iterations = 10, .warm_start = false}, no_gyroscopic_term{.iterations = 10, .gyroscopic_term = false},
+    block_solver{.iterations = 10, .blocks = true};
 
-constexpr Method each_by_impulses[] = {
+constexpr Method sequential_impulses_variants[] = {
     {.name = "sequential_impulses_10",
      .documentation =
          "Sequential impulses as in the joint solvers of game engines: each body with six degrees of freedom, "
@@ -32,37 +33,37 @@ constexpr Method each_by_impulses[] = {
          "many links), each step multiplies it by up to 1.05, and the motion blows up, the sooner the shorter the "
          "step. Split impulses or a cold start avoid this. Bullet and ODE start joints from zero (see "
          "`sequential_impulses_cold_10`), Box2D solves joints by blocks.",
-     .solve = solve_by_impulses<double, ten>},
+     .solve = solve_sequential_impulses<double, iterations_10>},
     {.name = "sequential_impulses_4",
      .documentation = "`sequential_impulses_10` with 4 iterations per step.",
-     .solve = solve_by_impulses<double, four>},
+     .solve = solve_sequential_impulses<double, iterations_4>},
     {.name = "sequential_impulses_50",
      .documentation = "`sequential_impulses_10` with 50 iterations per step.",
-     .solve = solve_by_impulses<double, fifty>},
+     .solve = solve_sequential_impulses<double, iterations_50>},
     {.name = "sequential_impulses_split_10",
      .documentation =
          "`sequential_impulses_10` with split impulses: positions are corrected by separate velocities, which a "
          "separate iteration computes and which are discarded after the step, so that the correction adds no energy "
          "to the motion.",
-     .solve = solve_by_impulses<double, split>},
+     .solve = solve_sequential_impulses<double, split_impulses>},
     {.name = "sequential_impulses_cold_10",
      .documentation = "`sequential_impulses_10` without warm starting: the iteration of each step starts from zero.",
-     .solve = solve_by_impulses<double, cold>},
+     .solve = solve_sequential_impulses<double, cold_start>},
     {.name = "sequential_impulses_block_10",
      .documentation =
          "`sequential_impulses_10` with the rows of a joint's axes solved together, then those of its points, as in "
          "Box2D up to v2.4. Warm starting is on and is stable in more cases than row by row.",
      .source = "E. Catto, Box2D v2.4, b2RevoluteJoint, b2WeldJoint",
-     .solve = solve_by_impulses<double, blocks>},
+     .solve = solve_sequential_impulses<double, block_solver>},
     {.name = "sequential_impulses_no_gyroscopic_10",
      .documentation =
          "`sequential_impulses_10` without the gyroscopic term w x I w, as in engines whose bodies store w in world "
          "axes. Correct in the plane. In space it converges to a different motion, whatever the step.",
      .conserves = "|q|",
-     .solve = solve_by_impulses<double, plain>},
+     .solve = solve_sequential_impulses<double, no_gyroscopic_term>},
 };
 
-constexpr auto by_impulses = apply_defaults(
+constexpr auto sequential_impulses_binary64_family = apply_defaults(
     {.source = "E. Catto 2005, Iterative Dynamics with Temporal Coherence, Game Developers Conference; split "
                "impulses: E. Coumans, Bullet, btSequentialImpulseConstraintSolver",
      .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
@@ -70,16 +71,17 @@ constexpr auto by_impulses = apply_defaults(
      .general_systems = true,
      .order = 1,
      .family = Family::engine_update,
-     .refusal = multibody::needs_inertia_of_each_body},
-    each_by_impulses);
+     .refusal = multibody::inertia_refusal},
+    sequential_impulses_variants);
 
-constexpr auto all_by_impulses =
-    multibody::with_binary32_twins<by_impulses, solve_by_impulses<float, ten>, solve_by_impulses<float, four>,
-                                   solve_by_impulses<float, fifty>, solve_by_impulses<float, split>,
-                                   solve_by_impulses<float, cold>, solve_by_impulses<float, blocks>, nullptr>();
+constexpr auto sequential_impulses_family = multibody::with_binary32_variants<
+    sequential_impulses_binary64_family, solve_sequential_impulses<float, iterations_10>,
+    solve_sequential_impulses<float, iterations_4>, solve_sequential_impulses<float, iterations_50>,
+    solve_sequential_impulses<float, split_impulses>, solve_sequential_impulses<float, cold_start>,
+    solve_sequential_impulses<float, block_solver>, nullptr>();
 
 }  // namespace
 
-extern const std::span<const Method> sequential_impulses_methods{all_by_impulses};
+extern const std::span<const Method> sequential_impulses_methods{sequential_impulses_family};
 
 }  // namespace polhode

@@ -34,40 +34,41 @@ class SequentialImpulses : public MaximalState<S> {
     void restart() {
         Base::restart();
         for (auto& impulse : impulses_) impulse = {};
-        step_before_ = 0;
+        previous_step_ = 0;
     }
     void step(double, double step) {
-        const S h = S(step), beta = S(0.2), mend = beta / h;
+        const S h = S(step), beta = S(0.2), correction_rate = beta / h;
         constexpr GyroscopicTerm term =
             options.gyroscopic_term ? GyroscopicTerm::one_newton_step : GyroscopicTerm::none;
         this->template accelerate<term>(h);
         rows_.clear();
-        for (const HeldPair<S>& pair : this->pairs()) rows_.emplace_back(this->view(pair));
-        if constexpr (!options.blocks) find_masses();
-        const S ratio = step_before_ > 0 ? h / step_before_ : S(0);
-        step_before_ = h;
-        for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+        for (const JointPair<S>& pair : this->pairs()) rows_.emplace_back(this->view(pair));
+        if constexpr (!options.blocks) update_masses();
+        const S ratio = previous_step_ > 0 ? h / previous_step_ : S(0);
+        previous_step_ = h;
+        for_each_row([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
             S& impulse = impulses_[k][i];
             impulse = options.warm_start ? ratio * impulse : S(0);
-            if (options.warm_start) row.push(impulse, a, b);
+            if (options.warm_start) row.apply_impulse(impulse, a, b);
         });
         if constexpr (options.blocks) {
-            const Softness<S> rigid{mend, S(1), S(0)};
+            const Softness<S> rigid{correction_rate, S(1), S(0)};
             for (int iteration = 0; iteration < options.iterations; ++iteration)
                 for (std::size_t k = 0; k < rows_.size(); ++k) {
-                    const HeldPair<S>& pair = this->pairs()[k];
+                    const JointPair<S>& pair = this->pairs()[k];
                     rows_[k].solve(rigid, impulses_[k], bodies_[pair.from], bodies_[pair.to]);
                 }
         }
         for (int iteration = 0; !options.blocks && iteration < options.iterations; ++iteration)
-            for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
-                const S bias = options.split ? S(0) : mend * row.error;
-                const S change = -masses_[k][i] * (row.velocity(a, b) + bias);
-                impulses_[k][i] += change;
-                row.push(change, a, b);
-            });
+            for_each_row(
+                [&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+                    const S bias = options.split ? S(0) : correction_rate * row.error;
+                    const S change = -masses_[k][i] * (row.velocity(a, b) + bias);
+                    impulses_[k][i] += change;
+                    row.apply_impulse(change, a, b);
+                });
         if constexpr (options.split) {
-            go_on_with_corrections(h, mend);
+            correct_positions(h, correction_rate);
         } else {
             for (MovingBody<S>& body : bodies_) this->move(body, h, body.v, body.w);
         }
@@ -78,33 +79,34 @@ class SequentialImpulses : public MaximalState<S> {
     using Rows = std::conditional_t<options.blocks, BlockedPair<S>, PairRows<S>>;
     std::vector<Rows> rows_;
     std::vector<std::array<S, 6>> masses_, impulses_;
-    S step_before_ = S(0);
+    S previous_step_ = S(0);
 
     static const PairRows<S>& plain_rows(const PairRows<S>& rows) { return rows; }
     static const PairRows<S>& plain_rows(const BlockedPair<S>& pair) { return pair.rows; }
-    template <class Do>
-    void for_rows(Do&& act) {
+    template <class Action>
+    void for_each_row(Action&& action) {
         for (std::size_t k = 0; k < rows_.size(); ++k) {
-            const HeldPair<S>& pair = this->pairs()[k];
+            const JointPair<S>& pair = this->pairs()[k];
             MovingBody<S>&a = bodies_[pair.from], &b = bodies_[pair.to];
             const PairRows<S>& rows = plain_rows(rows_[k]);
-            for (std::size_t i = 0; i < rows.count; ++i) act(k, i, rows.row[i], a, b);
+            for (std::size_t i = 0; i < rows.count; ++i) action(k, i, rows.row[i], a, b);
         }
     }
-    void find_masses() {
+    void update_masses() {
         masses_.resize(rows_.size());
-        for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+        for_each_row([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
             masses_[k][i] = 1 / coupling(row, row, a, b);
         });
     }
     // the same iteration for the correction velocities, which start at zero
-    void go_on_with_corrections(S h, S mend) {
+    void correct_positions(S h, S correction_rate) {
         const std::vector<MovingBody<S>> real = bodies_;
         for (MovingBody<S>& body : bodies_) body.v = body.w = {};
         for (int iteration = 0; iteration < options.iterations; ++iteration)
-            for_rows([&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
-                row.push(-masses_[k][i] * (row.velocity(a, b) + mend * row.error), a, b);
-            });
+            for_each_row(
+                [&](std::size_t k, std::size_t i, const VelocityRow<S>& row, MovingBody<S>& a, MovingBody<S>& b) {
+                    row.apply_impulse(-masses_[k][i] * (row.velocity(a, b) + correction_rate * row.error), a, b);
+                });
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             MovingBody<S>& body = bodies_[b];
             this->move(body, h, real[b].v + body.v, real[b].w + body.w);

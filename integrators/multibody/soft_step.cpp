@@ -4,7 +4,7 @@
 #include <numbers>
 #include <span>
 
-#include "integrators/multibody/in_binary32.h"
+#include "integrators/multibody/binary32_variants.h"
 #include "integrators/multibody/maximal_state.h"
 #include "integrators/multibody/velocity_rows.h"
 
@@ -38,17 +38,17 @@ class SoftStep : public multibody::MaximalState<S> {
         const Softness soft{w_n / a1, a2 / (1 + a2), 1 / (1 + a2)}, rigid{};
         for (int i = 0; i < substeps; ++i) {
             this->template accelerate<GyroscopicTerm::one_newton_step>(h);
-            find_rows();
+            update_rows();
             for (std::size_t k = 0; k < rows_.size(); ++k) {
                 const auto& pair = this->pairs()[k];
                 const auto& rows = rows_[k].rows;
                 for (std::size_t r = 0; r < rows.count; ++r)
-                    rows.row[r].push(impulses_[k][r], bodies_[pair.from], bodies_[pair.to]);
+                    rows.row[r].apply_impulse(impulses_[k][r], bodies_[pair.from], bodies_[pair.to]);
             }
-            go_round(soft);
+            solve_joints(soft);
             for (auto& body : bodies_) this->move(body, h, body.v, body.w);
-            find_rows();
-            go_round(rigid);
+            update_rows();
+            solve_joints(rigid);
             ++steps_;
         }
     }
@@ -57,11 +57,11 @@ class SoftStep : public multibody::MaximalState<S> {
     std::vector<std::array<S, 6>> impulses_;
     std::vector<multibody::BlockedPair<S>> rows_;
 
-    void find_rows() {
+    void update_rows() {
         rows_.clear();
         for (const auto& pair : this->pairs()) rows_.emplace_back(this->view(pair));
     }
-    void go_round(const Softness& softness) {
+    void solve_joints(const Softness& softness) {
         for (std::size_t k = 0; k < rows_.size(); ++k) {
             const auto& pair = this->pairs()[k];
             rows_[k].solve(softness, impulses_[k], bodies_[pair.from], bodies_[pair.to]);
@@ -70,11 +70,11 @@ class SoftStep : public multibody::MaximalState<S> {
 };
 
 template <class S, int substeps>
-Trajectory solve_softly(const Problem& problem, const Settings& settings) {
+Trajectory solve_soft_step(const Problem& problem, const Settings& settings) {
     return march<SoftStep<S, substeps>>(problem, settings);
 }
 
-constexpr Method each_softly[] = {
+constexpr Method soft_step_variants[] = {
     {.name = "soft_step_4",
      .documentation =
          "Soft constraints with 4 substeps, as in the joint solver of Box2D v3.1. In each substep every joint is "
@@ -85,13 +85,13 @@ constexpr Method each_softly[] = {
          "start of the substep. While positions move, only the spring holds the joints: they open by a / w_n^2 for any "
          "step, where a is the acceleration to be held and w_n = 2 pi 60 Hz. They open less only over times below 1 / "
          "(h w_n^2), where the order is 1.",
-     .solve = solve_softly<double, 4>},
+     .solve = solve_soft_step<double, 4>},
     {.name = "soft_step_16",
      .documentation = "`soft_step_4` with 16 substeps per step.",
-     .solve = solve_softly<double, 16>},
+     .solve = solve_soft_step<double, 16>},
 };
 
-constexpr auto softly =
+constexpr auto soft_step_binary64_family =
     apply_defaults({.source = "E. Catto 2011, Soft Constraints, Game Developers Conference; Box2D v3.1, "
                               "b2MakeSoft and the stages of b2Solve, jointHertz 60, jointDampingRatio 2",
                     .conserves = "|q|; linear momentum of a mechanism that is not connected to the world",
@@ -99,13 +99,15 @@ constexpr auto softly =
                     .general_systems = true,
                     .order = 1,
                     .family = Family::engine_update,
-                    .refusal = multibody::needs_inertia_of_each_body},
-                   each_softly);
+                    .refusal = multibody::inertia_refusal},
+            soft_step_variants);
 
-constexpr auto all_softly = multibody::with_binary32_twins<softly, solve_softly<float, 4>, solve_softly<float, 16>>();
+constexpr auto soft_step_family =
+    multibody::with_binary32_variants<soft_step_binary64_family, solve_soft_step<float, 4>,
+                                      solve_soft_step<float, 16>>();
 
 }  // namespace
 
-extern const std::span<const Method> soft_step_methods{all_softly};
+extern const std::span<const Method> soft_step_methods{soft_step_family};
 
 }  // namespace polhode

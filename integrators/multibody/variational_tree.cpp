@@ -15,38 +15,38 @@
 namespace polhode {
 namespace {
 
-using multibody::TurnMaps;
+using multibody::RotationMaps;
 
 /// Discrete Lagrangian h L(m, v), where m is the midpoint between x_k and x_k+1 = x_k exp(h v); forces use the same
 /// rule (Marsden & West 2001, 2.3 and 3.2). For additive coordinates, with p and f = dT/dx + Q at (m, v):
 ///   p - (h/2) f = p_k,   p_k+1 = p + (h/2) f,   x_k+1 = x_k + h v
-/// Attitudes use the maps of TurnMaps. The first equation is solved for v by quasi-Newton steps with
+/// Attitudes use the maps of RotationMaps. The first equation is solved for v by quasi-Newton steps with
 /// (M(m) + (h/2) c + (h^2/4) k)^-1, c and k of the joints' dampers and springs: one recursion per step.
 class VariationalTree : public multibody::JointState {
   public:
     explicit VariationalTree(const Problem& problem)
-        : JointState(problem), least_speed_(1e-6 * std::max(problem.scales.angular_velocity, problem.scales.velocity)) {
+        : JointState(problem), rest_speed_(1e-6 * std::max(problem.scales.angular_velocity, problem.scales.velocity)) {
         for (const Link<double>& link : tree().links().links)
             for (int k = 0; k < link.rates(); ++k) {
-                const bool held = link.kind != LinkJoint::free;
-                damping_.push_back(held ? link.damping : 0), stiffness_.push_back(held ? link.stiffness : 0);
+                const bool has_joint = link.kind != LinkJoint::free;
+                damping_.push_back(has_joint ? link.damping : 0), stiffness_.push_back(has_joint ? link.stiffness : 0);
             }
-        take_momenta();
+        update_momenta();
     }
     void restart() {
         JointState::restart();
-        take_momenta();
+        update_momenta();
         failed_ = false, evaluations_ = 0;
     }
     void enter(const Segment& segment) {
-        find_rates();
+        update_rates();
         JointState::enter(segment);
-        take_momenta();
+        update_momenta();
     }
     void step(double t, double h) {
         if (failed_) return;
-        constexpr int most_iterations = 60;
-        constexpr double near = 1e-6, round_off = 4 * std::numeric_limits<double>::epsilon();
+        constexpr int max_iterations = 60;
+        constexpr double near_solution = 1e-6, round_off = 4 * std::numeric_limits<double>::epsilon();
         const std::size_t n = rates();
         std::vector<double> v = guess_;
         armature_.resize(n);
@@ -56,12 +56,12 @@ class VariationalTree : public multibody::JointState {
         }
         double before = std::numeric_limits<double>::infinity();
         bool solved = false;
-        for (int i = 0; i < most_iterations && !solved; ++i) {
-            look(h, v);
-            solver_.take(tree(), tree().work<double>());
+        for (int i = 0; i < max_iterations && !solved; ++i) {
+            evaluate_midpoint(h, v);
+            solver_.copy_links(tree(), tree().work<double>());
             solver_.factorize(tree(), armature_);
             residual_.resize(n);
-            for_ends(h, v, [&](std::size_t k, double begin, double) { residual_[k] = begin - momenta_[k]; });
+            for_each_end(h, v, [&](std::size_t k, double begin, double) { residual_[k] = begin - momenta_[k]; });
             solver_.solve(tree(), residual_, change_);
             double size = 0, whole = 0;
             for (std::size_t k = 0; k < n; ++k) {
@@ -70,23 +70,24 @@ class VariationalTree : public multibody::JointState {
             }
             if (!std::isfinite(size)) break;
             // iterate until rounding prevents further reduction
-            whole = std::max(whole, least_speed_ * least_speed_);
-            solved = size <= round_off * round_off * whole || (size <= near * near * whole && !(size < before));
+            whole = std::max(whole, rest_speed_ * rest_speed_);
+            solved = size <= round_off * round_off * whole ||
+                     (size <= near_solution * near_solution * whole && !(size < before));
             before = size;
         }
         failed_ = !solved, failed_at_ = t;
         if (failed_) return;
-        look(h, v);
-        for_ends(h, v, [&](std::size_t k, double, double end) { momenta_[k] = end; });
+        evaluate_midpoint(h, v);
+        for_each_end(h, v, [&](std::size_t k, double, double end) { momenta_[k] = end; });
         std::copy(v.begin(), v.end(), y_.begin() + static_cast<std::ptrdiff_t>(coordinates()));
-        go_along(h, y_);
+        advance_coordinates(h, y_);
         guess_ = v;
         acceleration_.assign(dy_.begin() + static_cast<std::ptrdiff_t>(coordinates()), dy_.end());
         ++steps_;
     }
     std::vector<Sample> sample(double t) const {
         VariationalTree here(*this);
-        here.find_rates();
+        here.update_rates();
         return here.JointState::sample(t);
     }
     bool finite() const { return JointState::finite() && all_finite(std::span<const double>(momenta_)); }
@@ -101,21 +102,21 @@ class VariationalTree : public multibody::JointState {
     multibody::DiscreteForces forces_;
     multibody::JointSweeps sweeps_;
     multibody::ArmatureSolver solver_;
-    double least_speed_;  ///< rates below this value count as rest
+    double rest_speed_;  ///< rates below this value count as rest
     long evaluations_ = 0;
     bool failed_ = false;
     double failed_at_ = 0;  ///< s
 
     // evaluates the forces at the midpoint of a step with rates v
-    void look(double h, const std::vector<double>& v) {
+    void evaluate_midpoint(double h, const std::vector<double>& v) {
         mid_ = y_;
         std::copy(v.begin(), v.end(), mid_.begin() + static_cast<std::ptrdiff_t>(coordinates()));
-        go_along(h / 2, mid_);
+        advance_coordinates(h / 2, mid_);
         evaluate(mid_);
     }
     // the momenta at the start and the end of the step that follow from the midpoint forces
-    template <class Do>
-    void for_ends(double h, const std::vector<double>& v, Do&& act) {
+    template <class Action>
+    void for_each_end(double h, const std::vector<double>& v, Action&& action) {
         for (const Link<double>& link : tree().links().links) {
             std::size_t k = static_cast<std::size_t>(link.rate) - coordinates();
             const std::size_t end = k + static_cast<std::size_t>(link.rates());
@@ -124,34 +125,35 @@ class VariationalTree : public multibody::JointState {
                 const auto three = [&](const std::vector<double>& all) {
                     return Vector3<double>(all[k], all[k + 1], all[k + 2]);
                 };
-                const TurnMaps maps(h * three(v));
+                const RotationMaps maps(h * three(v));
                 const Vector3<double> p = three(forces_.momentum), f = (h / 2) * three(forces_.force);
-                const Vector3<double> at_begin = maps.at_begin(p, f), at_end = maps.at_end(p, f);
-                for (std::size_t c = 0; c < 3; ++c) act(k + c, at_begin[c], at_end[c]);
+                const Vector3<double> start_momentum = maps.start_momentum(p, f),
+                                      end_momentum = maps.end_momentum(p, f);
+                for (std::size_t c = 0; c < 3; ++c) action(k + c, start_momentum[c], end_momentum[c]);
                 k += 3;
             }
-            for (; k < end; ++k) act(k, forces_.momentum[k] - force(k), forces_.momentum[k] + force(k));
+            for (; k < end; ++k) action(k, forces_.momentum[k] - force(k), forces_.momentum[k] + force(k));
         }
     }
     void evaluate(const std::vector<double>& y) {
         tree().derivative(y.data(), dy_.data());
         TreeWork<double>& at = tree().work<double>();
         tree().move(y.data(), at);
-        sweeps_.run(tree(), at, y.data(), dy_.data() + coordinates(), forces_);
+        sweeps_.compute(tree(), at, y.data(), dy_.data() + coordinates(), forces_);
         ++evaluations_;
     }
     // computes p and the initial estimates from (x, v)
-    void take_momenta() {
+    void update_momenta() {
         evaluate(y_);
         momenta_ = forces_.momentum;
         guess_.assign(y_.begin() + static_cast<std::ptrdiff_t>(coordinates()), y_.end());
         acceleration_.assign(rates(), 0);
     }
     // v = M^-1 p
-    void find_rates() {
+    void update_rates() {
         TreeWork<double>& at = tree().work<double>();
         tree().move(y_.data(), at);
-        solver_.take(tree(), at);
+        solver_.copy_links(tree(), at);
         armature_.assign(rates(), 0);
         solver_.factorize(tree(), armature_);
         solver_.solve(tree(), momenta_, change_);
@@ -159,8 +161,8 @@ class VariationalTree : public multibody::JointState {
     }
 };
 
-std::string refused_by_variational_tree(const Problem& problem) {
-    if (std::string why = multibody::needs_a_mechanism(problem); !why.empty()) return why;
+std::string variational_tree_refusal(const Problem& problem) {
+    if (std::string why = multibody::mechanism_refusal(problem); !why.empty()) return why;
     return problem.scene.loops.empty() ? "" : "this method supports only trees, not loops";
 }
 
@@ -168,7 +170,7 @@ Trajectory solve_variational_tree(const Problem& problem, const Settings& settin
     return march<VariationalTree>(problem, settings);
 }
 
-constexpr Method each_variational[] = {
+constexpr Method variational_tree_variants[] = {
     {.name = "variational_tree",
      .documentation =
          "A variational integrator for trees: the action is summed by the midpoint rule in joint coordinates, with "
@@ -189,11 +191,11 @@ constexpr Method each_variational[] = {
      .order = 2,
      .solve = solve_variational_tree,
      .family = Family::rotation_group,
-     .refusal = refused_by_variational_tree},
+     .refusal = variational_tree_refusal},
 };
 
 }  // namespace
 
-extern const std::span<const Method> variational_tree_methods{each_variational};
+extern const std::span<const Method> variational_tree_methods{variational_tree_variants};
 
 }  // namespace polhode

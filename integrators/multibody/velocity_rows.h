@@ -18,7 +18,7 @@ struct VelocityRow {
         return dot(force, b.v - a.v) + dot(to, b.w) + dot(from, a.w);
     }
     /// Applies an impulse along the row to both bodies.
-    void push(S impulse, MovingBody<S>& a, MovingBody<S>& b) const {
+    void apply_impulse(S impulse, MovingBody<S>& a, MovingBody<S>& b) const {
         a.v = a.v - (impulse * a.inverse_mass) * force;
         a.w = a.w + impulse * (a.inverse_I_W * from);
         b.v = b.v + (impulse * b.inverse_mass) * force;
@@ -42,28 +42,28 @@ struct PairRows {
     /// Computes the rows at the current state.
     explicit PairRows(const PairView<S>& at) {
         using maximal::Kind;
-        const HeldPair<S>& pair = at.pair;
-        const Vector3<S> arm_to = at.arm_to(), arm_from = at.arm_from(), apart = at.apart();
-        const auto hold = [&](const Vector3<S>& f, const Vector3<S>& arm, S error) {
+        const JointPair<S>& pair = at.pair;
+        const Vector3<S> arm_to = at.arm_to(), arm_from = at.arm_from(), gap = at.gap();
+        const auto add_point_row = [&](const Vector3<S>& f, const Vector3<S>& arm, S error) {
             row[count++] = {f, cross(arm_to, f), cross(f, arm), error};
         };
-        const auto hold_turn = [&](const Vector3<S>& t, S error) { row[count++] = {{}, t, -t, error}; };
+        const auto add_axis_row = [&](const Vector3<S>& t, S error) { row[count++] = {{}, t, -t, error}; };
         if (pair.kind == Kind::prismatic) {
             // across the axis; the force on both bodies acts at the child's point
-            const Vector3<S> arm = arm_from + apart;
+            const Vector3<S> arm = arm_from + gap;
             for (const Vector3<S>& across : pair.across_from) {
                 const Vector3<S> f = at.from.R * across;
-                hold(f, arm, dot(f, apart));
+                add_point_row(f, arm, dot(f, gap));
             }
         } else if (pair.kind == Kind::distance) {
-            const S distance = length(apart);
-            const Vector3<S> f = (1 / distance) * apart;
-            hold(f, arm_from, distance - pair.length);
+            const S distance = length(gap);
+            const Vector3<S> f = (1 / distance) * gap;
+            add_point_row(f, arm_from, distance - pair.length);
         } else {
             for (std::size_t i = 0; i < 3; ++i) {
                 Vector3<S> f;
                 f[i] = 1;
-                hold(f, arm_from, apart[i]);
+                add_point_row(f, arm_from, gap[i]);
             }
         }
         points = count;
@@ -72,18 +72,18 @@ struct PairRows {
             for (std::size_t i = 0; i < 3; ++i) {
                 Vector3<S> t;
                 t[i] = 1;
-                hold_turn(t, twist[i]);
+                add_axis_row(t, twist[i]);
             }
         } else if (pair.kind == Kind::revolute) {
             // u1, u2 across the parent's axis e, e x u1 = u2; the child's axis a near e: d(u1 . a)/dt = (w2 - w1) . u2
             const Vector3<S> a = at.axis_to(0), u1 = at.from.R * pair.across_from[0],
                              u2 = at.from.R * pair.across_from[1];
-            hold_turn(u1, -dot(u2, a));
-            hold_turn(u2, dot(u1, a));
+            add_axis_row(u1, -dot(u2, a));
+            add_axis_row(u2, dot(u1, a));
         } else if (pair.kind == Kind::universal) {
             // d(e1 . e2)/dt = -(e1 x e2) . (w2 - w1)
             const Vector3<S> e1 = at.first_axis(), e2 = at.axis_to(1);
-            hold_turn(cross(e1, e2), pair.between - dot(e1, e2));
+            add_axis_row(cross(e1, e2), pair.between - dot(e1, e2));
         }
     }
 };
@@ -116,17 +116,17 @@ struct RowBlock {
     void solve(const PairRows<S>& rows, const Softness<S>& softness, std::array<S, 6>& impulses, MovingBody<S>& a,
                MovingBody<S>& b) const {
         if (count == 0) return;
-        Vector3<S> off;
+        Vector3<S> residual;
         for (std::size_t i = 0; i < count; ++i) {
             const VelocityRow<S>& row = rows.row[first + i];
-            off[i] = row.velocity(a, b) + softness.bias_rate * row.error;
+            residual[i] = row.velocity(a, b) + softness.bias_rate * row.error;
         }
-        const Vector3<S> wanted = inverse * off;
+        const Vector3<S> correction = inverse * residual;
         for (std::size_t i = 0; i < count; ++i) {
             S& impulse = impulses[first + i];
-            const S change = -softness.mass_scale * wanted[i] - softness.impulse_scale * impulse;
+            const S change = -softness.mass_scale * correction[i] - softness.impulse_scale * impulse;
             impulse += change;
-            rows.row[first + i].push(change, a, b);
+            rows.row[first + i].apply_impulse(change, a, b);
         }
     }
 };

@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "integrators/multibody/in_binary32.h"
+#include "integrators/multibody/binary32_variants.h"
 #include "integrators/multibody/maximal_state.h"
 
 namespace polhode {
@@ -20,7 +20,7 @@ namespace {
 ///                              x_b += p/m_b,  q_b += (1/2) (0, I_b^-1 (r_b x p)) q_b
 ///   v = (x - x_old) / h,  w = +-2 vec(q q_old*) / h
 template <class S, int substeps>
-class JointedPositions : public multibody::MaximalState<S> {
+class XpbdJoints : public multibody::MaximalState<S> {
     using Base = multibody::MaximalState<S>;
     using Base::bodies_, Base::steps_;
     using Body = multibody::MovingBody<S>;
@@ -28,7 +28,7 @@ class JointedPositions : public multibody::MaximalState<S> {
 
   public:
     /// `step`: length of a step that no event cuts, s.
-    JointedPositions(const Problem& problem, double step) : Base(problem), shortest_(step / 64) {}
+    XpbdJoints(const Problem& problem, double step) : Base(problem), min_step_(step / 64) {}
     void step(double, double step) {
         const S h = S(step) / substeps;
         for (int i = 0; i < substeps; ++i) {
@@ -37,13 +37,13 @@ class JointedPositions : public multibody::MaximalState<S> {
             for (Body& body : bodies_) {
                 if (!body.movable) continue;
                 body.x = body.x + h * body.v;
-                body.turn_in_first_order(h * body.w);
-                body.turned();
+                body.rotate_first_order(h * body.w);
+                body.update_rotation();
             }
             ++steps_;
             // velocities come from the change of positions; in a very short step that change is mostly rounding error
-            if (step < shortest_) continue;
-            for (const auto& pair : this->pairs()) close(pair);
+            if (step < min_step_) continue;
+            for (const auto& pair : this->pairs()) solve_joint(pair);
             for (std::size_t b = 0; b < bodies_.size(); ++b) {
                 Body& body = bodies_[b];
                 if (!body.movable) continue;
@@ -55,66 +55,67 @@ class JointedPositions : public multibody::MaximalState<S> {
     }
 
   private:
-    double shortest_;  ///< s; a shorter step leaves the joints to the next step
+    double min_step_;  ///< s; a shorter step leaves the joints to the next step
 
-    void close(const multibody::HeldPair<S>& pair) {
+    void solve_joint(const multibody::JointPair<S>& pair) {
         using maximal::Kind;
         Body &a = bodies_[pair.from], &b = bodies_[pair.to];
         const View at{pair, a, b};
         if (pair.kind == Kind::fixed || pair.kind == Kind::prismatic) {
-            turn_back(at.twist(), a, b);
+            correct_rotation(at.twist(), a, b);
         } else if (pair.kind == Kind::revolute) {
-            turn_back(cross(at.first_axis(), at.axis_to(0)), a, b);
+            correct_rotation(cross(at.first_axis(), at.axis_to(0)), a, b);
         } else if (pair.kind == Kind::universal) {
             // C = cos - e1 . e2, its gradient e1 x e2
             const Vector3<S> e1 = at.first_axis(), e2 = at.axis_to(1), n = cross(e1, e2);
-            turn_back(((pair.between - dot(e1, e2)) / dot(n, n)) * n, a, b);
+            correct_rotation(((pair.between - dot(e1, e2)) / dot(n, n)) * n, a, b);
         }
-        const Vector3<S> apart = at.apart(), arm_to = at.arm_to();
+        const Vector3<S> gap = at.gap(), arm_to = at.arm_to();
         if (pair.kind == Kind::distance) {
-            const S distance = length(apart);
-            pull_back(((distance - pair.length) / distance) * apart, at.arm_from(), arm_to, a, b);
+            const S distance = length(gap);
+            correct_gap(((distance - pair.length) / distance) * gap, at.arm_from(), arm_to, a, b);
         } else if (pair.kind == Kind::prismatic) {
             // the part across the axis; the force on both bodies acts at the child's point
             const Vector3<S> axis = at.first_axis();
-            pull_back(apart - dot(axis, apart) * axis, at.arm_from() + apart, arm_to, a, b);
+            correct_gap(gap - dot(axis, gap) * axis, at.arm_from() + gap, arm_to, a, b);
         } else {
-            pull_back(apart, at.arm_from(), arm_to, a, b);
+            correct_gap(gap, at.arm_from(), arm_to, a, b);
         }
     }
     // `turn`: rotation of b relative to a
-    static void turn_back(const Vector3<S>& turn, Body& a, Body& b) {
+    static void correct_rotation(const Vector3<S>& turn, Body& a, Body& b) {
         const S angle = hypotenuse(turn);
         if (!(angle > std::numeric_limits<S>::min())) return;
-        const Vector3<S> n = (1 / angle) * turn, by_a = a.inverse_I_W * n, by_b = b.inverse_I_W * n;
-        const S lambda = -angle / (dot(n, by_a) + dot(n, by_b));
-        correct(b, lambda * by_b), correct(a, -lambda * by_a);
+        const Vector3<S> n = (1 / angle) * turn, response_a = a.inverse_I_W * n, response_b = b.inverse_I_W * n;
+        const S lambda = -angle / (dot(n, response_a) + dot(n, response_b));
+        rotate_body(b, lambda * response_b), rotate_body(a, -lambda * response_a);
     }
     // `gap`: from the point of a to the point of b
-    static void pull_back(const Vector3<S>& gap, const Vector3<S>& arm_a, const Vector3<S>& arm_b, Body& a, Body& b) {
+    static void correct_gap(const Vector3<S>& gap, const Vector3<S>& arm_a, const Vector3<S>& arm_b, Body& a, Body& b) {
         const S distance = hypotenuse(gap);
         if (!(distance > std::numeric_limits<S>::min())) return;
         const Vector3<S> n = (1 / distance) * gap, lever_a = cross(arm_a, n), lever_b = cross(arm_b, n);
-        const Vector3<S> by_a = a.inverse_I_W * lever_a, by_b = b.inverse_I_W * lever_b;
-        const S lambda = -distance / (a.inverse_mass + b.inverse_mass + dot(lever_a, by_a) + dot(lever_b, by_b));
+        const Vector3<S> response_a = a.inverse_I_W * lever_a, response_b = b.inverse_I_W * lever_b;
+        const S lambda =
+            -distance / (a.inverse_mass + b.inverse_mass + dot(lever_a, response_a) + dot(lever_b, response_b));
         b.x = b.x + (lambda * b.inverse_mass) * n;
         a.x = a.x - (lambda * a.inverse_mass) * n;
-        correct(b, lambda * by_b), correct(a, -lambda * by_a);
+        rotate_body(b, lambda * response_b), rotate_body(a, -lambda * response_a);
     }
-    static void correct(Body& body, const Vector3<S>& turn) {
+    static void rotate_body(Body& body, const Vector3<S>& turn) {
         if (!body.movable) return;
-        body.turn_in_first_order(turn);
-        body.turned();
+        body.rotate_first_order(turn);
+        body.update_rotation();
     }
 };
 
 template <class S, int substeps>
-Trajectory solve_jointed_positions(const Problem& problem, const Settings& settings) {
+Trajectory solve_xpbd_joints(const Problem& problem, const Settings& settings) {
     const double step = longest_step(problem, settings);
-    return march<JointedPositions<S, substeps>>(problem, settings, step);
+    return march<XpbdJoints<S, substeps>>(problem, settings, step);
 }
 
-constexpr Method each_of_positions[] = {
+constexpr Method xpbd_joints_variants[] = {
     {.name = "xpbd_joints_10",
      .documentation =
          "Extended position-based dynamics of jointed bodies in 10 substeps per step: bodies move with their "
@@ -124,16 +125,16 @@ constexpr Method each_of_positions[] = {
          "to the next substep, so that a long chain stretches. Motion that is fast compared with a substep is damped. "
          "Rounding adds 2^-53 |x| / h to v (2^-24 |x| / h in binary32), so very short steps increase the error. Order "
          "1.",
-     .solve = solve_jointed_positions<double, 10>},
+     .solve = solve_xpbd_joints<double, 10>},
     {.name = "xpbd_joints_1",
      .documentation = "`xpbd_joints_10` without substeps.",
-     .solve = solve_jointed_positions<double, 1>},
+     .solve = solve_xpbd_joints<double, 1>},
     {.name = "xpbd_joints_20",
      .documentation = "`xpbd_joints_10` with 20 substeps per step.",
-     .solve = solve_jointed_positions<double, 20>},
+     .solve = solve_xpbd_joints<double, 20>},
 };
 
-constexpr auto of_positions = apply_defaults(
+constexpr auto xpbd_joints_binary64_family = apply_defaults(
     {.source = "M. Mueller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim 2020, Detailed Rigid Body "
                "Simulation with Extended Position Based Dynamics, Computer Graphics Forum 39(8), algorithm 2; "
                "M. Macklin et al. 2019, Small Steps in Physics Simulation, Symposium on Computer Animation",
@@ -142,15 +143,15 @@ constexpr auto of_positions = apply_defaults(
      .general_systems = true,
      .order = 1,
      .family = Family::engine_update,
-     .refusal = multibody::needs_inertia_of_each_body},
-    each_of_positions);
+     .refusal = multibody::inertia_refusal},
+    xpbd_joints_variants);
 
-constexpr auto all_of_positions =
-    multibody::with_binary32_twins<of_positions, solve_jointed_positions<float, 10>, solve_jointed_positions<float, 1>,
-                                   solve_jointed_positions<float, 20>>();
+constexpr auto xpbd_joints_family =
+    multibody::with_binary32_variants<xpbd_joints_binary64_family, solve_xpbd_joints<float, 10>,
+                                      solve_xpbd_joints<float, 1>, solve_xpbd_joints<float, 20>>();
 
 }  // namespace
 
-extern const std::span<const Method> xpbd_joints_methods{all_of_positions};
+extern const std::span<const Method> xpbd_joints_methods{xpbd_joints_family};
 
 }  // namespace polhode

@@ -20,17 +20,15 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 
 template <std::size_t N>
-using State = OdeintArray<N>;
+using Euler = odeint::euler<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Euler = odeint::euler<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
+using CashKarp54 = odeint::runge_kutta_cash_karp54<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using CashKarp54 = odeint::runge_kutta_cash_karp54<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
+using Dopri5 = odeint::runge_kutta_dopri5<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Dopri5 = odeint::runge_kutta_dopri5<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
+using Fehlberg78 = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Fehlberg78 = odeint::runge_kutta_fehlberg78<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
-template <std::size_t N>
-using BulirschStoer = odeint::bulirsch_stoer<State<N>, double, State<N>, double, OdeintAlgebra<N>>;
+using BulirschStoer = odeint::bulirsch_stoer<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 
 /// Odeint's Bulirsch-Stoer takes two tolerances: R, and R times the smallest scale of the components.
 template <class SystemType>
@@ -45,17 +43,17 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
 
     void restart() {
         Base::restart();
-        forget();
+        clear_history();
     }
     void enter(const Segment& segment) {
         Base::enter(segment);
-        forget();
+        clear_history();
     }
     Attempt attempt(double& t, double& h) {
         const double tried = h;
         const OdeintRightHandSide<SystemType> f{&this->system_, &this->evaluations_};
         if (!has_rate_) f(this->y_, rate_, t), has_rate_ = true;
-        State<N> next = rate_;
+        OdeintArray<N> next = rate_;
         const bool accepted = extrapolation_.try_step(f, this->y_, rate_, t, next, h) == odeint::success;
         // State and rate are still unmodified here.
         const bool finite = all_finite(next) && std::isfinite(h);
@@ -75,13 +73,13 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
     }
 
   private:
-    void forget() {
+    void clear_history() {
         extrapolation_.reset();
         has_rate_ = false;
     }
 
     BulirschStoer<N> extrapolation_;
-    State<N> rate_{this->system_.size()};
+    OdeintArray<N> rate_{this->system_.size()};
     bool has_rate_ = false;
 };
 
@@ -89,25 +87,26 @@ class ControlledExtrapolation : public ControlledOdeintState<SystemType> {
 template <template <std::size_t> class Scheme>
 double stepper_growth(std::complex<double> z) {
     Scheme<2> scheme;
-    State<2> y;
+    OdeintArray<2> y;
     y[0] = 1;
-    scheme.do_step([z](const State<2>& at, State<2>& rate, double) { linear_rate(z, at.data(), rate.data()); }, y, 0.0,
-                   1.0);
+    scheme.do_step(
+        [z](const OdeintArray<2>& at, OdeintArray<2>& rate, double) { linear_rate(z, at.data(), rate.data()); }, y, 0.0,
+        1.0);
     return magnitude({y[0], y[1]});
 }
 
-Trajectory extrapolate(const Problem& problem, const Settings& settings) {
+Trajectory solve_bulirsch_stoer(const Problem& problem, const Settings& settings) {
     if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {
         return march_controlled(problem, settings, ControlledExtrapolation<SystemType>(problem, *settings.tolerance));
     });
 }
 
-std::string no_derivative_of_user_torque(const Problem& problem) {
+std::string rosenbrock_refusal(const Problem& problem) {
     return problem.needs.user_torque ? "user-defined torques have no Jacobian" : "";
 }
 
-constexpr Method each[] = {
+constexpr Method odeint_variants[] = {
     {.name = "odeint_euler",
      .documentation = "Euler's explicit method (Boost.Odeint's `euler`), fixed step. One right-hand side per step.",
      .source = "Euler 1768; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
@@ -131,7 +130,7 @@ constexpr Method each[] = {
          "relative to R (scale + |y|).",
      .source = "Cash & Karp 1990, ACM Trans. Math. Softw. 16, 201; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 5,
-     .solve = fixed_or_controlled<CashKarp54>,
+     .solve = solve_pair<CashKarp54>,
      .amplification = stepper_growth<CashKarp54>},
     {.name = "odeint_dopri5",
      .documentation =
@@ -140,7 +139,7 @@ constexpr Method each[] = {
          "by Odeint: the largest error over the components, each relative to R (scale + |y|).",
      .source = "Dormand & Prince 1980, J. Comput. Appl. Math. 6, 19; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 5,
-     .solve = fixed_or_controlled<Dopri5>,
+     .solve = solve_pair<Dopri5>,
      .amplification = stepper_growth<Dopri5>},
     {.name = "odeint_fehlberg78",
      .documentation =
@@ -149,7 +148,7 @@ constexpr Method each[] = {
          "relative to R (scale + |y|).",
      .source = "Fehlberg 1968, NASA TR R-287; Ahnert & Mulansky 2011, Boost.Odeint 1.74",
      .order = 8,
-     .solve = fixed_or_controlled<Fehlberg78>,
+     .solve = solve_pair<Fehlberg78>,
      .amplification = stepper_growth<Fehlberg78>},
     {.name = "odeint_adams_bashforth_moulton",
      .documentation =
@@ -172,7 +171,7 @@ constexpr Method each[] = {
          "their scales, and adds the change over the step, h |f|, to |y| in the weights.",
      .source = "Bulirsch & Stoer 1966, Numer. Math. 8, 1; Hairer, Norsett & Wanner 1993, II.9; Boost.Odeint 1.74",
      .control = Control::tolerance,
-     .solve = extrapolate,
+     .solve = solve_bulirsch_stoer,
      .family = Family::extrapolation},
     {.name = "odeint_rosenbrock4",
      .documentation =
@@ -185,21 +184,21 @@ constexpr Method each[] = {
      .order = 4,
      .solve = solve_rosenbrock4,
      .amplification = rosenbrock4_growth,
-     .refusal = no_derivative_of_user_torque},
+     .refusal = rosenbrock_refusal},
 };
 
-constexpr auto in_binary64 = apply_defaults({.conserves = "nothing",
+constexpr auto odeint_binary64_family = apply_defaults({.conserves = "nothing",
                                              .control = Control::fixed_step_or_tolerance,
                                              .general_systems = true,
                                              .family = Family::runge_kutta,
                                              .library = odeint_library},
-                                            each);
+                                                odeint_variants);
 
-constexpr auto family = with_binary32<in_binary64, binary32_system_refusal, solve_euler_float32, solve_rk4_float32,
-                                      nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
+constexpr auto odeint_family = with_binary32<odeint_binary64_family, binary32_system_refusal, solve_euler_float32,
+                                             solve_rk4_float32, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
 
 }  // namespace
 
-extern const std::span<const Method> odeint_methods{family};
+extern const std::span<const Method> odeint_methods{odeint_family};
 
 }  // namespace polhode

@@ -32,23 +32,23 @@ class OdeintState {
     void restart() {
         system_.initial(y_.data());
         evaluations_ = 0;
-        forget();
+        clear_history();
     }
     void enter(const Segment& segment) {
         system_.enter(segment, y_.data());
-        forget();
+        clear_history();
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
 
   protected:
-    void forget() {
+    void clear_history() {
         if constexpr (requires { scheme_.reset(); }) scheme_.reset();
     }
     /// After an accepted step: projects the state, if the system has a projection.
     void project() {
-        if (project_step(system_, y_.data())) forget();
+        if (project_step(system_, y_.data())) clear_history();
     }
 
     const Problem* problem_;

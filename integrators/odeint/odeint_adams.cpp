@@ -27,7 +27,7 @@ class AdamsStepper : public OdeintFixedStepper<SystemType, Adams6> {
     void step(double t, double h) {
         // Steps between two samples differ only by rounding.
         if (!(std::abs(h - spacing_) <= 1e-9 * h)) {
-            this->forget();
+            this->clear_history();
             spacing_ = h;
         }
         Base::step(t, h);

@@ -10,20 +10,20 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 
 template <std::size_t N>
-using State = OdeintArray<N, float>;
+using FloatArray = OdeintArray<N, float>;
 template <std::size_t N>
-using Euler = odeint::euler<State<N>, float, State<N>, float, OdeintAlgebra<N>>;
+using FloatEuler = odeint::euler<FloatArray<N>, float, FloatArray<N>, float, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Rk4 = odeint::runge_kutta4<State<N>, float, State<N>, float, OdeintAlgebra<N>>;
+using FloatRk4 = odeint::runge_kutta4<FloatArray<N>, float, FloatArray<N>, float, OdeintAlgebra<N>>;
 
 }  // namespace
 
 Trajectory solve_euler_float32(const Problem& problem, const Settings& settings) {
-    return march_odeint<Euler, float>(problem, settings);
+    return march_odeint<FloatEuler, float>(problem, settings);
 }
 
 Trajectory solve_rk4_float32(const Problem& problem, const Settings& settings) {
-    return march_odeint<Rk4, float>(problem, settings);
+    return march_odeint<FloatRk4, float>(problem, settings);
 }
 
 }  // namespace polhode

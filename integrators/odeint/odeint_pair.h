@@ -67,14 +67,14 @@ class ControlledPair
         }
         if (!accepted && h < tried) return Attempt::rejected;
         this->y_ = before, t = begin, h = not_finite_shrinkage * tried;
-        this->forget();
+        this->clear_history();
         return Attempt::not_finite;
     }
 };
 
 /// Solves the problem with the pair, with fixed steps or by tolerance.
 template <template <std::size_t> class Scheme>
-Trajectory fixed_or_controlled(const Problem& problem, const Settings& settings) {
+Trajectory solve_pair(const Problem& problem, const Settings& settings) {
     if (!settings.tolerance) return march_odeint<Scheme>(problem, settings);
     if (!is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_system(problem, [&]<class SystemType>() {

@@ -12,9 +12,10 @@ namespace odeint = boost::numeric::odeint;
 
 // Neither keeps a rate between steps, which a projection would invalidate.
 template <std::size_t N>
-using Rk4 = odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
+using UnprojectedRk4 = odeint::runge_kutta4<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 template <std::size_t N>
-using Fehlberg78 = odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
+using UnprojectedFehlberg78 =
+    odeint::runge_kutta_fehlberg78<OdeintArray<N>, double, OdeintArray<N>, double, OdeintAlgebra<N>>;
 
 template <class SystemType, template <std::size_t> class Scheme>
 class ProjectedFixedStepper : public OdeintFixedStepper<SystemType, Scheme> {
@@ -32,8 +33,8 @@ class ProjectedFixedStepper : public OdeintFixedStepper<SystemType, Scheme> {
 };
 
 template <class SystemType>
-class ProjectedPair : public ControlledPair<SystemType, Fehlberg78> {
-    using Base = ControlledPair<SystemType, Fehlberg78>;
+class ProjectedPair : public ControlledPair<SystemType, UnprojectedFehlberg78> {
+    using Base = ControlledPair<SystemType, UnprojectedFehlberg78>;
 
   public:
     ProjectedPair(const Problem& problem, double tolerance) : Base(problem, tolerance), projection_(problem) {}
@@ -47,22 +48,24 @@ class ProjectedPair : public ControlledPair<SystemType, Fehlberg78> {
     Projection<SystemType> projection_;
 };
 
-Trajectory projected_rk4(const Problem& problem, const Settings& settings) {
-    return with_one_body(
-        problem, [&]<class SystemType>() { return march<ProjectedFixedStepper<SystemType, Rk4>>(problem, settings); });
+Trajectory solve_projected_rk4(const Problem& problem, const Settings& settings) {
+    return with_one_body(problem, [&]<class SystemType>() {
+        return march<ProjectedFixedStepper<SystemType, UnprojectedRk4>>(problem, settings);
+    });
 }
 
-Trajectory projected_fehlberg78(const Problem& problem, const Settings& settings) {
+Trajectory solve_projected_fehlberg78(const Problem& problem, const Settings& settings) {
     if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     return with_one_body(problem, [&]<class SystemType>() {
-        if (!settings.tolerance) return march<ProjectedFixedStepper<SystemType, Fehlberg78>>(problem, settings);
+        if (!settings.tolerance)
+            return march<ProjectedFixedStepper<SystemType, UnprojectedFehlberg78>>(problem, settings);
         return march_controlled(problem, settings, ProjectedPair<SystemType>(problem, *settings.tolerance));
     });
 }
 
-constexpr const char* kept = "|q| and, if the motion conserves them, E, momenta and spin, to round-off";
+constexpr const char* projected_invariants = "|q| and, if the motion conserves them, E, momenta and spin, to round-off";
 
-constexpr Method each[] = {
+constexpr Method odeint_projected_variants[] = {
     {.name = "odeint_rk4_projected",
      .documentation =
          "`odeint_rk4` with the end of each step projected onto the nearest state with |q| = 1 and the initial values "
@@ -74,20 +77,21 @@ constexpr Method each[] = {
      .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Kutta 1901",
      .control = Control::fixed_step,
      .order = 4,
-     .solve = projected_rk4},
+     .solve = solve_projected_rk4},
     {.name = "odeint_fehlberg78_projected",
      .documentation = "`odeint_fehlberg78` with a projection after each accepted step, as in `odeint_rk4_projected`.",
      .source = "Hairer, Lubich & Wanner 2006, Geometric Numerical Integration, IV.4; Fehlberg 1968, NASA TR R-287",
      .control = Control::fixed_step_or_tolerance,
      .order = 8,
-     .solve = projected_fehlberg78},
+     .solve = solve_projected_fehlberg78},
 };
 
-constexpr auto family =
-    apply_defaults({.conserves = kept, .family = Family::runge_kutta, .library = odeint_library}, each);
+constexpr auto odeint_projected_family =
+    apply_defaults({.conserves = projected_invariants, .family = Family::runge_kutta, .library = odeint_library},
+            odeint_projected_variants);
 
 }  // namespace
 
-extern const std::span<const Method> odeint_projected_methods{family};
+extern const std::span<const Method> odeint_projected_methods{odeint_projected_family};
 
 }  // namespace polhode

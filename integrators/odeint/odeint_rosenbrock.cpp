@@ -8,21 +8,21 @@ namespace {
 
 /// The system as plain functions with a context pointer that the stepper passes through.
 template <class SystemType>
-struct Context {
+struct SystemContext {
     const SystemType* system;
     long* evaluations;
 
     static void rhs(void* context, double t, const double* y, double* dydt) {
-        const auto* self = static_cast<const Context*>(context);
+        const auto* self = static_cast<const SystemContext*>(context);
         ++*self->evaluations;
         self->system->derivative(t, y, dydt);
     }
     // The right-hand side does not depend on time: between events every load of a scene file is constant.
     static void jacobian(void* context, double t, const double* y, double* J) {
-        const auto* self = static_cast<const Context*>(context);
+        const auto* self = static_cast<const SystemContext*>(context);
         polhode::jacobian(*self->system, t, y, J);
     }
-    static PlainSystem plain(int size) { return {static_cast<std::size_t>(size), rhs, jacobian}; }
+    static PlainSystem make_plain_system(int size) { return {static_cast<std::size_t>(size), rhs, jacobian}; }
 };
 
 template <class SystemType>
@@ -31,9 +31,9 @@ class FixedRosenbrock : public OdeintState<SystemType> {
 
   public:
     explicit FixedRosenbrock(const Problem& problem)
-        : Base(problem), scheme_(Context<SystemType>::plain(this->system_.size()), 1, 1) {}
+        : Base(problem), scheme_(SystemContext<SystemType>::make_plain_system(this->system_.size()), 1, 1) {}
     void step(double t, double h) {
-        Context<SystemType> context{&this->system_, &this->evaluations_};
+        SystemContext<SystemType> context{&this->system_, &this->evaluations_};
         scheme_.step(&context, t, this->y_.data(), h);
         this->project();
     }
@@ -49,7 +49,8 @@ class ControlledRosenbrock : public ControlledOdeintState<SystemType> {
   public:
     ControlledRosenbrock(const Problem& problem, double tolerance)
         : Base(problem, tolerance, 4),
-          scheme_(Context<SystemType>::plain(this->system_.size()), tolerance * this->smallest_scale(), tolerance) {}
+          scheme_(SystemContext<SystemType>::make_plain_system(this->system_.size()),
+                  tolerance * this->smallest_scale(), tolerance) {}
 
     void restart() {
         Base::restart();
@@ -62,7 +63,7 @@ class ControlledRosenbrock : public ControlledOdeintState<SystemType> {
     Attempt attempt(double& t, double& h) {
         const double tried = h;
         OdeintArray<Base::N> next = this->y_;
-        Context<SystemType> context{&this->system_, &this->evaluations_};
+        SystemContext<SystemType> context{&this->system_, &this->evaluations_};
         const bool accepted = scheme_.attempt(&context, t, this->y_.data(), next.data(), h);
         if (!all_finite(next) || !std::isfinite(h)) {
             h = not_finite_shrinkage * tried;

@@ -45,7 +45,7 @@ struct Rosenbrock4::Implementation {
           y(plain.dimension),
           next(plain.dimension) {}
 
-    std::pair<RightHandSide, Jacobian> on(void* context) const {
+    std::pair<RightHandSide, Jacobian> bind_context(void* context) const {
         return {RightHandSide{&system, context}, Jacobian{&system, context}};
     }
 
@@ -74,14 +74,14 @@ void Rosenbrock4::reset() {
 void Rosenbrock4::step(void* context, double t, double* y, double h) {
     Implementation& i = *implementation_;
     std::copy(y, y + i.system.dimension, i.y.begin());
-    i.controller.stepper().do_step(i.on(context), i.y, t, i.next, h);
+    i.controller.stepper().do_step(i.bind_context(context), i.y, t, i.next, h);
     std::copy(i.next.begin(), i.next.end(), y);
 }
 
 bool Rosenbrock4::attempt(void* context, double t, const double* y, double* next, double& h) {
     Implementation& i = *implementation_;
     std::copy(y, y + i.system.dimension, i.y.begin());
-    const bool accepted = i.controller.try_step(i.on(context), i.y, t, i.next, h) == odeint::success;
+    const bool accepted = i.controller.try_step(i.bind_context(context), i.y, t, i.next, h) == odeint::success;
     std::copy(i.next.begin(), i.next.end(), next);
     return accepted;
 }

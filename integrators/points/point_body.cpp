@@ -13,15 +13,15 @@ namespace {
 
 constexpr double flat_ratio = 1e-6;
 
-using Unscaled = std::vector<Vector3<double>>;
+using UnitPoints = std::vector<Vector3<double>>;
 
 // Coordinates with unit mean square along each axis.
 
-Unscaled unit_simplex() { return {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}; }
+UnitPoints unit_simplex() { return {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}; }
 
-Unscaled unit_triangle(int flat_axis) {
+UnitPoints unit_triangle(int flat_axis) {
     const int x = (flat_axis + 1) % 3, y = (flat_axis + 2) % 3;
-    Unscaled points(3);
+    UnitPoints points(3);
     const double c = std::numbers::sqrt2 / 2, s = std::sqrt(1.5);
     points[0][x] = std::numbers::sqrt2;
     points[1][x] = -c, points[1][y] = s;
@@ -29,18 +29,18 @@ Unscaled unit_triangle(int flat_axis) {
     return points;
 }
 
-Unscaled unit_box(int n) {
+UnitPoints unit_box(int n) {
     // Nodes -1, .., 1 in n - 1 equal steps have the mean square (n + 1) / (3 (n - 1)).
     const double scale = 1 / std::sqrt((n + 1.0) / (3.0 * (n - 1)));
     const auto node = [&](int i) { return scale * (2.0 * i / (n - 1) - 1); };
-    Unscaled points;
+    UnitPoints points;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
             for (int k = 0; k < n; ++k) points.push_back({node(i), node(j), node(k)});
     return points;
 }
 
-bool neighbours(int a, int b, int n) {
+bool are_neighbours(int a, int b, int n) {
     const auto near = [](int i, int j) { return std::abs(i - j) <= 1; };
     return near(a % n, b % n) && near(a / n % n, b / n % n) && near(a / n / n, b / n / n);
 }
@@ -72,7 +72,7 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
     const int least = vanishes(0) ? 0 : vanishes(1) ? 1 : 2;
     if (flat) a[least] = 0;
     const bool box = !flat && arrangement.kind == Arrangement::Kind::box;
-    const Unscaled unit = flat ? unit_triangle(least) : box ? unit_box(arrangement.n) : unit_simplex();
+    const UnitPoints unit = flat ? unit_triangle(least) : box ? unit_box(arrangement.n) : unit_simplex();
     const int count = static_cast<int>(unit.size());
     body.point_mass = mass / count;
 
@@ -82,7 +82,7 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
     body.extent = length(a);
     for (int i = 0; i < count; ++i)
         for (int j = i + 1; j < count; ++j)
-            if (!box || arrangement.n == 2 || neighbours(i, j, arrangement.n))
+            if (!box || arrangement.n == 2 || are_neighbours(i, j, arrangement.n))
                 body.links.push_back({i, j, length(body.rest_B[i] - body.rest_B[j])});
 
     if (body.pivoted) {
@@ -101,7 +101,9 @@ PointBody point_body(const Problem& problem, Arrangement arrangement) {
     return body;
 }
 
-PointCloud cloud_of(double point_mass, const double* r, int count) {
+std::string point_body_refusal(const Problem& problem) { return point_body(problem, {}).refusal; }
+
+PointCloud compute_cloud(double point_mass, const double* r, int count) {
     PointCloud cloud;
     for (int i = 0; i < count; ++i) cloud.center = cloud.center + vector_at(r, 3 * i);
     cloud.center = (1.0 / count) * cloud.center;

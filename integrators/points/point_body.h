@@ -46,12 +46,15 @@ struct PointBody {
 /// Builds the points and links for the body of `problem`; sets `refusal` if that is not possible.
 PointBody point_body(const Problem& problem, Arrangement arrangement);
 
+/// Value of Method::refuses: `refusal` of the body, which does not depend on the arrangement.
+std::string point_body_refusal(const Problem& problem);
+
 /// Centre of mass of equal masses at the points r (m), and their tensor about it.
 struct PointCloud {
     Vector3<double> center;
     Matrix3<double> inertia;  ///< about `center`
 };
-PointCloud cloud_of(double point_mass, const double* r, int count);
+PointCloud compute_cloud(double point_mass, const double* r, int count);
 
 /// The rotation q that minimises sum |r_i - c - R(q) x_i|^2, with w >= 0 (W. Kabsch 1976, by B. K. P. Horn's
 /// quaternion method 1987, J. Opt. Soc. Am. A 4, 629-642). One Newton step then removes the rounding error of the

@@ -16,10 +16,10 @@
 namespace polhode {
 namespace {
 
-using Matrix = Eigen::MatrixXd;
-using Vector = Eigen::VectorXd;
-using ConstVectorMap = Eigen::Map<const Vector>;
-using VectorMap = Eigen::Map<Vector>;
+using ConstraintMatrix = Eigen::MatrixXd;
+using ConstraintVector = Eigen::VectorXd;
+using ConstConstraintMap = Eigen::Map<const ConstraintVector>;
+using ConstraintMap = Eigen::Map<ConstraintVector>;
 
 class Constraints {
   public:
@@ -28,8 +28,8 @@ class Constraints {
     int count() const { return links_ + (body_->pivoted ? 3 : 0); }
 
     /// g(r), m.
-    Vector residual(const double* r) const {
-        Vector g = Vector::Zero(count());
+    ConstraintVector residual(const double* r) const {
+        ConstraintVector g = ConstraintVector::Zero(count());
         for (int e = 0; e < links_; ++e) {
             const PointLink& link = body_->links[e];
             const Vector3<double> d = difference(r, link);
@@ -42,8 +42,8 @@ class Constraints {
     }
     /// G(r). The rows of links are linear in r, so that gradient(v) r' = gradient(r) v and d(G v)/dr = gradient(v).
     /// The rows of the pivot are constant, and zero if `pivot` is not set.
-    Matrix gradient(const double* r, bool pivot = true) const {
-        Matrix G = Matrix::Zero(count(), 3 * body_->count());
+    ConstraintMatrix gradient(const double* r, bool pivot = true) const {
+        ConstraintMatrix G = ConstraintMatrix::Zero(count(), 3 * body_->count());
         for (int e = 0; e < links_; ++e) {
             const PointLink& link = body_->links[e];
             const Vector3<double> d = difference(r, link);
@@ -85,53 +85,53 @@ class ConstraintSession : public PointSession {
         : PointSession(problem, body, tolerance, 2 * Constraints(body).count()),
           constraints_(body),
           m_(constraints_.count()),
-          rate_of_state_(owned(N_VNew_Serial(dimension_, context_))),
-          kind_(owned(N_VNew_Serial(dimension_, context_))),
-          matrix_(owned(SUNDenseMatrix(dimension_, dimension_, context_))),
-          linear_(owned(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
+          state_rate_(make_owner(N_VNew_Serial(dimension_, context_))),
+          variable_ids_(make_owner(N_VNew_Serial(dimension_, context_))),
+          matrix_(make_owner(SUNDenseMatrix(dimension_, dimension_, context_))),
+          linear_(make_owner(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
           memory_(IDACreate(context_)) {
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
         PointSession* base = this;
-        N_VConst(0, rate_of_state_.get());
+        N_VConst(0, state_rate_.get());
         // The differential variables determine the multipliers, which are excluded from the error test.
-        N_VConst(1, kind_.get());
-        double* kind = N_VGetArrayPointer(kind_.get());
-        std::fill(kind + 2 * n_, kind + dimension_, 0.0);
+        N_VConst(1, variable_ids_.get());
+        double* ids = N_VGetArrayPointer(variable_ids_.get());
+        std::fill(ids + 2 * n_, ids + dimension_, 0.0);
         double* absolute = N_VGetArrayPointer(absolute_.get());
-        std::fill(absolute + 2 * n_, absolute + 2 * n_ + m_, multiplier_share * body.extent * rate_ * rate_);
-        std::fill(absolute + 2 * n_ + m_, absolute + dimension_, multiplier_share * body.extent * rate_);
-        demand(IDASetErrHandlerFn(memory, note_message, base));
-        demand(IDAInit(memory, residual, 0, state_.get(), rate_of_state_.get()));
-        demand(IDASVtolerances(memory, 0, absolute_.get()));
-        demand(IDASetUserData(memory, base));
-        demand(IDASetId(memory, kind_.get()));
-        demand(IDASetSuppressAlg(memory, SUNTRUE));
-        demand(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
-        demand(IDASetJacFn(memory, fill_jacobian));
+        std::fill(absolute + 2 * n_, absolute + 2 * n_ + m_, multiplier_tolerance * body.extent * rate_ * rate_);
+        std::fill(absolute + 2 * n_ + m_, absolute + dimension_, multiplier_tolerance * body.extent * rate_);
+        check_flag(IDASetErrHandlerFn(memory, store_message, base));
+        check_flag(IDAInit(memory, residual, 0, state_.get(), state_rate_.get()));
+        check_flag(IDASVtolerances(memory, 0, absolute_.get()));
+        check_flag(IDASetUserData(memory, base));
+        check_flag(IDASetId(memory, variable_ids_.get()));
+        check_flag(IDASetSuppressAlg(memory, SUNTRUE));
+        check_flag(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
+        check_flag(IDASetJacFn(memory, fill_jacobian));
     }
 
     void restart() {
-        begin();
-        N_VConst(0, rate_of_state_.get());
+        reset_state();
+        N_VConst(0, state_rate_.get());
         counts_ = {}, running_ = false;
     }
     int enter(const Segment& segment) {
-        close();
-        pass(segment);
+        collect_counts();
+        apply_event(segment);
         if (!(end_ > t_)) return IDA_SUCCESS;
         make_consistent();
         running_ = true;
-        if (const int flag = IDAReInit(memory_.get(), t_, state_.get(), rate_of_state_.get()); flag != IDA_SUCCESS)
+        if (const int flag = IDAReInit(memory_.get(), t_, state_.get(), state_rate_.get()); flag != IDA_SUCCESS)
             return flag;
         return IDASetStopTime(memory_.get(), end_);
     }
     int step() {
         double reached = t_;
-        const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), rate_of_state_.get(), IDA_ONE_STEP);
+        const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), state_rate_.get(), IDA_ONE_STEP);
         rethrow();
         if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
-            leap();
+            take_euler_step();
             ++counts_.steps;
             return IDA_TSTOP_RETURN;
         }
@@ -139,25 +139,26 @@ class ConstraintSession : public PointSession {
         return flag;
     }
     std::optional<Sample> sample_inside(double t) {
-        IDAGetDky(memory_.get(), t, 0, inside_.get());
-        return sample_of(t, N_VGetArrayPointer(inside_.get()));
+        IDAGetDky(memory_.get(), t, 0, interpolated_.get());
+        return sample_at(t, N_VGetArrayPointer(interpolated_.get()));
     }
     int inside_flag() const { return IDA_SUCCESS; }
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
-        return explained("IDA", out_of_reach ? Status::tolerance_not_met : Status::failed, IDAGetReturnFlagName(flag));
+        return describe_failure("IDA", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                                IDAGetReturnFlagName(flag));
     }
     long steps() {
-        close();
+        collect_counts();
         return counts_.steps;
     }
     SolverCounts counts() {
-        close();
+        collect_counts();
         return {counts_.rejected_steps, counts_.newton_failures, {}};
     }
 
   private:
-    static constexpr double multiplier_share = 1e-3;
+    static constexpr double multiplier_tolerance = 1e-3;
 
     struct FreeMemory {
         void operator()(void* memory) const { IDAFree(&memory); }
@@ -166,41 +167,41 @@ class ConstraintSession : public PointSession {
     // lambda from d2g/dt2 = 0:  G G^T lambda = G a + dG/dt v;  mu = 0.
     void make_consistent() {
         double *r = y(), *v = r + n_;
-        Vector a = Vector::Zero(n_);
+        ConstraintVector a = ConstraintVector::Zero(n_);
         motion_.add_loads(t_, r, a.data());
         ++evaluations_;
-        const Matrix G = constraints_.gradient(r);
-        const Vector right = G * a + constraints_.gradient(v, false) * ConstVectorMap(v, n_);
-        const Vector lambda = (G * G.transpose()).ldlt().solve(right);
-        VectorMap(r + 2 * n_, m_) = lambda;
-        VectorMap(r + 2 * n_ + m_, m_).setZero();
-        double* rate = N_VGetArrayPointer(rate_of_state_.get());
-        VectorMap(rate, n_) = ConstVectorMap(v, n_);
-        VectorMap(rate + n_, n_) = a - G.transpose() * lambda;
-        VectorMap(rate + 2 * n_, 2 * m_).setZero();
+        const ConstraintMatrix G = constraints_.gradient(r);
+        const ConstraintVector right = G * a + constraints_.gradient(v, false) * ConstConstraintMap(v, n_);
+        const ConstraintVector lambda = (G * G.transpose()).ldlt().solve(right);
+        ConstraintMap(r + 2 * n_, m_) = lambda;
+        ConstraintMap(r + 2 * n_ + m_, m_).setZero();
+        double* rate = N_VGetArrayPointer(state_rate_.get());
+        ConstraintMap(rate, n_) = ConstConstraintMap(v, n_);
+        ConstraintMap(rate + n_, n_) = a - G.transpose() * lambda;
+        ConstraintMap(rate + 2 * n_, 2 * m_).setZero();
     }
 
     static int residual(double t, N_Vector state, N_Vector rate, N_Vector result, void* session) {
         ConstraintSession* self = static_cast<ConstraintSession*>(static_cast<PointSession*>(session));
-        if (self->given_up()) return -1;
+        if (self->has_failed()) return -1;
         const int n = self->n_, m = self->m_;
         const double *y = N_VGetArrayPointer(state), *dy = N_VGetArrayPointer(rate);
         double* F = N_VGetArrayPointer(result);
         ++self->evaluations_;
-        Vector a = Vector::Zero(n);
+        ConstraintVector a = ConstraintVector::Zero(n);
         try {
             self->motion_.add_loads(t, y, a.data());
         } catch (...) {  // exceptions must not cross the C library
-            self->thrown_ = std::current_exception();
+            self->exception_ = std::current_exception();
             return -1;
         }
-        const Matrix G = self->constraints_.gradient(y);
-        const ConstVectorMap v(y + n, n), lambda(y + 2 * n, m), mu(y + 2 * n + m, m);
-        VectorMap(F, n) = ConstVectorMap(dy, n) - v + G.transpose() * mu;
-        VectorMap(F + n, n) = ConstVectorMap(dy + n, n) - a + G.transpose() * lambda;
-        VectorMap(F + 2 * n, m) = self->constraints_.residual(y);
-        VectorMap(F + 2 * n + m, m) = G * v;
-        return self->judged(t, F, self->dimension_);
+        const ConstraintMatrix G = self->constraints_.gradient(y);
+        const ConstConstraintMap v(y + n, n), lambda(y + 2 * n, m), mu(y + 2 * n + m, m);
+        ConstraintMap(F, n) = ConstConstraintMap(dy, n) - v + G.transpose() * mu;
+        ConstraintMap(F + n, n) = ConstConstraintMap(dy + n, n) - a + G.transpose() * lambda;
+        ConstraintMap(F + 2 * n, m) = self->constraints_.residual(y);
+        ConstraintMap(F + 2 * n + m, m) = G * v;
+        return self->check_finite(t, F, self->dimension_);
     }
     // dF/dy + c dF/dy'. The loads' dependence on the state is slow and omitted.
     static int fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
@@ -208,9 +209,9 @@ class ConstraintSession : public PointSession {
         ConstraintSession* self = static_cast<ConstraintSession*>(static_cast<PointSession*>(session));
         const int n = self->n_, m = self->m_;
         const double* y = N_VGetArrayPointer(state);
-        Eigen::Map<Matrix> entries(SUNDenseMatrix_Data(J), self->dimension_, self->dimension_);
+        Eigen::Map<ConstraintMatrix> entries(SUNDenseMatrix_Data(J), self->dimension_, self->dimension_);
         entries.setZero();
-        const Matrix G = self->constraints_.gradient(y);
+        const ConstraintMatrix G = self->constraints_.gradient(y);
         entries.topLeftCorner(2 * n, 2 * n).diagonal().setConstant(c);
         entries.block(0, n, n, n).diagonal().setConstant(-1);
         self->constraints_.add_curvature(y + 2 * n + m, entries.block(0, 0, n, n));
@@ -220,9 +221,9 @@ class ConstraintSession : public PointSession {
         entries.block(2 * n, 0, m, n) = G;
         entries.block(2 * n + m, 0, m, n) = self->constraints_.gradient(y + n, false);
         entries.block(2 * n + m, n, m, n) = G;
-        return self->judged(t, entries.data(), self->dimension_ * self->dimension_);
+        return self->check_finite(t, entries.data(), self->dimension_ * self->dimension_);
     }
-    void close() {
+    void collect_counts() {
         if (!running_) return;
         running_ = false;
         counts_.add(memory_.get());
@@ -230,7 +231,7 @@ class ConstraintSession : public PointSession {
 
     Constraints constraints_;
     int m_;
-    SundialsOwner<N_Vector> rate_of_state_, kind_;
+    SundialsOwner<N_Vector> state_rate_, variable_ids_;
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
@@ -238,11 +239,7 @@ class ConstraintSession : public PointSession {
     bool running_ = false;
 };
 
-std::string cannot_be_made_of_points(const Problem& problem) {
-    return point_body(problem, {Arrangement::Kind::simplex}).refusal;
-}
-
-constexpr Method each[] = {
+constexpr Method point_constraints_variants[] = {
     {.name = "point_constraints_ida",
      .documentation =
          "A body made of four points (three if it is flat) with its mass, centre of mass and tensor, at fixed "
@@ -258,8 +255,8 @@ constexpr Method each[] = {
      .solve = [](const Problem& p, const Settings& s) { return point_constraints_ida(p, s, {}).trajectory; }},
 };
 
-constexpr auto list =
-    apply_defaults({.family = Family::points, .library = sundials_library, .refusal = cannot_be_made_of_points}, each);
+constexpr auto point_constraints_family = apply_defaults(
+    {.family = Family::points, .library = sundials_library, .refusal = point_body_refusal}, point_constraints_variants);
 
 }  // namespace
 
@@ -273,6 +270,6 @@ PointRun point_constraints_ida(const Problem& problem, const Settings& settings,
     return run;
 }
 
-extern const std::span<const Method> point_constraints_ida_methods{list};
+extern const std::span<const Method> point_constraints_ida_methods{point_constraints_family};
 
 }  // namespace polhode

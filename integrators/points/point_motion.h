@@ -27,25 +27,25 @@ class PointMotion {
 
     /// Adds the loads' accelerations (m/s^2) to a (3N numbers).
     void add_loads(double t, const double* y, double* a) const;
-    bool loaded() const { return loaded_; }
+    bool has_loads() const { return has_loads_; }
 
     /// Attitude by best_rotation, w = J^-1 L with L and J about the centre of mass, p and v of the centre of mass.
     Sample sample(double t, const double* y) const;
 
   private:
-    struct Reading {
+    struct RigidState {
         PointCloud cloud;
         Vector3<double> velocity_W, angular_velocity_W;
         Quaternion<double> q;  ///< body to world; only if requested
     };
-    Reading read(const double* y, bool attitude) const;
-    void place(const Quaternion<double>& q, const Vector3<double>& angular_velocity_W,
-               const Vector3<double>& position_W, const Vector3<double>& velocity_W, double* y) const;
+    RigidState compute_rigid_state(const double* y, bool attitude) const;
+    void set_points(const Quaternion<double>& q, const Vector3<double>& angular_velocity_W,
+                    const Vector3<double>& position_W, const Vector3<double>& velocity_W, double* y) const;
 
     const Problem* problem_;
     const PointBody* body_;
     const Segment* segment_ = nullptr;
-    bool loaded_ = false;
+    bool has_loads_ = false;
 };
 
 }  // namespace polhode

@@ -1,5 +1,5 @@
 // Bodies made of points with stiff springs, integrated by explicit steps: Runge-Kutta of order 4 and velocity Verlet.
-// SpringStepper holds the state; Rk4 and Verlet are the steps.
+// SpringStepper holds the state; SpringRk4 and SpringVerlet are the steps.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-struct Setup {
+struct SpringSetup {
     const PointBody* body;
     double stiffness, damping;
     double* largest_stretch;
@@ -23,7 +23,7 @@ struct Setup {
 /// Holds y = (r, v) and computes its rate under springs and loads.
 class SpringStepper {
   public:
-    SpringStepper(const Problem& problem, const Setup& setup)
+    SpringStepper(const Problem& problem, const SpringSetup& setup)
         : body_(setup.body),
           largest_stretch_(setup.largest_stretch),
           n_(3 * static_cast<std::size_t>(setup.body->count())),
@@ -32,12 +32,12 @@ class SpringStepper {
           y_(2 * n_) {}
 
     void restart() {
-        network_.settle(motion_.initial(y_.data()), y_.data());
+        network_.apply_rotation_stretch(motion_.initial(y_.data()), y_.data());
         evaluations_ = steps_ = 0;
-        torn_at_.reset();
+        failure_time_.reset();
     }
     void enter(const Segment& segment) {
-        if (const auto w = motion_.enter(segment, y_.data())) network_.settle(*w, y_.data());
+        if (const auto w = motion_.enter(segment, y_.data())) network_.apply_rotation_stretch(*w, y_.data());
     }
     Sample sample(double t) const {
         *largest_stretch_ = std::max(*largest_stretch_, polhode::largest_stretch(*body_, y_.data()));
@@ -45,19 +45,19 @@ class SpringStepper {
     }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
-    bool failed() const { return torn_at_.has_value(); }
+    bool failed() const { return failure_time_.has_value(); }
     void explain(Trajectory& trajectory) const {
         trajectory.status = Status::diverged;
-        trajectory.message =
-            fmt::format("a spring's length is off by more than {:g} of its rest length at t = {:g} s", torn, *torn_at_);
+        trajectory.message = fmt::format("a spring's length is off by more than {:g} of its rest length at t = {:g} s",
+                                         max_stretch, *failure_time_);
     }
 
   protected:
     using Numbers = std::vector<double>;
 
     // An unstable step may leave a finite state in which the points no longer form a body.
-    void look(double t) {
-        if ((++steps_ & 15) == 0 && polhode::largest_stretch(*body_, y_.data()) > torn) torn_at_ = t;
+    void check_stretch(double t) {
+        if ((++steps_ & 15) == 0 && polhode::largest_stretch(*body_, y_.data()) > max_stretch) failure_time_ = t;
     }
     void accelerate(double t, const double* y, double* a) {
         ++evaluations_;
@@ -72,15 +72,15 @@ class SpringStepper {
     SpringNetwork network_;
     Numbers y_;
     long evaluations_ = 0, steps_ = 0;
-    static constexpr double torn = 0.5;
-    std::optional<double> torn_at_;
+    static constexpr double max_stretch = 0.5;
+    std::optional<double> failure_time_;
 };
 
-class Rk4 : public SpringStepper {
+class SpringRk4 : public SpringStepper {
   public:
     static constexpr double stability = 2.8284271247461903;  ///< h w < 2 sqrt(2) on the imaginary axis
 
-    Rk4(const Problem& problem, const Setup& setup)
+    SpringRk4(const Problem& problem, const SpringSetup& setup)
         : SpringStepper(problem, setup), k_(2 * n_), z_(2 * n_), sum_(2 * n_) {}
 
     void step(double t, double h) {
@@ -90,7 +90,7 @@ class Rk4 : public SpringStepper {
         advance(h / 2), rate(t + h / 2, z_), add(2);
         advance(h), rate(t + h, z_), add(1);
         for (std::size_t i = 0; i < 2 * n_; ++i) y_[i] += h / 6 * sum_[i];
-        look(t + h);
+        check_stretch(t + h);
     }
 
   private:
@@ -108,11 +108,11 @@ class Rk4 : public SpringStepper {
 };
 
 /// Kick, drift, kick. A load that depends on rates uses those predicted with the first kick's acceleration.
-class Verlet : public SpringStepper {
+class SpringVerlet : public SpringStepper {
   public:
     static constexpr double stability = 2;
 
-    Verlet(const Problem& problem, const Setup& setup) : SpringStepper(problem, setup), a_(n_) {}
+    SpringVerlet(const Problem& problem, const SpringSetup& setup) : SpringStepper(problem, setup), a_(n_) {}
 
     void enter(const Segment& segment) {
         SpringStepper::enter(segment);
@@ -127,7 +127,7 @@ class Verlet : public SpringStepper {
         for (std::size_t i = 0; i < n_; ++i) y_[n_ + i] += h / 2 * a_[i];
         accelerate(t + h, y_.data(), a_.data());
         for (std::size_t i = 0; i < n_; ++i) y_[n_ + i] = half_[i] + h / 2 * a_[i];
-        look(t + h);
+        check_stretch(t + h);
     }
 
   private:
@@ -135,13 +135,13 @@ class Verlet : public SpringStepper {
 };
 
 template <class Stepper>
-PointRun run(const Problem& problem, const Settings& settings, const PointOptions& options) {
+PointRun run_springs(const Problem& problem, const Settings& settings, const PointOptions& options) {
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     PointRun run;
     const double stiffness = options.stiffness ? *options.stiffness : default_stiffness(problem, body);
-    const Setup setup{&body, stiffness, damping_of_ratio(body, stiffness, options.damping_ratio.value_or(0)),
-                      &run.largest_stretch};
+    const SpringSetup setup{&body, stiffness, damping_from_ratio(body, stiffness, options.damping_ratio.value_or(0)),
+                            &run.largest_stretch};
     run.trajectory = march<Stepper>(problem, settings, setup);
     if (run.trajectory.status == Status::diverged) {
         const double limit = Stepper::stability / spring_frequencies(body, setup.stiffness).fastest;
@@ -164,12 +164,10 @@ double verlet_pendulum_growth(double c, double s) {
     return largest_root(powers);
 }
 
-constexpr std::string_view source =
+constexpr std::string_view springs_source =
     "an article on rotational dynamics for game programmers (a rigid body as points at hard distances, here springs)";
 
-std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
-
-constexpr Method each[] = {
+constexpr Method point_springs_variants[] = {
     {.name = "point_springs_rk4",
      .documentation =
          "A body made of eight points at the corners of a box (three if it is flat) with its mass, centre of mass and "
@@ -178,7 +176,7 @@ constexpr Method each[] = {
          "motion by a stretch m w^2/k. Stable only if the step is shorter than 2.8 over the frequency of the fastest "
          "vibration. The attitude is the best-fit rotation of the points; w is computed from their angular momentum "
          "and tensor.",
-     .source = source,
+     .source = springs_source,
      .origin = "article: point masses at fixed distances, by springs",
      .conserves = "momentum; angular momentum of a free body to the order of the scheme",
      .solve = [](const Problem& p, const Settings& s) { return point_springs_rk4(p, s, {}).trajectory; },
@@ -195,18 +193,18 @@ constexpr Method each[] = {
      .pendulum_amplification = verlet_pendulum_growth},
 };
 
-constexpr auto list = apply_defaults(
-    {.control = Control::fixed_step, .family = Family::points, .refusal = cannot_be_made_of_points}, each);
+constexpr auto point_springs_family = apply_defaults( 
+    {.control = Control::fixed_step, .family = Family::points, .refusal = point_body_refusal}, point_springs_variants);
 
 }  // namespace
 
 PointRun point_springs_rk4(const Problem& problem, const Settings& settings, const PointOptions& options) {
-    return run<Rk4>(problem, settings, options);
+    return run_springs<SpringRk4>(problem, settings, options);
 }
 PointRun point_springs_verlet(const Problem& problem, const Settings& settings, const PointOptions& options) {
-    return run<Verlet>(problem, settings, options);
+    return run_springs<SpringVerlet>(problem, settings, options);
 }
 
-extern const std::span<const Method> point_springs_methods{list};
+extern const std::span<const Method> point_springs_methods{point_springs_family};
 
 }  // namespace polhode

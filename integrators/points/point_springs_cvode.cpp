@@ -14,34 +14,34 @@ class SpringSession : public PointSession {
     SpringSession(const Problem& problem, const PointBody& body, const SpringNetwork& network, double tolerance)
         : PointSession(problem, body, tolerance, 0),
           network_(network),
-          matrix_(owned(SUNDenseMatrix(dimension_, dimension_, context_))),
-          linear_(owned(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
+          matrix_(make_owner(SUNDenseMatrix(dimension_, dimension_, context_))),
+          linear_(make_owner(SUNLinSol_Dense(state_.get(), matrix_.get(), context_))),
           memory_(CVodeCreate(CV_BDF, context_)) {
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
         PointSession* base = this;
-        demand(CVodeSetErrHandlerFn(memory, note_message, base));
-        demand(CVodeInit(memory, right_hand_side, 0, state_.get()));
-        demand(CVodeSVtolerances(memory, 0, absolute_.get()));
-        demand(CVodeSetUserData(memory, base));
-        demand(CVodeSetMaxHnilWarns(memory, -1));
-        demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
-        demand(CVodeSetJacFn(memory, fill_jacobian));
-        demand(CVodeSetStabLimDet(memory, SUNTRUE));
+        check_flag(CVodeSetErrHandlerFn(memory, store_message, base));
+        check_flag(CVodeInit(memory, right_hand_side, 0, state_.get()));
+        check_flag(CVodeSVtolerances(memory, 0, absolute_.get()));
+        check_flag(CVodeSetUserData(memory, base));
+        check_flag(CVodeSetMaxHnilWarns(memory, -1));
+        check_flag(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
+        check_flag(CVodeSetJacFn(memory, fill_jacobian));
+        check_flag(CVodeSetStabLimDet(memory, SUNTRUE));
         // Stiff springs turn iteration errors into forces. With CVODE's default of 0.1, a tumbling box on springs of
         // 10^6 N/m has an error of 3e-4 rad at R = 1e-8 after 2572 steps; with this value it has 7e-6 rad after 1078
         // steps.
-        demand(CVodeSetNonlinConvCoef(memory, 1e-2));
-        demand(CVodeSetMaxNonlinIters(memory, 6));
+        check_flag(CVodeSetNonlinConvCoef(memory, 1e-2));
+        check_flag(CVodeSetMaxNonlinIters(memory, 6));
     }
 
     void restart() {
-        network_.settle(begin(), y());
+        network_.apply_rotation_stretch(reset_state(), y());
         steps_ = 0, counts_ = {}, running_ = false;
     }
     int enter(const Segment& segment) {
-        close();
-        if (const auto w = pass(segment)) network_.settle(*w, y());
+        collect_counts();
+        if (const auto w = apply_event(segment)) network_.apply_rotation_stretch(*w, y());
         if (!(end_ > t_)) return CV_SUCCESS;
         running_ = true;
         if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
@@ -52,7 +52,7 @@ class SpringSession : public PointSession {
         const int flag = CVode(memory_.get(), end_, state_.get(), &reached, CV_ONE_STEP);
         rethrow();
         if (flag == CV_TOO_CLOSE) {
-            leap();
+            take_euler_step();
             ++steps_;
             return CV_TSTOP_RETURN;
         }
@@ -60,22 +60,22 @@ class SpringSession : public PointSession {
         return flag;
     }
     std::optional<Sample> sample_inside(double t) {
-        CVodeGetDky(memory_.get(), t, 0, inside_.get());
-        return sample_of(t, N_VGetArrayPointer(inside_.get()));
+        CVodeGetDky(memory_.get(), t, 0, interpolated_.get());
+        return sample_at(t, N_VGetArrayPointer(interpolated_.get()));
     }
     int inside_flag() const { return CV_SUCCESS; }
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == CV_TOO_MUCH_ACC || flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
-        return explained("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
-                         CVodeGetReturnFlagName(flag));
+        return describe_failure("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                                CVodeGetReturnFlagName(flag));
     }
     long steps() {
-        close();
+        collect_counts();
         return steps_;
     }
     SolverCounts counts() {
-        close();
-        return counts_.told(true);
+        collect_counts();
+        return counts_.to_solver_counts(true);
     }
 
   private:
@@ -85,7 +85,7 @@ class SpringSession : public PointSession {
 
     static int right_hand_side(double t, N_Vector state, N_Vector rate, void* session) {
         SpringSession* self = static_cast<SpringSession*>(static_cast<PointSession*>(session));
-        if (self->given_up()) return -1;
+        if (self->has_failed()) return -1;
         const double* y = N_VGetArrayPointer(state);
         double* dy = N_VGetArrayPointer(rate);
         ++self->evaluations_;
@@ -94,10 +94,10 @@ class SpringSession : public PointSession {
         try {
             self->motion_.add_loads(t, y, dy + self->n_);
         } catch (...) {  // exceptions must not cross the C library
-            self->thrown_ = std::current_exception();
+            self->exception_ = std::current_exception();
             return -1;
         }
-        return self->judged(t, dy, self->dimension_);
+        return self->check_finite(t, dy, self->dimension_);
     }
     // Jacobian of the springs. The loads' dependence on the state is slow and omitted.
     static int fill_jacobian(double t, N_Vector state, N_Vector, SUNMatrix J, void* session, N_Vector, N_Vector,
@@ -108,11 +108,11 @@ class SpringSession : public PointSession {
         entries.setZero();
         entries.topRightCorner(n, n).setIdentity();
         entries.bottomLeftCorner(n, n) = self->network_.jacobian(N_VGetArrayPointer(state));
-        if (self->network_.damped())
+        if (self->network_.is_damped())
             entries.bottomRightCorner(n, n) = self->network_.velocity_jacobian(N_VGetArrayPointer(state));
-        return self->judged(t, entries.data(), 4 * n * n);
+        return self->check_finite(t, entries.data(), 4 * n * n);
     }
-    void close() {
+    void collect_counts() {
         if (!running_) return;
         running_ = false;
         long steps = 0;
@@ -130,9 +130,7 @@ class SpringSession : public PointSession {
     bool running_ = false;
 };
 
-std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
-
-constexpr Method each[] = {
+constexpr Method point_springs_cvode_variants[] = {
     {.name = "point_springs_cvode_bdf",
      .documentation =
          "The points and springs of `point_springs_rk4` by CVODE's backward differentiation formulas, with the exact "
@@ -148,8 +146,9 @@ constexpr Method each[] = {
      .solve = [](const Problem& p, const Settings& s) { return point_springs_cvode_bdf(p, s, {}).trajectory; }},
 };
 
-constexpr auto list =
-    apply_defaults({.family = Family::points, .library = sundials_library, .refusal = cannot_be_made_of_points}, each);
+constexpr auto point_springs_cvode_family =
+    apply_defaults({.family = Family::points, .library = sundials_library, .refusal = point_body_refusal},
+            point_springs_cvode_variants);
 
 }  // namespace
 
@@ -157,7 +156,7 @@ PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& setting
     const PointBody body = point_body(problem, options.arrangement);
     if (!body.refusal.empty()) return {unsupported(body.refusal)};
     const double stiffness = options.stiffness ? *options.stiffness : default_stiffness(problem, body);
-    const double damping = damping_of_ratio(body, stiffness, options.damping_ratio.value_or(1));
+    const double damping = damping_from_ratio(body, stiffness, options.damping_ratio.value_or(1));
     SpringSession session(problem, body, SpringNetwork(body, stiffness, damping), *settings.tolerance);
     PointRun run;
     run.trajectory = run_sundials(problem, settings, session);
@@ -165,6 +164,6 @@ PointRun point_springs_cvode_bdf(const Problem& problem, const Settings& setting
     return run;
 }
 
-extern const std::span<const Method> point_springs_cvode_methods{list};
+extern const std::span<const Method> point_springs_cvode_methods{point_springs_cvode_family};
 
 }  // namespace polhode

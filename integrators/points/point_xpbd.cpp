@@ -14,16 +14,16 @@
 namespace polhode {
 namespace {
 
-struct Setup {
+struct XpbdSetup {
     const PointBody* body;
     int iterations;
     double* largest_stretch;
-    double shortest;  ///< s
+    double min_step;  ///< s
 };
 
-class PositionBased {
+class XpbdPoints {
   public:
-    PositionBased(const Problem& problem, const Setup& setup)
+    XpbdPoints(const Problem& problem, const XpbdSetup& setup)
         : setup_(setup),
           n_(3 * static_cast<std::size_t>(setup.body->count())),
           motion_(problem, *setup.body),
@@ -44,14 +44,14 @@ class PositionBased {
         double *r = y_.data(), *v = r + n_;
         std::fill(a_.begin(), a_.end(), 0.0);
         motion_.add_loads(t, r, a_.data());
-        old_.assign(r, r + n_);
+        previous_positions_.assign(r, r + n_);
         for (std::size_t i = 0; i < n_; ++i) {
             v[i] += h * a_[i];
             r[i] += h * v[i];
         }
-        if (h < setup_.shortest) return;
+        if (h < setup_.min_step) return;
         for (int k = 0; k < setup_.iterations; ++k) sweep(r);
-        for (std::size_t i = 0; i < n_; ++i) v[i] = (r[i] - old_[i]) / h;
+        for (std::size_t i = 0; i < n_; ++i) v[i] = (r[i] - previous_positions_[i]) / h;
     }
 
     Sample sample(double t) const {
@@ -74,25 +74,24 @@ class PositionBased {
         }
         if (!setup_.body->pivoted) return;
         const std::vector<double>& c = setup_.body->pivot_weights;
-        Vector3<double> held;
-        for (std::size_t i = 0; i < c.size(); ++i) held = held + c[i] * vector_at(r, 3 * static_cast<int>(i));
+        Vector3<double> pivot_point;
+        for (std::size_t i = 0; i < c.size(); ++i)
+            pivot_point = pivot_point + c[i] * vector_at(r, 3 * static_cast<int>(i));
         for (std::size_t i = 0; i < c.size(); ++i) {
             const int at = 3 * static_cast<int>(i);
-            put(r, at, vector_at(r, at) - (pivot_gain_ * c[i]) * held);
+            put(r, at, vector_at(r, at) - (pivot_gain_ * c[i]) * pivot_point);
         }
     }
 
-    Setup setup_;
+    XpbdSetup setup_;
     std::size_t n_;
     PointMotion motion_;
     double pivot_gain_ = 0;
-    std::vector<double> y_, a_, old_;
+    std::vector<double> y_, a_, previous_positions_;
     long sweeps_ = 0;
 };
 
-std::string cannot_be_made_of_points(const Problem& problem) { return point_body(problem, {}).refusal; }
-
-constexpr Method each[] = {
+constexpr Method point_xpbd_variants[] = {
     {.name = "point_xpbd",
      .documentation =
          "A body made of eight points at the corners of a box (three if it is flat) at fixed distances, by "
@@ -108,7 +107,8 @@ constexpr Method each[] = {
      .solve = [](const Problem& p, const Settings& s) { return point_xpbd(p, s, {}).trajectory; }},
 };
 
-constexpr auto list = apply_defaults({.family = Family::points, .refusal = cannot_be_made_of_points}, each);
+constexpr auto point_xpbd_family =
+    apply_defaults({.family = Family::points, .refusal = point_body_refusal}, point_xpbd_variants);
 
 }  // namespace
 
@@ -118,10 +118,10 @@ PointRun point_xpbd(const Problem& problem, const Settings& settings, const Poin
     PointRun run;
     const double step = longest_step(problem, settings);
     run.trajectory =
-        march<PositionBased>(problem, settings, Setup{&body, options.iterations, &run.largest_stretch, step / 64});
+        march<XpbdPoints>(problem, settings, XpbdSetup{&body, options.iterations, &run.largest_stretch, step / 64});
     return run;
 }
 
-extern const std::span<const Method> point_xpbd_methods{list};
+extern const std::span<const Method> point_xpbd_methods{point_xpbd_family};
 
 }  // namespace polhode

@@ -16,32 +16,33 @@ void SpringNetwork::accelerations(const double* y, double* a) const {
         const Vector3<double> d = vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
         const double square = dot(d, d), length = std::sqrt(square);
         double pull = (link.length - length) / length;
-        if (damped())
+        if (is_damped())
             pull -= damping_per_stiffness_ * dot(d, vector_at(v, 3 * link.i) - vector_at(v, 3 * link.j)) / square;
         const Vector3<double> force = (specific_stiffness_ * pull) * d;
         put(a, 3 * link.i, vector_at(a, 3 * link.i) + force);
         put(a, 3 * link.j, vector_at(a, 3 * link.j) - force);
     }
     if (!body_->pivoted) return;
-    Vector3<double> held;
+    Vector3<double> pivot_point;
     for (int i = 0; i < n; ++i)
-        held = held + body_->pivot_weights[i] * (vector_at(r, 3 * i) + damping_per_stiffness_ * vector_at(v, 3 * i));
+        pivot_point = pivot_point +
+                      body_->pivot_weights[i] * (vector_at(r, 3 * i) + damping_per_stiffness_ * vector_at(v, 3 * i));
     for (int i = 0; i < n; ++i)
-        put(a, 3 * i, vector_at(a, 3 * i) - (specific_stiffness_ * body_->pivot_weights[i]) * held);
+        put(a, 3 * i, vector_at(a, 3 * i) - (specific_stiffness_ * body_->pivot_weights[i]) * pivot_point);
 }
 
-Eigen::MatrixXd SpringNetwork::jacobian(const double* r) const { return matrix(r, false); }
+Eigen::MatrixXd SpringNetwork::jacobian(const double* r) const { return compute_jacobian(r, false); }
 
 Eigen::MatrixXd SpringNetwork::velocity_jacobian(const double* r) const {
-    return damping_per_stiffness_ * matrix(r, true);
+    return damping_per_stiffness_ * compute_jacobian(r, true);
 }
 
-Eigen::MatrixXd SpringNetwork::matrix(const double* r, bool relaxed) const {
+Eigen::MatrixXd SpringNetwork::compute_jacobian(const double* r, bool tension_free) const {
     const int n = body_->count();
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     for (const PointLink& link : body_->links) {
         const Vector3<double> d = vector_at(r, 3 * link.i) - vector_at(r, 3 * link.j);
-        const double length = std::sqrt(dot(d, d)), tension = relaxed ? 0 : 1 - link.length / length;
+        const double length = std::sqrt(dot(d, d)), tension = tension_free ? 0 : 1 - link.length / length;
         const Eigen::Vector3d u = Eigen::Vector3d(d[0], d[1], d[2]) / length;
         const Eigen::Matrix3d block =
             specific_stiffness_ * ((1 - tension) * u * u.transpose() + tension * Eigen::Matrix3d::Identity());
@@ -58,10 +59,10 @@ Eigen::MatrixXd SpringNetwork::matrix(const double* r, bool relaxed) const {
     return J;
 }
 
-void SpringNetwork::settle(const Vector3<double>& angular_velocity_W, double* y) const {
+void SpringNetwork::apply_rotation_stretch(const Vector3<double>& angular_velocity_W, double* y) const {
     const Vector3<double>& w = angular_velocity_W;
     const int n = body_->count();
-    const PointCloud cloud = cloud_of(body_->point_mass, y, n);
+    const PointCloud cloud = compute_cloud(body_->point_mass, y, n);
     // About the pivot, W's origin, if there is one.
     const Vector3<double> origin = body_->pivoted ? Vector3<double>() : cloud.center;
     Matrix3<double> J = cloud.inertia;
@@ -95,9 +96,10 @@ void SpringNetwork::settle(const Vector3<double>& angular_velocity_W, double* y)
 SpringFrequencies spring_frequencies(const PointBody& body, double stiffness) {
     std::vector<double> rest(3 * body.rest_B.size());
     // At rest the pivot is at the origin.
-    Vector3<double> held;
-    for (int i = 0; body.pivoted && i < body.count(); ++i) held = held + body.pivot_weights[i] * body.rest_B[i];
-    for (int i = 0; i < body.count(); ++i) put(rest.data(), 3 * i, body.rest_B[i] - held);
+    Vector3<double> pivot_point;
+    for (int i = 0; body.pivoted && i < body.count(); ++i)
+        pivot_point = pivot_point + body.pivot_weights[i] * body.rest_B[i];
+    for (int i = 0; i < body.count(); ++i) put(rest.data(), 3 * i, body.rest_B[i] - pivot_point);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(-SpringNetwork(body, stiffness).jacobian(rest.data()),
                                                                 Eigen::EigenvaluesOnly);
     const Eigen::VectorXd& squares = solver.eigenvalues();
@@ -109,11 +111,11 @@ SpringFrequencies spring_frequencies(const PointBody& body, double stiffness) {
 double default_stiffness(const Problem& problem, const PointBody& body) {
     constexpr double ratio = 100;
     const double rate = std::max(problem.scales.angular_velocity, 1 / problem.scene.duration);
-    const double wanted = ratio * rate / spring_frequencies(body, 1).slowest;
-    return wanted * wanted;
+    const double target = ratio * rate / spring_frequencies(body, 1).slowest;
+    return target * target;
 }
 
-double damping_of_ratio(const PointBody& body, double stiffness, double ratio) {
+double damping_from_ratio(const PointBody& body, double stiffness, double ratio) {
     return 2 * ratio * stiffness / spring_frequencies(body, stiffness).slowest;
 }
 

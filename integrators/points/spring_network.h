@@ -23,18 +23,18 @@ class SpringNetwork {
     Eigen::MatrixXd jacobian(const double* r) const;
     /// da/dv (1/s).
     Eigen::MatrixXd velocity_jacobian(const double* r) const;
-    bool damped() const { return damping_per_stiffness_ != 0; }
+    bool is_damped() const { return damping_per_stiffness_ != 0; }
 
     /// Stretches points that move as a rigid body at their nominal distances (y = r, v; 6N numbers), including their
     /// velocities, so that the springs provide the accelerations of the rotation,
     ///   da/dr u = w x (w x r) + w' x r,   J w' = -w x J w.
     /// The remaining vibration has (rate/frequency) times the amplitude of the stretch. Solvers can then step over
     /// vibrations instead of resolving them.
-    void settle(const Vector3<double>& angular_velocity_W, double* y) const;
+    void apply_rotation_stretch(const Vector3<double>& angular_velocity_W, double* y) const;
 
   private:
-    // Jacobian of springs whose tension, per stiffness and length, is `relaxed` ? 0 : 1 - l / |d|.
-    Eigen::MatrixXd matrix(const double* r, bool relaxed) const;
+    // Jacobian of springs whose tension, per stiffness and length, is `tension_free` ? 0 : 1 - l / |d|.
+    Eigen::MatrixXd compute_jacobian(const double* r, bool tension_free) const;
 
     const PointBody* body_;
     double specific_stiffness_;     ///< k / m_i, 1/s^2

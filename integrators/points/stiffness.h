@@ -19,6 +19,6 @@ double default_stiffness(const Problem& problem, const PointBody& body);
 
 /// N s/m: damping for `ratio` times the critical damping of the slowest vibration, 2 ratio k / w. Faster vibrations
 /// are damped more strongly.
-double damping_of_ratio(const PointBody& body, double stiffness, double ratio);
+double damping_from_ratio(const PointBody& body, double stiffness, double ratio);
 
 }  // namespace polhode

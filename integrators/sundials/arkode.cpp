@@ -18,9 +18,9 @@ class ArkodeFixedStepper {
   public:
     ArkodeFixedStepper(const Problem& problem, const ArkodeTable& table) : session_(problem, table, std::nullopt) {}
     void restart() { session_.restart(); }
-    void enter(const Segment& segment) { note(session_.enter(segment)); }
+    void enter(const Segment& segment) { record_flag(session_.enter(segment)); }
     void step(double t, double h) {
-        if (!failed()) note(session_.fixed_step(t, h));
+        if (!failed()) record_flag(session_.fixed_step(t, h));
     }
     // at the caller's time: ARKODE's sum of steps may round differently
     auto sample(double t) const { return session_.sample_at(t); }
@@ -33,7 +33,7 @@ class ArkodeFixedStepper {
     }
 
   private:
-    void note(int flag) { flag_ = std::min(flag_, flag); }
+    void record_flag(int flag) { flag_ = std::min(flag_, flag); }
 
     // mutable: ARKODE's query functions take non-const pointers
     mutable ArkodeSession<SystemType> session_;
@@ -41,12 +41,12 @@ class ArkodeFixedStepper {
 };
 
 template <bool implicit, int order>
-Trajectory solve_by(const Problem& problem, const Settings& settings) {
+Trajectory solve_arkode(const Problem& problem, const Settings& settings) {
     const ArkodeTable table{implicit, order};
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) {
             Trajectory trajectory = march<ArkodeFixedStepper<SystemType>>(problem, settings, table);
-            name_unoptimised_sundials(trajectory);
+            append_unoptimised_remark(trajectory);
             return trajectory;
         }
         ArkodeSession<SystemType> session(problem, table, settings.tolerance);
@@ -54,18 +54,19 @@ Trajectory solve_by(const Problem& problem, const Settings& settings) {
     });
 }
 
-Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
+Trajectory solve_arkode_by_stiffness(const Problem& problem, const Settings& settings) {
     const bool stiff = is_stiff(problem);
-    Trajectory trajectory = stiff ? solve_by<true, 5>(problem, settings) : solve_by<false, 8>(problem, settings);
-    return remarked(std::move(trajectory), stiff ? "diagonally implicit, order 5: the motion is stiff"
-                                                 : "explicit, order 8: the motion is not stiff");
+    Trajectory trajectory =
+        stiff ? solve_arkode<true, 5>(problem, settings) : solve_arkode<false, 8>(problem, settings);
+    return prepend_remark(std::move(trajectory), stiff ? "diagonally implicit, order 5: the motion is stiff"
+                                                       : "explicit, order 8: the motion is not stiff");
 }
 
 /// A Butcher table of ARKODE, stored contiguously.
-struct LinearTable {
+struct ButcherTable {
     std::vector<double> A, b;
 
-    explicit LinearTable(ARKodeButcherTable table) {
+    explicit ButcherTable(ARKodeButcherTable table) {
         if (!table) throw std::bad_alloc();
         for (int i = 0; i < table->stages; ++i) {
             A.insert(A.end(), table->A[i], table->A[i] + table->stages);
@@ -76,16 +77,16 @@ struct LinearTable {
 };
 
 template <bool implicit, int order>
-double growth(std::complex<double> z) {
-    static const LinearTable table = [] {
+double arkode_growth(std::complex<double> z) {
+    static const ButcherTable table = [] {
         if constexpr (implicit) {
-            constexpr int of_order[] = {ARKSTEP_DEFAULT_DIRK_3, ARKSTEP_DEFAULT_DIRK_4, ARKSTEP_DEFAULT_DIRK_5};
-            return LinearTable(ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(of_order[order - 3])));
+            constexpr int table_ids[] = {ARKSTEP_DEFAULT_DIRK_3, ARKSTEP_DEFAULT_DIRK_4, ARKSTEP_DEFAULT_DIRK_5};
+            return ButcherTable(ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(table_ids[order - 3])));
         } else {
-            constexpr int of_order[] = {ARKSTEP_DEFAULT_ERK_2, ARKSTEP_DEFAULT_ERK_3, ARKSTEP_DEFAULT_ERK_4,
-                                        ARKSTEP_DEFAULT_ERK_5, ARKSTEP_DEFAULT_ERK_6, ARKSTEP_DEFAULT_ERK_8,
-                                        ARKSTEP_DEFAULT_ERK_8};
-            return LinearTable(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(of_order[order - 2])));
+            constexpr int table_ids[] = {ARKSTEP_DEFAULT_ERK_2, ARKSTEP_DEFAULT_ERK_3, ARKSTEP_DEFAULT_ERK_4,
+                                         ARKSTEP_DEFAULT_ERK_5, ARKSTEP_DEFAULT_ERK_6, ARKSTEP_DEFAULT_ERK_8,
+                                         ARKSTEP_DEFAULT_ERK_8};
+            return ButcherTable(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(table_ids[order - 2])));
         }
     }();
     return runge_kutta_amplification(table.A, table.b, z);
@@ -107,7 +108,7 @@ constexpr std::string_view arkode_source =
     "no Jacobian."
 
 template <bool implicit, int order>
-constexpr Method method(std::string_view name, std::string_view documentation) {
+constexpr Method arkode_method(std::string_view name, std::string_view documentation) {
     return {.name = name,
             .documentation = documentation,
             .source = arkode_source,
@@ -115,40 +116,42 @@ constexpr Method method(std::string_view name, std::string_view documentation) {
             .control = Control::fixed_step_or_tolerance,
             .general_systems = true,
             .order = order,
-            .solve = solve_by<implicit, order>,
-            .amplification = growth<implicit, order>,
+            .solve = solve_arkode<implicit, order>,
+            .amplification = arkode_growth<implicit, order>,
             .refusal = implicit ? no_jacobian_of_user_torque : nullptr};
 }
 
-constexpr Method each[] = {
-    method<false, 2>(
+constexpr Method arkode_variants[] = {
+    arkode_method<false, 2>(
         "arkode_erk2",
         "ARKODE's explicit Runge-Kutta method of order 2 (Heun-Euler, 2 stages, pair 2(1))." POLHODE_EXPLICIT_COMMON),
-    method<false, 3>("arkode_erk3",
-                     "ARKODE's explicit Runge-Kutta method of order 3 (Bogacki-Shampine, 4 stages, pair "
-                     "3(2))." POLHODE_EXPLICIT_COMMON),
-    method<false, 4>(
+    arkode_method<false, 3>("arkode_erk3",
+                            "ARKODE's explicit Runge-Kutta method of order 3 (Bogacki-Shampine, 4 stages, pair "
+                            "3(2))." POLHODE_EXPLICIT_COMMON),
+    arkode_method<false, 4>(
         "arkode_erk4",
         "ARKODE's explicit Runge-Kutta method of order 4 (Zonneveld, 5 stages, pair 4(3))." POLHODE_EXPLICIT_COMMON),
-    method<false, 5>(
+    arkode_method<false, 5>(
         "arkode_erk5",
         "ARKODE's explicit Runge-Kutta method of order 5 (Cash-Karp, 6 stages, pair 5(4))." POLHODE_EXPLICIT_COMMON),
-    method<false, 6>(
+    arkode_method<false, 6>(
         "arkode_erk6",
         "ARKODE's explicit Runge-Kutta method of order 6 (Verner, 8 stages, pair 6(5))." POLHODE_EXPLICIT_COMMON),
-    method<false, 8>(
+    arkode_method<false, 8>(
         "arkode_erk8",
         "ARKODE's explicit Runge-Kutta method of order 8 (Fehlberg, 13 stages, pair 8(7))." POLHODE_EXPLICIT_COMMON),
-    method<true, 3>("arkode_dirk3",
-                    "ARKODE's diagonally implicit Runge-Kutta method of order 3 (Kennedy & Carpenter's ARK3(2)4L[2]SA, "
-                    "ESDIRK, 4 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
-    method<true, 4>(
+    arkode_method<true, 3>(
+        "arkode_dirk3",
+        "ARKODE's diagonally implicit Runge-Kutta method of order 3 (Kennedy & Carpenter's ARK3(2)4L[2]SA, "
+        "ESDIRK, 4 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
+    arkode_method<true, 4>(
         "arkode_dirk4",
         "ARKODE's diagonally implicit Runge-Kutta method of order 4 (Hairer & Wanner's SDIRK 5(4), 5 stages, "
         "L-stable)." POLHODE_IMPLICIT_COMMON),
-    method<true, 5>("arkode_dirk5",
-                    "ARKODE's diagonally implicit Runge-Kutta method of order 5 (Kennedy & Carpenter's ARK5(4)8L[2]SA, "
-                    "ESDIRK, 8 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
+    arkode_method<true, 5>(
+        "arkode_dirk5",
+        "ARKODE's diagonally implicit Runge-Kutta method of order 5 (Kennedy & Carpenter's ARK5(4)8L[2]SA, "
+        "ESDIRK, 8 stages, L-stable)." POLHODE_IMPLICIT_COMMON),
     {.name = "arkode",
      .documentation =
          "`arkode_dirk5` if the motion is stiff, otherwise `arkode_erk8`, with a tolerance; the message says which. "
@@ -158,13 +161,13 @@ constexpr Method each[] = {
      .source = arkode_source,
      .conserves = "nothing",
      .control = Control::tolerance,
-     .solve = by_stiffness},
+     .solve = solve_arkode_by_stiffness},
 };
 
-constexpr auto list = apply_defaults({.family = Family::runge_kutta, .library = sundials_library}, each);
+constexpr auto arkode_family = apply_defaults({.family = Family::runge_kutta, .library = sundials_library}, arkode_variants);
 
 }  // namespace
 
-extern const std::span<const Method> arkode_methods{list};
+extern const std::span<const Method> arkode_methods{arkode_family};
 
 }  // namespace polhode

@@ -21,10 +21,10 @@ namespace {
 
 /// One of ARKODE's explicit pairs, stored contiguously. `difference` = b - d, for the error estimate.
 struct Tableau {
-    static constexpr int most_stages = 13;
+    static constexpr int max_stages = 13;
     int stages = 0, order = 0, embedded_order = 0;
-    std::array<std::array<double, most_stages>, most_stages> a{};
-    std::array<double, most_stages> b{}, c{}, difference{};
+    std::array<std::array<double, max_stages>, max_stages> a{};
+    std::array<double, max_stages> b{}, c{}, difference{};
 
     explicit Tableau(ARKODE_ERKTableID id) {
         const std::unique_ptr<ARKodeButcherTableMem, decltype(&ARKodeButcherTable_Free)> table(
@@ -63,7 +63,7 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         sample_evaluations_ = 0;
     }
     void enter(const Segment& segment) {
-        land(this->y_, this->evaluations_);
+        remove_lag(this->y_, this->evaluations_);
         lag_ = 0;
         Base::enter(segment);
         if (started_) return;
@@ -74,14 +74,15 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
     }
     void step(double t, double h) {
         Y d, difference;
-        if (!stages_from(this->y_, t + lag_, h - lag_, d, difference, this->evaluations_)) return spoil();
+        if (!evaluate_stages(this->y_, t + lag_, h - lag_, d, difference, this->evaluations_))
+            return invalidate_state();
         advance(d, h - lag_, t + h);
     }
     Attempt attempt(double& t, double& h) {
         const double tried = h;
         Y d, difference;
         const double length = tried - lag_;
-        if (!stages_from(this->y_, t + lag_, length, d, difference, this->evaluations_)) {
+        if (!evaluate_stages(this->y_, t + lag_, length, d, difference, this->evaluations_)) {
             h = not_finite_shrinkage * tried;
             return Attempt::not_finite;
         }
@@ -100,9 +101,9 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         return Attempt::accepted;
     }
     Sample sample(double t) const {
-        Y landed = this->y_;
-        land(landed, sample_evaluations_);
-        return this->system_.motion(t, landed.data());
+        Y synchronised = this->y_;
+        remove_lag(synchronised, sample_evaluations_);
+        return this->system_.motion(t, synchronised.data());
     }
     long sample_evaluations() const { return sample_evaluations_; }
 
@@ -112,12 +113,12 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         const double w = this->problem_->scales.angular_velocity;
         return std::max({I[0], I[1], I[2]}) * w * w / 2;
     }
-    void spoil() { this->y_[0] = std::numeric_limits<double>::quiet_NaN(); }
+    void invalidate_state() { this->y_[0] = std::numeric_limits<double>::quiet_NaN(); }
 
     // d = h sum b_i k_i and the embedded error estimate, from `y` at t; returns false if a rate is not finite
-    bool stages_from(const Y& y, double t, double h, Y& d, Y& difference, long& evaluations) const {
+    bool evaluate_stages(const Y& y, double t, double h, Y& d, Y& difference, long& evaluations) const {
         const Tableau& table = *table_;
-        std::array<Y, Tableau::most_stages> k;
+        std::array<Y, Tableau::max_stages> k;
         for (int i = 0; i < table.stages; ++i) {
             Y stage = y;
             for (int j = 0; j < i; ++j)
@@ -158,10 +159,10 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
         return std::abs(delta) < 0.5 ? delta : 0;
     }
 
-    void land(Y& y, long& evaluations) const {
+    void remove_lag(Y& y, long& evaluations) const {
         if (lag_ == 0) return;
         Y d, difference;
-        stages_from(y, clock_ + lag_, -lag_, d, difference, evaluations);
+        evaluate_stages(y, clock_ + lag_, -lag_, d, difference, evaluations);
         for (int n = 0; n < N; ++n) y[n] += d[n];
     }
 
@@ -173,15 +174,15 @@ class RelaxedStepper : public ControlledOdeintState<SystemType> {
     double clock_ = 0;  // s, caller's clock after the last step
 };
 
-std::string energy_is_not_kept(const Problem& problem) {
-    const std::vector<Conserved> kept =
+std::string relaxation_refusal(const Problem& problem) {
+    const std::vector<Conserved> invariants =
         conserved(problem.formulation == Formulation::full ? pose(problem.scene) : problem);
     const auto is_energy = [](const Conserved& c) { return c.kind == ConservedKind::energy; };
-    return std::any_of(kept.begin(), kept.end(), is_energy) ? "" : "the motion does not conserve energy";
+    return std::any_of(invariants.begin(), invariants.end(), is_energy) ? "" : "the motion does not conserve energy";
 }
 
 template <ARKODE_ERKTableID id>
-Trajectory relaxed(const Problem& problem, const Settings& settings) {
+Trajectory solve_relaxed(const Problem& problem, const Settings& settings) {
     if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
     const Tableau table(id);
     return with_one_body(problem, [&]<class SystemType>() {
@@ -193,9 +194,9 @@ Trajectory relaxed(const Problem& problem, const Settings& settings) {
 constexpr std::string_view relaxation_source =
     "Ketcheson 2019, Relaxation Runge-Kutta methods: conservation and stability for inner-product norms, SIAM J. "
     "Numer. Anal. 57, 2850; Ranocha, Sayyari, Dalcin, Parsani & Ketcheson 2020, SIAM J. Sci. Comput. 42, A612";
-constexpr std::string_view energy_kept = "E (with q not normalised), if the motion conserves it";
+constexpr std::string_view relaxation_invariants = "E (with q not normalised), if the motion conserves it";
 
-constexpr Method each[] = {
+constexpr Method relaxed_variants[] = {
     {.name = "arkode_erk4_relaxed",
      .documentation =
          "The table of `arkode_erk4` (Zonneveld's of order 4) with relaxation: each step is y + gamma h sum b_i k_i, "
@@ -207,23 +208,23 @@ constexpr Method each[] = {
          "`unsupported` if the motion does not conserve its energy. (SUNDIALS has relaxation from 6.6 on; this "
          "implementation uses only its tables.)",
      .order = 4,
-     .solve = relaxed<ARKODE_ZONNEVELD_5_3_4>},
+     .solve = solve_relaxed<ARKODE_ZONNEVELD_5_3_4>},
     {.name = "arkode_erk8_relaxed",
      .documentation = "The table of `arkode_erk8` (Fehlberg's of order 8) with relaxation as in `arkode_erk4_relaxed`.",
      .order = 8,
-     .solve = relaxed<ARKODE_FEHLBERG_13_7_8>},
+     .solve = solve_relaxed<ARKODE_FEHLBERG_13_7_8>},
 };
 
-constexpr auto list = apply_defaults({.source = relaxation_source,
-                                      .conserves = energy_kept,
+constexpr auto relaxed_family = apply_defaults({.source = relaxation_source,
+                                      .conserves = relaxation_invariants,
                                       .control = Control::fixed_step_or_tolerance,
                                       .family = Family::runge_kutta,
                                       .library = sundials_library,
-                                      .refusal = energy_is_not_kept},
-                                     each);
+                                      .refusal = relaxation_refusal},
+                                        relaxed_variants);
 
 }  // namespace
 
-extern const std::span<const Method> arkode_relaxed_methods{list};
+extern const std::span<const Method> arkode_relaxed_methods{relaxed_family};
 
 }  // namespace polhode

@@ -30,7 +30,7 @@ class ArkodeSession : public SundialsSession<SystemType> {
     using Base = SundialsSession<SystemType>;
     using Base::absolute_, Base::context_, Base::end_, Base::linear_, Base::matrix_, Base::nonlinear_, Base::offset_,
         Base::state_, Base::t_;
-    using Base::demand;
+    using Base::check_flag;
 
   public:
     using Base::dimension, Base::y;
@@ -43,54 +43,54 @@ class ArkodeSession : public SundialsSession<SystemType> {
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
         Base* base = this;  // user data of the callbacks
-        demand(ARKStepSetErrHandlerFn(memory, Base::note_message, base));
-        demand(ARKStepSVtolerances(memory, this->tolerance_, absolute_.get()));
-        demand(ARKStepSetUserData(memory, base));
+        check_flag(ARKStepSetErrHandlerFn(memory, Base::store_message, base));
+        check_flag(ARKStepSVtolerances(memory, this->tolerance_, absolute_.get()));
+        check_flag(ARKStepSetUserData(memory, base));
         if constexpr (dimension == run_time)
-            if (this->system_.projects()) demand(ARKStepSetPostprocessStepFn(memory, project));
-        demand(ARKStepSetOrder(memory, table.order));
+            if (this->system_.projects()) check_flag(ARKStepSetPostprocessStepFn(memory, project));
+        check_flag(ARKStepSetOrder(memory, table.order));
         // no interpolation is used: choose the least expensive polynomial
-        demand(ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
-        demand(ARKStepSetInterpolantDegree(memory, 0));
+        check_flag(ARKStepSetInterpolantType(memory, ARK_INTERP_LAGRANGE));
+        check_flag(ARKStepSetInterpolantDegree(memory, 0));
         // the caller detects steps that do not change t
-        demand(ARKStepSetMaxHnilWarns(memory, -1));
+        check_flag(ARKStepSetMaxHnilWarns(memory, -1));
         if (!table.implicit) return;
         Base::make_newton();
-        demand(ARKStepSetNonlinearSolver(memory, nonlinear_.get()));
-        demand(ARKStepSetLinearSolver(memory, linear_.get(), matrix_.get()));
-        demand(ARKStepSetJacFn(memory, Base::fill_jacobian));
+        check_flag(ARKStepSetNonlinearSolver(memory, nonlinear_.get()));
+        check_flag(ARKStepSetLinearSolver(memory, linear_.get(), matrix_.get()));
+        check_flag(ARKStepSetJacFn(memory, Base::fill_jacobian));
         if (tolerance) return;
         // a fixed step cannot be shortened: new Jacobian in each step and up to 20 iterations
-        demand(ARKStepSetLSetupFrequency(memory, 1));
-        demand(ARKStepSetJacEvalFrequency(memory, 1));
-        demand(ARKStepSetMaxNonlinIters(memory, 20));
+        check_flag(ARKStepSetLSetupFrequency(memory, 1));
+        check_flag(ARKStepSetJacEvalFrequency(memory, 1));
+        check_flag(ARKStepSetMaxNonlinIters(memory, 20));
     }
 
     /// Returns to t = 0 and resets all counts.
     void restart() {
-        Base::begin();
+        Base::reset_state();
         steps_ = 0;
-        counts_ = {}, counted_ = {};
-        if (aside_) aside_->restart();
+        counts_ = {}, last_counts_ = {};
+        if (sample_session_) sample_session_->restart();
     }
 
     /// Processes an event: impulses, then the loads of this segment. Restarts ARKODE's step control.
     int enter(const Segment& segment) {
-        Base::pass(segment);
+        Base::apply_event(segment);
         if (!(end_ > t_)) return ARK_SUCCESS;
-        offset_ = 0, reached_ = t_;
-        count();
+        offset_ = 0, arkode_time_ = t_;
+        update_counts();
         const int flag = ARKStepReInit(memory_.get(), explicit_part(), implicit_part(), t_, state_.get());
-        counted_ = told();
+        last_counts_ = query_counts();
         return flag;
     }
 
     /// A step of length h from t on the caller's clock; ARKODE's own clock accumulates rounding errors.
     int fixed_step(double t, double h) {
-        if (h != length_)
-            if (const int flag = ARKStepSetFixedStep(memory_.get(), length_ = h); flag != ARK_SUCCESS) return flag;
-        offset_ = t - reached_;
-        const int flag = ARKStepEvolve(memory_.get(), reached_ + h, state_.get(), &reached_, ARK_ONE_STEP);
+        if (h != step_size_)
+            if (const int flag = ARKStepSetFixedStep(memory_.get(), step_size_ = h); flag != ARK_SUCCESS) return flag;
+        offset_ = t - arkode_time_;
+        const int flag = ARKStepEvolve(memory_.get(), arkode_time_ + h, state_.get(), &arkode_time_, ARK_ONE_STEP);
         Base::rethrow();
         t_ = t + h;
         if (flag >= 0) ++steps_;
@@ -100,31 +100,31 @@ class ArkodeSession : public SundialsSession<SystemType> {
     /// One step with ARKODE's step control, cut at the segment's end. Returns its flag; if it is >= 0, time() and the
     /// state have advanced. Rethrows exceptions of a user-defined torque.
     int step() {
-        before_ = t_;
-        std::copy_n(y(), this->system_.size(), y_before_.begin());
+        step_start_ = t_;
+        std::copy_n(y(), this->system_.size(), y_step_start_.begin());
         return controlled_step();
     }
 
     /// The motion at a time within the last step, later than the previous call's. ARKODE's interpolation has at most
     /// degree 5, so another session with the same table integrates there from the start of the step.
     auto sample_inside(double t) -> std::optional<decltype(this->sample())> {
-        if (!aside_) aside_.reset(new ArkodeSession(*this->problem_, table_, this->tolerance_));
-        ArkodeSession& aside = *aside_;
-        aside.system_ = this->system_;
-        std::copy(y_before_.begin(), y_before_.end(), aside.y());
-        aside.t_ = aside.reached_ = before_, aside.end_ = t;
+        if (!sample_session_) sample_session_.reset(new ArkodeSession(*this->problem_, table_, this->tolerance_));
+        ArkodeSession& session = *sample_session_;
+        session.system_ = this->system_;
+        std::copy(y_step_start_.begin(), y_step_start_.end(), session.y());
+        session.t_ = session.arkode_time_ = step_start_, session.end_ = t;
         inside_flag_ =
-            ARKStepReInit(aside.memory_.get(), explicit_part(), implicit_part(), before_, aside.state_.get());
+            ARKStepReInit(session.memory_.get(), explicit_part(), implicit_part(), step_start_, session.state_.get());
         // the table was accurate enough for the whole step, so it is for t - before
-        if (inside_flag_ >= 0) inside_flag_ = ARKStepSetInitStep(aside.memory_.get(), t - before_);
-        while (inside_flag_ >= 0 && aside.t_ < t) inside_flag_ = aside.controlled_step();
+        if (inside_flag_ >= 0) inside_flag_ = ARKStepSetInitStep(session.memory_.get(), t - step_start_);
+        while (inside_flag_ >= 0 && session.t_ < t) inside_flag_ = session.controlled_step();
         if (inside_flag_ < 0) {
-            this->message_ = aside.message_, this->not_finite_at_ = aside.not_finite_at_;
+            this->message_ = session.message_, this->not_finite_at_ = session.not_finite_at_;
             return std::nullopt;
         }
-        before_ = t;
-        std::copy_n(aside.y(), this->system_.size(), y_before_.begin());
-        return aside.sample();
+        step_start_ = t;
+        std::copy_n(session.y(), this->system_.size(), y_step_start_.begin());
+        return session.sample();
     }
     /// Flag of the last sample_inside() that returned nothing.
     int inside_flag() const { return inside_flag_; }
@@ -134,9 +134,9 @@ class ArkodeSession : public SundialsSession<SystemType> {
     /// Number of right-hand-side evaluations since restart(), without those for samples.
     long rhs_evaluations() const { return this->evaluations_; }
     /// Number of evaluations for samples inside a step since restart().
-    long sample_evaluations() const { return aside_ ? aside_->evaluations_ : 0; }
+    long sample_evaluations() const { return sample_session_ ? sample_session_->evaluations_ : 0; }
     SolverCounts counts() {
-        count();
+        update_counts();
         SolverCounts counts{counts_.rejected_steps, {}, {}};
         if (table_.implicit) counts.newton_failures = counts_.newton_failures;
         return counts;
@@ -145,8 +145,8 @@ class ArkodeSession : public SundialsSession<SystemType> {
     /// Meaning of a flag below zero.
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == ARK_TOO_MUCH_ACC || flag == ARK_ERR_FAILURE || flag == ARK_CONV_FAILURE;
-        return Base::explained("ARKODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
-                               ARKStepGetReturnFlagName(flag));
+        return Base::describe_failure("ARKODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                                      ARKStepGetReturnFlagName(flag));
     }
 
   private:
@@ -160,17 +160,17 @@ class ArkodeSession : public SundialsSession<SystemType> {
     struct Counts {
         long rejected_steps = 0, newton_failures = 0;
     };
-    Counts told() const {
+    Counts query_counts() const {
         Counts counts;
         ARKStepGetNumErrTestFails(memory_.get(), &counts.rejected_steps);
         ARKStepGetNumNonlinSolvConvFails(memory_.get(), &counts.newton_failures);
         return counts;
     }
-    void count() {
-        const Counts now = told();
-        counts_.rejected_steps += now.rejected_steps - counted_.rejected_steps;
-        counts_.newton_failures += now.newton_failures - counted_.newton_failures;
-        counted_ = now;
+    void update_counts() {
+        const Counts now = query_counts();
+        counts_.rejected_steps += now.rejected_steps - last_counts_.rejected_steps;
+        counts_.newton_failures += now.newton_failures - last_counts_.newton_failures;
+        last_counts_ = now;
     }
 
     ARKRhsFn explicit_part() const { return table_.implicit ? nullptr : Base::right_hand_side; }
@@ -186,28 +186,28 @@ class ArkodeSession : public SundialsSession<SystemType> {
     int controlled_step() {
         // a stop time is valid until it is reached
         if (const int flag = ARKStepSetStopTime(memory_.get(), end_); flag != ARK_SUCCESS) return flag;
-        const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &reached_, ARK_ONE_STEP);
+        const int flag = ARKStepEvolve(memory_.get(), end_, state_.get(), &arkode_time_, ARK_ONE_STEP);
         Base::rethrow();
         if (flag == ARK_TOO_CLOSE) {
-            Base::leap();
+            Base::take_euler_step();
             ++steps_;
             return ARK_TSTOP_RETURN;
         }
-        t_ = flag == ARK_TSTOP_RETURN ? end_ : reached_;
+        t_ = flag == ARK_TSTOP_RETURN ? end_ : arkode_time_;
         if (flag >= 0) ++steps_;
         return flag;
     }
 
     ArkodeTable table_;
     std::unique_ptr<void, FreeMemory> memory_;
-    std::unique_ptr<ArkodeSession> aside_;
-    double reached_ = 0;  // s, on ARKODE's clock
-    double length_ = 0;   // s, fixed step that was set last
-    double before_ = 0;
-    Numbers<dimension> y_before_{this->system_.size()};
+    std::unique_ptr<ArkodeSession> sample_session_;
+    double arkode_time_ = 0;  // s, on ARKODE's clock
+    double step_size_ = 0;    // s, fixed step that was set last
+    double step_start_ = 0;
+    Numbers<dimension> y_step_start_{this->system_.size()};
     int inside_flag_ = ARK_SUCCESS;
     long steps_ = 0;
-    Counts counts_, counted_;  // since restart(); ARKODE's counts at the last query
+    Counts counts_, last_counts_;  // since restart(); ARKODE's counts at the last query
 };
 
 }  // namespace polhode

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-Trajectory solve_by(const Problem& problem, const Settings& settings, Multistep multistep, Iteration iteration) {
+Trajectory solve_cvode(const Problem& problem, const Settings& settings, Multistep multistep, Iteration iteration) {
     return with_system(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, multistep, iteration, *settings.tolerance);
         return run_sundials(problem, settings, session);
@@ -16,33 +16,33 @@ Trajectory solve_by(const Problem& problem, const Settings& settings, Multistep 
 
 // Functional iteration costs 350 us instead of 610 with Newton's method (to 1e-6), and 910 instead of 1080 (to 1e-9):
 // free body, I = (1, 2, 3), omega = (1, 1, 1), T = 100. It fails if the motion is stiff; so do Adams' formulas.
-Trajectory adams(const Problem& problem, const Settings& settings) {
-    return solve_by(problem, settings, Multistep::adams, Iteration::functional);
+Trajectory solve_adams(const Problem& problem, const Settings& settings) {
+    return solve_cvode(problem, settings, Multistep::adams, Iteration::functional);
 }
 
-Trajectory bdf(const Problem& problem, const Settings& settings) {
-    return solve_by(problem, settings, Multistep::bdf, Iteration::newton);
+Trajectory solve_bdf(const Problem& problem, const Settings& settings) {
+    return solve_cvode(problem, settings, Multistep::bdf, Iteration::newton);
 }
 
-Trajectory by_stiffness(const Problem& problem, const Settings& settings) {
+Trajectory solve_cvode_by_stiffness(const Problem& problem, const Settings& settings) {
     const bool stiff = is_stiff(problem);
-    Trajectory trajectory = stiff ? bdf(problem, settings) : adams(problem, settings);
-    return remarked(std::move(trajectory), stiff ? "BDF: the motion is stiff" : "Adams: the motion is not stiff");
+    Trajectory trajectory = stiff ? solve_bdf(problem, settings) : solve_adams(problem, settings);
+    return prepend_remark(std::move(trajectory), stiff ? "BDF: the motion is stiff" : "Adams: the motion is not stiff");
 }
 
-Trajectory projected_bdf(const Problem& problem, const Settings& settings) {
+Trajectory solve_projected_bdf(const Problem& problem, const Settings& settings) {
     return with_one_body(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, Multistep::bdf, Iteration::newton, *settings.tolerance);
-        session.project_onto(Projection<SystemType>(problem));
+        session.set_projection(Projection<SystemType>(problem));
         return run_sundials(problem, settings, session);
     });
 }
 
-constexpr std::string_view source =
+constexpr std::string_view cvode_source =
     "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear and "
     "differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396";
 
-constexpr Method each[] = {
+constexpr Method cvode_variants[] = {
     {.name = "cvode_adams",
      .documentation =
          "CVODE's Adams-Moulton formulas of order 1 to 12 in Nordsieck form, for non-stiff motion. The implicit "
@@ -51,7 +51,7 @@ constexpr Method each[] = {
          "steps. They stop exactly at every event, where the history restarts. Samples inside a step use its dense "
          "output (the interpolating polynomial of the step's order), so the steps do not depend on the sampling.",
      .general_systems = true,
-     .solve = adams},
+     .solve = solve_adams},
     {.name = "cvode_bdf",
      .documentation =
          "CVODE's backward differentiation formulas of order 1 to 5 in fixed-leading-coefficient Nordsieck form, for "
@@ -61,14 +61,14 @@ constexpr Method each[] = {
          "Tolerances, events and samples as for `cvode_adams`. User-defined torques are `unsupported`, because they "
          "have no Jacobian.",
      .general_systems = true,
-     .solve = bdf,
+     .solve = solve_bdf,
      .refusal = no_jacobian_of_user_torque},
     {.name = "cvode_bdf_projected",
      .documentation =
          "`cvode_bdf` with CVODE's projection of the end of each step onto |q| = 1 and the motion's invariants, as in "
          "`odeint_rk4_projected`. The error estimate that controls step and order is not projected.",
      .conserves = "|q| and, if the motion conserves them, E, momenta and spin, to round-off",
-     .solve = projected_bdf,
+     .solve = solve_projected_bdf,
      .refusal = no_jacobian_of_user_torque},
     {.name = "cvode",
      .documentation =
@@ -76,18 +76,18 @@ constexpr Method each[] = {
          "motion damps far faster than the body rotates. This is determined along a motion that `radau` computes to "
          "three digits; its time is not included in the reported time. With a user-defined torque it is always "
          "`cvode_adams`.",
-     .solve = by_stiffness},
+     .solve = solve_cvode_by_stiffness},
 };
 
-constexpr auto list = apply_defaults({.source = source,
+constexpr auto cvode_family = apply_defaults({.source = cvode_source,
                                       .conserves = "nothing",
                                       .control = Control::tolerance,
                                       .family = Family::multistep,
                                       .library = sundials_library},
-                                     each);
+                                      cvode_variants);
 
 }  // namespace
 
-extern const std::span<const Method> cvode_methods{list};
+extern const std::span<const Method> cvode_methods{cvode_family};
 
 }  // namespace polhode

@@ -41,7 +41,7 @@ struct CvodeCounts {
         rejected_steps += rejected, newton_failures += failures, order_reductions += reductions;
     }
     /// `detects_limit`: stability-limit detection is on (BDF only).
-    SolverCounts told(bool detects_limit) const {
+    SolverCounts to_solver_counts(bool detects_limit) const {
         SolverCounts counts{rejected_steps, newton_failures, {}};
         if (detects_limit) counts.order_reductions = order_reductions;
         return counts;
@@ -68,45 +68,45 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         if (!memory_) throw std::bad_alloc();
         void* memory = memory_.get();
         Base* base = this;  // user data of the callbacks
-        demand(CVodeSetErrHandlerFn(memory, Base::note_message, base));
-        demand(CVodeInit(memory, Base::right_hand_side, 0, state_.get()));
-        demand(CVodeSVtolerances(memory, this->tolerance_, absolute_.get()));
-        demand(CVodeSetUserData(memory, base));
+        check_flag(CVodeSetErrHandlerFn(memory, Base::store_message, base));
+        check_flag(CVodeInit(memory, Base::right_hand_side, 0, state_.get()));
+        check_flag(CVodeSVtolerances(memory, this->tolerance_, absolute_.get()));
+        check_flag(CVodeSetUserData(memory, base));
         // the caller detects steps that do not change t
-        demand(CVodeSetMaxHnilWarns(memory, -1));
+        check_flag(CVodeSetMaxHnilWarns(memory, -1));
         if (iteration == Iteration::functional) {
-            nonlinear_ = owned(SUNNonlinSol_FixedPoint(state_.get(), 0, context_));
-            demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
-            demand(CVodeSetNonlinConvCoef(memory, functional_coefficient));
-            demand(CVodeSetMaxNonlinIters(memory, functional_iterations));
+            nonlinear_ = make_owner(SUNNonlinSol_FixedPoint(state_.get(), 0, context_));
+            check_flag(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
+            check_flag(CVodeSetNonlinConvCoef(memory, functional_coefficient));
+            check_flag(CVodeSetMaxNonlinIters(memory, functional_iterations));
         } else if constexpr (std::is_same_v<Vector, typename VectorFor<dimension>::type>) {
             Base::make_newton();
-            demand(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
-            demand(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
-            demand(CVodeSetJacFn(memory, Base::fill_jacobian));
+            check_flag(CVodeSetNonlinearSolver(memory, nonlinear_.get()));
+            check_flag(CVodeSetLinearSolver(memory, linear_.get(), matrix_.get()));
+            check_flag(CVodeSetJacFn(memory, Base::fill_jacobian));
         }
         if constexpr (dimension == run_time)
             if (this->system_.projects() && multistep == Multistep::bdf) {
-                demand(CVodeSetProjFn(memory, correct_own));
-                demand(CVodeSetProjErrEst(memory, SUNFALSE));
+                check_flag(CVodeSetProjFn(memory, compute_system_correction));
+                check_flag(CVodeSetProjErrEst(memory, SUNFALSE));
             }
         detects_limit_ = multistep == Multistep::bdf;
         // for orders 3 to 5, which are not stable on the whole left half plane
-        if (detects_limit_) demand(CVodeSetStabLimDet(memory, SUNTRUE));
+        if (detects_limit_) check_flag(CVodeSetStabLimDet(memory, SUNTRUE));
     }
 
     /// Projects the end of each step and samples inside a step; BDF only. The error estimate is not projected:
     /// otherwise CVODE 6.4 compares the projected estimate of the current order with unprojected ones of neighbouring
     /// orders, and stays at order 1 (free symmetric body, T = 100, R = 1e-6: 7001 steps instead of 1283).
-    void project_onto(const Projection<SystemType>& projection) {
+    void set_projection(const Projection<SystemType>& projection) {
         projection_ = projection;
-        demand(CVodeSetProjFn(memory_.get(), correct));
-        demand(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
+        check_flag(CVodeSetProjFn(memory_.get(), compute_correction));
+        check_flag(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
     }
 
     /// Returns to t = 0 and resets all counts.
     void restart() {
-        Base::begin();
+        Base::reset_state();
         steps_ = 0;
         counts_ = {};
         running_ = false;
@@ -114,8 +114,8 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
 
     /// Processes an event: impulses, then the loads of this segment. Discards the history of previous steps.
     int enter(const Segment& segment) {
-        close();
-        Base::pass(segment);
+        collect_counts();
+        Base::apply_event(segment);
         return resume();
     }
 
@@ -126,7 +126,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         const int flag = CVode(memory_.get(), end_, state_.get(), &reached, CV_ONE_STEP);
         Base::rethrow();
         if (flag == CV_TOO_CLOSE) {
-            Base::leap();
+            Base::take_euler_step();
             ++steps_;
             return CV_TSTOP_RETURN;
         }
@@ -136,7 +136,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
 
     /// Restarts from the current state. Discards the history of previous steps.
     int resume() {
-        close();
+        collect_counts();
         if (!(end_ > t_)) return CV_SUCCESS;
         running_ = true;
         if (const int flag = CVodeReInit(memory_.get(), t_, state_.get()); flag != CV_SUCCESS) return flag;
@@ -145,10 +145,10 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
 
     /// The motion at a time within the last step, from the step's interpolating polynomial.
     auto sample_inside(double t) {
-        CVodeGetDky(memory_.get(), t, 0, inside_.get());
-        if constexpr (projects)
-            if (projection_) projection_->project(Vector::data(inside_.get()));
-        return std::optional(this->system_.motion(t, Vector::data(inside_.get())));
+        CVodeGetDky(memory_.get(), t, 0, interpolated_.get());
+        if constexpr (has_projection)
+            if (projection_) projection_->project(Vector::data(interpolated_.get()));
+        return std::optional(this->system_.motion(t, Vector::data(interpolated_.get())));
     }
 
     int inside_flag() const { return CV_SUCCESS; }
@@ -156,32 +156,32 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     /// Meaning of a flag below zero.
     SolverFailure failure(int flag) {
         const bool out_of_reach = flag == CV_TOO_MUCH_ACC || flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
-        return Base::explained("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
-                               CVodeGetReturnFlagName(flag));
+        return Base::describe_failure("CVODE", out_of_reach ? Status::tolerance_not_met : Status::failed,
+                                      CVodeGetReturnFlagName(flag));
     }
 
     /// Number of steps since restart().
     long steps() {
-        close();
+        collect_counts();
         return steps_;
     }
     long rhs_evaluations() const { return this->evaluations_; }
     SolverCounts counts() {
-        close();
-        return counts_.told(detects_limit_);
+        collect_counts();
+        return counts_.to_solver_counts(detects_limit_);
     }
 
   protected:
-    using Base::demand, Base::system_;
+    using Base::check_flag, Base::system_;
 
     void* memory() { return memory_.get(); }
     /// The state at a time within the last step, valid until the next call.
-    const double* state_inside(double t) {
-        CVodeGetDky(memory_.get(), t, 0, inside_.get());
-        return Vector::data(inside_.get());
+    const double* interpolated_state(double t) {
+        CVodeGetDky(memory_.get(), t, 0, interpolated_.get());
+        return Vector::data(interpolated_.get());
     }
     /// Sets the current time and state to a time within the last step.
-    void set_back(double t) {
+    void rewind(double t) {
         CVodeGetDky(memory_.get(), t, 0, state_.get());
         t_ = t;
     }
@@ -198,7 +198,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     };
 
     // the correction from y to the manifold; a positive flag requests a shorter step
-    static int correct(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
+    static int compute_correction(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
         CvodeSession* self = static_cast<CvodeSession*>(static_cast<Base*>(session));
         double *change = Vector::data(correction), *from = Vector::data(y);
         std::copy(from, from + dimension, change);
@@ -207,7 +207,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         return CV_SUCCESS;
     }
 
-    static int correct_own(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
+    static int compute_system_correction(double, N_Vector y, N_Vector correction, double, N_Vector, void* session) {
         CvodeSession* self = static_cast<CvodeSession*>(static_cast<Base*>(session));
         double *change = Vector::data(correction), *from = Vector::data(y);
         const int n = self->system_.size();
@@ -218,7 +218,7 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
     }
 
     // adds CVODE's counts, which restart at every event
-    void close() {
+    void collect_counts() {
         if (!running_) return;
         running_ = false;
         long steps = 0;
@@ -227,12 +227,12 @@ class CvodeSession : public SundialsSession<SystemType, Vector> {
         counts_.add(memory_.get());
     }
 
-    SundialsOwner<N_Vector> inside_ = owned(made<Vector>(context_, this->system_.size()));
+    SundialsOwner<N_Vector> interpolated_ = make_owner(make_vector<Vector>(context_, this->system_.size()));
     std::unique_ptr<void, FreeMemory> memory_;
     // the invariants are known for the systems of one body
-    static constexpr bool projects = requires { SystemType::rates; };
+    static constexpr bool has_projection = requires { SystemType::rates; };
     struct NoProjection {};
-    std::conditional_t<projects, std::optional<Projection<SystemType>>, NoProjection> projection_;
+    std::conditional_t<has_projection, std::optional<Projection<SystemType>>, NoProjection> projection_;
     long steps_ = 0;
     CvodeCounts counts_;
     bool running_ = false, detects_limit_ = false;

@@ -39,12 +39,12 @@ class FixedVector {
     };
 
     template <class F>
-    static void each(N_Vector z, F f) {
+    static void fill_padded(N_Vector z, F f) {
         double* out = data(z);
         for (int i = 0; i < padded; ++i) out[i] = f(i);
     }
     template <class F>
-    static void each_real(N_Vector z, F f) {
+    static void fill_components(N_Vector z, F f) {
         double* out = data(z);
         for (int i = 0; i < N; ++i) out[i] = f(i);
     }
@@ -56,34 +56,34 @@ class FixedVector {
 
     static void linear_sum(double a, N_Vector x, double b, N_Vector y, N_Vector z) {
         const double *p = data(x), *q = data(y);
-        each(z, [&](int i) { return a * p[i] + b * q[i]; });
+        fill_padded(z, [&](int i) { return a * p[i] + b * q[i]; });
     }
     static void constant(double c, N_Vector z) {
-        each_real(z, [&](int) { return c; });
+        fill_components(z, [&](int) { return c; });
     }
     static void product(N_Vector x, N_Vector y, N_Vector z) {
         const double *p = data(x), *q = data(y);
-        each(z, [&](int i) { return p[i] * q[i]; });
+        fill_padded(z, [&](int i) { return p[i] * q[i]; });
     }
     static void quotient(N_Vector x, N_Vector y, N_Vector z) {
         const double *p = data(x), *q = data(y);
-        each_real(z, [&](int i) { return p[i] / q[i]; });
+        fill_components(z, [&](int i) { return p[i] / q[i]; });
     }
     static void scale(double c, N_Vector x, N_Vector z) {
         const double* p = data(x);
-        each(z, [&](int i) { return c * p[i]; });
+        fill_padded(z, [&](int i) { return c * p[i]; });
     }
     static void magnitude(N_Vector x, N_Vector z) {
         const double* p = data(x);
-        each(z, [&](int i) { return std::abs(p[i]); });
+        fill_padded(z, [&](int i) { return std::abs(p[i]); });
     }
     static void inverse(N_Vector x, N_Vector z) {
         const double* p = data(x);
-        each_real(z, [&](int i) { return 1 / p[i]; });
+        fill_components(z, [&](int i) { return 1 / p[i]; });
     }
     static void add_constant(N_Vector x, double b, N_Vector z) {
         const double* p = data(x);
-        each_real(z, [&](int i) { return p[i] + b; });
+        fill_components(z, [&](int i) { return p[i] + b; });
     }
 
     static double dot_product(N_Vector x, N_Vector y) {
@@ -92,7 +92,7 @@ class FixedVector {
         for (int i = 0; i < N; ++i) sum += p[i] * q[i];
         return sum;
     }
-    static double largest(N_Vector x) {
+    static double max_norm(N_Vector x) {
         const double* p = data(x);
         double most = 0;
         for (int i = 0; i < N; ++i) most = std::max(most, std::abs(p[i]));
@@ -134,7 +134,7 @@ class FixedVector {
         }
         return 0;
     }
-    static int scale_each(int n, double* c, N_Vector* x, N_Vector* z) {
+    static int scale_vector_array(int n, double* c, N_Vector* x, N_Vector* z) {
         for (int k = 0; k < n; ++k) scale(c[k], x[k], z[k]);
         return 0;
     }
@@ -157,12 +157,12 @@ class FixedVector {
             o.nvinv = inverse;
             o.nvaddconst = add_constant;
             o.nvdotprod = dot_product;
-            o.nvmaxnorm = largest;
+            o.nvmaxnorm = max_norm;
             o.nvwrmsnorm = weighted_rms_norm;
             o.nvmin = smallest;
             o.nvlinearcombination = linear_combination;
             o.nvscaleaddmulti = scale_add_multi;
-            o.nvscalevectorarray = scale_each;
+            o.nvscalevectorarray = scale_vector_array;
             return o;
         }();
         return table;

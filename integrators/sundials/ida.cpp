@@ -5,12 +5,12 @@
 namespace polhode {
 namespace {
 
-Trajectory solve_by_ida(const Problem& problem, const Settings& settings, maximal::Index index) {
+Trajectory solve_ida(const Problem& problem, const Settings& settings, maximal::Index index) {
     IdaSession session(problem, index, *settings.tolerance);
     return run_sundials(problem, settings, session);
 }
 
-std::string no_mechanism(const Problem& problem) {
+std::string ida_refusal(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system))
         return "this method supports only scenes of several bodies";
     for (const Load& load : problem.scene.loads)
@@ -19,12 +19,12 @@ std::string no_mechanism(const Problem& problem) {
 }
 
 // the stabilised form corrects positions by the inverse of each body's mass and tensor
-std::string no_inverse_masses(const Problem& problem) {
-    const std::string why = no_mechanism(problem);
+std::string ida_index2_refusal(const Problem& problem) {
+    const std::string why = ida_refusal(problem);
     return why.empty() ? body_without_inertia(problem.scene) : why;
 }
 
-constexpr Method each[] = {
+constexpr Method ida_variants[] = {
     {.name = "ida_index1",
      .documentation =
          "IDA's backward differentiation formulas of order 1 to 5 on a mechanism in maximal coordinates. Attitude, "
@@ -34,7 +34,7 @@ constexpr Method each[] = {
          "factorisation. Relative tolerance R, absolute tolerance R times the component's scale; the multipliers are "
          "excluded from the error test. Loop constraints that are redundant at the start are removed.",
      .conserves = "nothing",
-     .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::one); }},
+     .solve = [](const Problem& p, const Settings& s) { return solve_ida(p, s, maximal::Index::one); }},
     {.name = "ida_index2",
      .documentation =
          "`ida_index1` in the stabilised form of index 2: the constraints are imposed on positions and on velocities, "
@@ -43,22 +43,22 @@ constexpr Method each[] = {
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
      .conserves = "joints closed, |q| = 1, to the tolerance",
-     .solve = [](const Problem& p, const Settings& s) { return solve_by_ida(p, s, maximal::Index::two); },
-     .refusal = no_inverse_masses},
+     .solve = [](const Problem& p, const Settings& s) { return solve_ida(p, s, maximal::Index::two); },
+     .refusal = ida_index2_refusal},
 };
 
-constexpr auto list = apply_defaults(
+constexpr auto ida_family = apply_defaults(
     {.source = "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear "
                "and differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396",
      .control = Control::tolerance,
      .general_systems = true,
      .family = Family::multistep,
      .library = sundials_library,
-     .refusal = no_mechanism},
-    each);
+     .refusal = ida_refusal},
+    ida_variants);
 
 }  // namespace
 
-extern const std::span<const Method> ida_methods{list};
+extern const std::span<const Method> ida_methods{ida_family};
 
 }  // namespace polhode

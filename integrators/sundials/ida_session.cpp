@@ -10,10 +10,10 @@ namespace {
 
 // Tolerance of the multipliers relative to their size. The differential variables determine them, they are excluded
 // from the error test, and they need not converge further.
-constexpr double multiplier_share = 1e-3;
+constexpr double multiplier_tolerance = 1e-3;
 
 // initial joint coordinates, including those of dependent joints
-std::vector<std::array<double, 2>> starting_coordinates(const Problem& problem) {
+std::vector<std::array<double, 2>> initial_coordinates(const Problem& problem) {
     const Tree<double>& tree = mechanism_of(problem).tree();
     std::vector<double> y(static_cast<std::size_t>(tree.dimension()));
     tree.initial(y.data());
@@ -25,35 +25,35 @@ std::vector<std::array<double, 2>> starting_coordinates(const Problem& problem) 
 IdaSession::IdaSession(const Problem& problem, maximal::Index index, double tolerance)
     : problem_(&problem),
       start_(mechanism_initial_motions(problem.scene)),
-      system_(problem.scene, start_, starting_coordinates(problem), maximal::LoopRows::independent),
+      system_(problem.scene, start_, initial_coordinates(problem), maximal::LoopRows::independent),
       equations_(system_, index),
       n_(equations_.unknowns()),
       // smaller tolerances are rejected elsewhere; below this value the weights (reciprocals) would overflow
       tolerance_(std::max(tolerance, 1e-100)),
-      state_(owned(N_VNew_Serial(n_, context_))),
-      rate_of_state_(owned(N_VNew_Serial(n_, context_))),
-      absolute_(owned(N_VNew_Serial(n_, context_))),
-      kind_(owned(N_VNew_Serial(n_, context_))),
-      inside_(owned(N_VNew_Serial(n_, context_))),
-      matrix_(owned(SparseMatrix::make(n_, context_))),
-      linear_(owned(SparseSolver::make(context_))),
+      state_(make_owner(N_VNew_Serial(n_, context_))),
+      state_rate_(make_owner(N_VNew_Serial(n_, context_))),
+      absolute_(make_owner(N_VNew_Serial(n_, context_))),
+      variable_ids_(make_owner(N_VNew_Serial(n_, context_))),
+      interpolated_(make_owner(N_VNew_Serial(n_, context_))),
+      matrix_(make_owner(SparseMatrix::make(n_, context_))),
+      linear_(make_owner(SparseSolver::make(context_))),
       memory_(IDACreate(context_)) {
     if (!memory_) throw std::bad_alloc();
     void* memory = memory_.get();
-    N_VConst(0, state_.get()), N_VConst(0, rate_of_state_.get());
-    N_VConst(1, kind_.get());
-    double* kind = N_VGetArrayPointer(kind_.get());
-    std::fill(kind + equations_.differential(), kind + n_, 0.0);
+    N_VConst(0, state_.get()), N_VConst(0, state_rate_.get());
+    N_VConst(1, variable_ids_.get());
+    double* ids = N_VGetArrayPointer(variable_ids_.get());
+    std::fill(ids + equations_.differential(), ids + n_, 0.0);
     system_.initial(y());
     set_tolerances();
-    demand(IDASetErrHandlerFn(memory, note_message, this));
-    demand(IDAInit(memory, residual, 0, state_.get(), rate_of_state_.get()));
-    demand(IDASVtolerances(memory, tolerance_, absolute_.get()));
-    demand(IDASetUserData(memory, this));
-    demand(IDASetId(memory, kind_.get()));
-    demand(IDASetSuppressAlg(memory, SUNTRUE));
-    demand(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
-    demand(IDASetJacFn(memory, fill_jacobian));
+    check_flag(IDASetErrHandlerFn(memory, store_message, this));
+    check_flag(IDAInit(memory, residual, 0, state_.get(), state_rate_.get()));
+    check_flag(IDASVtolerances(memory, tolerance_, absolute_.get()));
+    check_flag(IDASetUserData(memory, this));
+    check_flag(IDASetId(memory, variable_ids_.get()));
+    check_flag(IDASetSuppressAlg(memory, SUNTRUE));
+    check_flag(IDASetLinearSolver(memory, linear_.get(), matrix_.get()));
+    check_flag(IDASetJacFn(memory, fill_jacobian));
 }
 
 void IdaSession::set_tolerances() {
@@ -78,13 +78,13 @@ void IdaSession::set_tolerances() {
     double acceleration = speed * scales.angular_velocity;
     for (const Load& load : problem_->scene.loads)
         if (const auto* gravity = std::get_if<Gravity>(&load)) acceleration += length(gravity->acceleration_W);
-    std::fill(absolute + equations_.lambda(), absolute + equations_.mu(), multiplier_share * mass * acceleration);
-    std::fill(absolute + equations_.mu(), absolute + equations_.nu(), multiplier_share * mass * speed);
-    std::fill(absolute + equations_.nu(), absolute + n_, multiplier_share * scales.angular_velocity);
+    std::fill(absolute + equations_.lambda(), absolute + equations_.mu(), multiplier_tolerance * mass * acceleration);
+    std::fill(absolute + equations_.mu(), absolute + equations_.nu(), multiplier_tolerance * mass * speed);
+    std::fill(absolute + equations_.nu(), absolute + n_, multiplier_tolerance * scales.angular_velocity);
 }
 
 void IdaSession::restart() {
-    N_VConst(0, state_.get()), N_VConst(0, rate_of_state_.get());
+    N_VConst(0, state_.get()), N_VConst(0, state_rate_.get());
     system_.initial(y());
     evaluations_ = 0, counts_ = {};
     running_ = false;
@@ -92,23 +92,23 @@ void IdaSession::restart() {
 }
 
 int IdaSession::enter(const Segment& segment) {
-    close();
+    collect_counts();
     t_ = segment.begin, end_ = segment.end;
     system_.enter(segment.begin, y());
     make_consistent();
     if (!(end_ > t_)) return IDA_SUCCESS;
     running_ = true;
-    if (const int flag = IDAReInit(memory_.get(), t_, state_.get(), rate_of_state_.get()); flag != IDA_SUCCESS)
+    if (const int flag = IDAReInit(memory_.get(), t_, state_.get(), state_rate_.get()); flag != IDA_SUCCESS)
         return flag;
     return IDASetStopTime(memory_.get(), end_);
 }
 
 int IdaSession::step() {
     double reached = t_;
-    const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), rate_of_state_.get(), IDA_ONE_STEP);
+    const int flag = IDASolve(memory_.get(), end_, &reached, state_.get(), state_rate_.get(), IDA_ONE_STEP);
     if (flag == IDA_ILL_INPUT && end_ - t_ < 1e-13 * std::abs(end_)) {
         // a segment as short as a rounding error, on which no solver can start: an explicit Euler step is exact there
-        const double* rate = N_VGetArrayPointer(rate_of_state_.get());
+        const double* rate = N_VGetArrayPointer(state_rate_.get());
         for (int i = 0; i < equations_.differential(); ++i) y()[i] += (end_ - t_) * rate[i];
         t_ = end_;
         message_.clear();
@@ -121,12 +121,12 @@ int IdaSession::step() {
 
 SolverFailure IdaSession::failure(int flag) {
     const std::unique_ptr<char, decltype(&std::free)> name(IDAGetReturnFlagName(flag), &std::free);
-    const std::string said = message_.empty() ? fmt::format("IDA returned {}", name.get()) : "IDA: " + message_;
+    const std::string reason = message_.empty() ? fmt::format("IDA returned {}", name.get()) : "IDA: " + message_;
     if (not_finite_at_)
         return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}{}",
-                                              format_time(*not_finite_at_), said, last_state(sample()))};
+                                              format_time(*not_finite_at_), reason, last_state(sample()))};
     const bool out_of_reach = flag == IDA_TOO_MUCH_ACC || flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL;
-    return {out_of_reach ? Status::tolerance_not_met : Status::failed, said};
+    return {out_of_reach ? Status::tolerance_not_met : Status::failed, reason};
 }
 
 Moment IdaSession::moment_at(double t, const double* z) const {
@@ -137,7 +137,7 @@ Moment IdaSession::moment_at(double t, const double* z) const {
 
 // lambda from the accelerations; mu and nu vanish, and so do the rates of all three as far as IDA requires them
 void IdaSession::make_consistent() {
-    double *z = y(), *rate = N_VGetArrayPointer(rate_of_state_.get());
+    double *z = y(), *rate = N_VGetArrayPointer(state_rate_.get());
     std::fill(z + equations_.differential(), z + n_, 0.0);
     std::fill(rate, rate + n_, 0.0);
     const std::vector<double> lambda = system_.rates(z, rate);
@@ -145,14 +145,14 @@ void IdaSession::make_consistent() {
     ++evaluations_;
 }
 
-void IdaSession::close() {
+void IdaSession::collect_counts() {
     if (!running_) return;
     running_ = false;
     counts_.add(memory_.get());
 }
 
 // 0, or -1 permanently once a number is not finite: see SundialsSession::right_hand_side()
-int IdaSession::judged(double t, const double* numbers, std::size_t count) {
+int IdaSession::check_finite(double t, const double* numbers, std::size_t count) {
     if (all_finite({numbers, count})) return 0;
     not_finite_at_ = t;
     return -1;
@@ -166,7 +166,7 @@ int IdaSession::residual(double t, N_Vector state, N_Vector rate, N_Vector resul
     ++self->evaluations_;
     self->equations_.evaluate(N_VGetArrayPointer(state), F);
     for (int i = 0; i < self->equations_.differential(); ++i) F[i] -= dz[i];
-    return self->judged(t, F, static_cast<std::size_t>(self->n_));
+    return self->check_finite(t, F, static_cast<std::size_t>(self->n_));
 }
 
 // dF/dz + c dF/dz', for the unknowns of one colour at a time
@@ -201,11 +201,11 @@ int IdaSession::fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Ve
     }
     for (int i = 0; i < equations.differential(); ++i) entries.emplace_back(i, i, -c);
     SparseMatrix::entries(J).setFromTriplets(entries.begin(), entries.end());
-    return self->judged(t, values.data(), values.size());
+    return self->check_finite(t, values.data(), values.size());
 }
 
 // positive codes are warnings
-void IdaSession::note_message(int code, const char*, const char*, char* text, void* session) {
+void IdaSession::store_message(int code, const char*, const char*, char* text, void* session) {
     if (code <= 0) static_cast<IdaSession*>(session)->message_ = text;
 }
 

@@ -47,21 +47,20 @@ class IdaSession {
     double time() const { return t_; }
     /// The motion at time(), with the reactions from the multipliers.
     Moment sample() { return moment_at(t_, y()); }
-    Moment sample_of(double t, const double* z) const { return moment_at(t, z); }
     /// The motion at a time within the last step.
     std::optional<Moment> sample_inside(double t) {
-        IDAGetDky(memory_.get(), t, 0, inside_.get());
-        return moment_at(t, N_VGetArrayPointer(inside_.get()));
+        IDAGetDky(memory_.get(), t, 0, interpolated_.get());
+        return moment_at(t, N_VGetArrayPointer(interpolated_.get()));
     }
     int inside_flag() const { return IDA_SUCCESS; }
     SolverFailure failure(int flag);
     long steps() {
-        close();
+        collect_counts();
         return counts_.steps;
     }
     long rhs_evaluations() const { return evaluations_; }
     SolverCounts counts() {
-        close();
+        collect_counts();
         return {counts_.rejected_steps, counts_.newton_failures, {}};
     }
 
@@ -77,7 +76,7 @@ class IdaSession {
     int n_;
     double tolerance_;
     SundialsContext context_;  // declared before the members that use it
-    SundialsOwner<N_Vector> state_, rate_of_state_, absolute_, kind_, inside_;
+    SundialsOwner<N_Vector> state_, state_rate_, absolute_, variable_ids_, interpolated_;
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
     std::unique_ptr<void, FreeMemory> memory_;
@@ -92,15 +91,15 @@ class IdaSession {
     Moment moment_at(double t, const double* z) const;
     void set_tolerances();
     void make_consistent();
-    void close();
-    int judged(double t, const double* numbers, std::size_t count);
-    static void demand(int flag) {
+    void collect_counts();
+    int check_finite(double t, const double* numbers, std::size_t count);
+    static void check_flag(int flag) {
         if (flag != 0) throw std::bad_alloc();
     }
     static int residual(double t, N_Vector state, N_Vector rate, N_Vector result, void* session);
     static int fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Vector, SUNMatrix J, void* session,
                              N_Vector, N_Vector, N_Vector);
-    static void note_message(int code, const char*, const char*, char* text, void* session);
+    static void store_message(int code, const char*, const char*, char* text, void* session);
 };
 
 }  // namespace polhode

@@ -4,28 +4,28 @@
 namespace polhode {
 
 template <int N>
-SUNMatrix matrix_for(N_Vector, SUNContext context) {
+SUNMatrix make_matrix(N_Vector, SUNContext context) {
     return FixedMatrix<N>::make(context);
 }
 template <>
-SUNMatrix matrix_for<run_time>(N_Vector y, SUNContext context) {
+SUNMatrix make_matrix<run_time>(N_Vector y, SUNContext context) {
     return SUNDenseMatrix(N_VGetLength(y), N_VGetLength(y), context);
 }
 
 template <int N>
-SUNLinearSolver solver_for(N_Vector, SUNMatrix, SUNContext context) {
+SUNLinearSolver make_linear_solver(N_Vector, SUNMatrix, SUNContext context) {
     return FixedDenseSolver<N>::make(context);
 }
 template <>
-SUNLinearSolver solver_for<run_time>(N_Vector y, SUNMatrix matrix, SUNContext context) {
+SUNLinearSolver make_linear_solver<run_time>(N_Vector y, SUNMatrix matrix, SUNContext context) {
     return SUNLinSol_Dense(y, matrix, context);
 }
 
-template SUNMatrix matrix_for<3>(N_Vector, SUNContext);
-template SUNMatrix matrix_for<7>(N_Vector, SUNContext);
-template SUNMatrix matrix_for<13>(N_Vector, SUNContext);
-template SUNLinearSolver solver_for<3>(N_Vector, SUNMatrix, SUNContext);
-template SUNLinearSolver solver_for<7>(N_Vector, SUNMatrix, SUNContext);
-template SUNLinearSolver solver_for<13>(N_Vector, SUNMatrix, SUNContext);
+template SUNMatrix make_matrix<3>(N_Vector, SUNContext);
+template SUNMatrix make_matrix<7>(N_Vector, SUNContext);
+template SUNMatrix make_matrix<13>(N_Vector, SUNContext);
+template SUNLinearSolver make_linear_solver<3>(N_Vector, SUNMatrix, SUNContext);
+template SUNLinearSolver make_linear_solver<7>(N_Vector, SUNMatrix, SUNContext);
+template SUNLinearSolver make_linear_solver<13>(N_Vector, SUNMatrix, SUNContext);
 
 }  // namespace polhode

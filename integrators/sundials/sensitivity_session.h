@@ -31,9 +31,9 @@ using Sensitivity = Eigen::Matrix<double, SystemType::dimension - 1, SystemType:
 template <class SystemType>
 class SensitivitySession : public CvodeSession<SystemType> {
     using Base = CvodeSession<SystemType>;
-    using Handed = SundialsSession<SystemType>;  // base type of the callbacks' user data
+    using CallbackBase = SundialsSession<SystemType>;  // base type of the callbacks' user data
+    using Base::check_flag, Base::memory;
     using Base::context_, Base::end_, Base::state_, Base::system_, Base::t_;
-    using Base::demand, Base::memory;
     using Vector = FixedVector<SystemType::dimension>;
 
   public:
@@ -46,27 +46,27 @@ class SensitivitySession : public CvodeSession<SystemType> {
         : Base(problem, multistep, iteration, tolerance) {
         system_.scales(scale_.data());
         columns_.reset(N_VCloneVectorArray(directions, state_.get()));
-        inside_columns_.reset(N_VCloneVectorArray(directions, state_.get()));
-        if (!columns_ || !inside_columns_) throw std::bad_alloc();
-        start();
-        demand(CVodeSetStabLimDet(memory(), SUNFALSE));
-        demand(CVodeWFtolerances(memory(), weigh));
-        demand(CVodeSensInit(memory(), directions, CV_STAGGERED, sensitivity_rates, columns_.get()));
-        // each column uses the weights of the state, from weigh()
-        demand(CVodeSensEEtolerances(memory()));
-        demand(CVodeSetSensErrCon(memory(), SUNTRUE));
+        interpolated_columns_.reset(N_VCloneVectorArray(directions, state_.get()));
+        if (!columns_ || !interpolated_columns_) throw std::bad_alloc();
+        init_columns();
+        check_flag(CVodeSetStabLimDet(memory(), SUNFALSE));
+        check_flag(CVodeWFtolerances(memory(), compute_weights));
+        check_flag(CVodeSensInit(memory(), directions, CV_STAGGERED, sensitivity_rates, columns_.get()));
+        // each column uses the weights of the state, from compute_weights()
+        check_flag(CVodeSensEEtolerances(memory()));
+        check_flag(CVodeSetSensErrCon(memory(), SUNTRUE));
         if (iteration == Iteration::functional) {
-            nonlinear_columns_ = owned(SUNNonlinSol_FixedPointSens(directions, state_.get(), 0, context_));
-            demand(CVodeSetSensMaxNonlinIters(memory(), Base::functional_iterations));
+            nonlinear_columns_ = make_owner(SUNNonlinSol_FixedPointSens(directions, state_.get(), 0, context_));
+            check_flag(CVodeSetSensMaxNonlinIters(memory(), Base::functional_iterations));
         } else {
-            nonlinear_columns_ = owned(SUNNonlinSol_NewtonSens(directions, state_.get(), context_));
+            nonlinear_columns_ = make_owner(SUNNonlinSol_NewtonSens(directions, state_.get(), context_));
         }
-        demand(CVodeSetNonlinearSolverSensStg(memory(), nonlinear_columns_.get()));
+        check_flag(CVodeSetNonlinearSolverSensStg(memory(), nonlinear_columns_.get()));
     }
 
     /// Processes an event: impulses with their derivative, then the loads of this segment.
     int enter(const Segment& segment) {
-        for (const PosedImpulse<double>& impulse : segment.impulses) jump(impulse);
+        for (const PosedImpulse<double>& impulse : segment.impulses) apply_impulse(impulse);
         if (const int flag = Base::enter(segment); flag != CV_SUCCESS || !(end_ > t_)) return flag;
         return CVodeSensReInit(memory(), CV_STAGGERED, columns_.get());
     }
@@ -83,15 +83,15 @@ class SensitivitySession : public CvodeSession<SystemType> {
     }
 
     /// The derivative at time(), or at a time within the last step.
-    Sensitivity<SystemType> sensitivity() { return minimal(y(), columns_.get()); }
+    Sensitivity<SystemType> sensitivity() { return to_minimal_coordinates(y(), columns_.get()); }
     Sensitivity<SystemType> sensitivity_inside(double t) {
-        CVodeGetSensDky(memory(), t, 0, inside_columns_.get());
-        return minimal(this->state_inside(t), inside_columns_.get());
+        CVodeGetSensDky(memory(), t, 0, interpolated_columns_.get());
+        return to_minimal_coordinates(this->interpolated_state(t), interpolated_columns_.get());
     }
 
     /// Meaning of a flag below zero.
     SolverFailure failure(int flag) {
-        return Base::explained("CVODES", Status::tolerance_not_met, CVodeGetReturnFlagName(flag));
+        return Base::describe_failure("CVODES", Status::tolerance_not_met, CVodeGetReturnFlagName(flag));
     }
 
   private:
@@ -104,8 +104,8 @@ class SensitivitySession : public CvodeSession<SystemType> {
     static constexpr int component_of(int i) { return i < 3 + SystemType::rates ? i - 3 : i + 1; }
 
     // the derivative at t = 0, by columns: dq = 1/2 q (0, e_i), then each scale along its own axis
-    void start() {
-        this->begin();
+    void init_columns() {
+        this->reset_state();
         const Quaternion<double> q = SystemType::attitude(y());
         for (int j = 0; j < directions; ++j) {
             double* column = Vector::data(columns_.get()[j]);
@@ -121,7 +121,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
         }
     }
 
-    Sensitivity<SystemType> minimal(const double* state, N_Vector* columns) const {
+    Sensitivity<SystemType> to_minimal_coordinates(const double* state, N_Vector* columns) const {
         const Quaternion<double> q = SystemType::attitude(state);
         const double twice = 2 / (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
         Sensitivity<SystemType> S;
@@ -148,7 +148,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
     }
 
     // applies the derivative of apply(), which changes w and v
-    void jump(const PosedImpulse<double>& impulse) {
+    void apply_impulse(const PosedImpulse<double>& impulse) {
         const std::array<Tangent, dimension> state = tangents(y(), columns_.get());
         Vector3<Tangent> w = SystemType::angular_velocity(state.data()), p, v;
         const Quaternion<Tangent> q = SystemType::attitude(state.data());
@@ -174,8 +174,8 @@ class SensitivitySession : public CvodeSession<SystemType> {
     // Weights of the state or of a column of its derivative: the tolerated error of a component is its scale, times the
     // length of the whole if that exceeds 1, times R. A growing column is thus controlled relative to its size, and
     // components near zero are not over-resolved.
-    static int weigh(N_Vector vector, N_Vector weight, void* session) {
-        const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Handed*>(session));
+    static int compute_weights(N_Vector vector, N_Vector weight, void* session) {
+        const SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<CallbackBase*>(session));
         const double* value = Vector::data(vector);
         double squares = 0;
         for (int i = 0; i < dimension; ++i) squares += (value[i] / self->scale_[i]) * (value[i] / self->scale_[i]);
@@ -187,9 +187,10 @@ class SensitivitySession : public CvodeSession<SystemType> {
 
     static int sensitivity_rates(int, double t, N_Vector y, N_Vector, N_Vector* columns, N_Vector* rates, void* session,
                                  N_Vector, N_Vector) {
-        SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<Handed*>(session));
-        if (self->thrown_) return -1;
-        if (self->problem_->needs.user_torque) return self->differences(t, Vector::data(y), columns, rates);
+        SensitivitySession* self = static_cast<SensitivitySession*>(static_cast<CallbackBase*>(session));
+        if (self->exception_) return -1;
+        if (self->problem_->needs.user_torque)
+            return self->compute_difference_rates(t, Vector::data(y), columns, rates);
         const std::array<Tangent, dimension> state = self->tangents(Vector::data(y), columns);
         std::array<Tangent, dimension> rate;
         self->system_.derivative(t, state.data(), rate.data());
@@ -199,7 +200,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
     }
 
     // df/dy s by central differences, for torques that do not accept dual numbers: moves y by e s of length 1e-5
-    int differences(double t, const double* state, N_Vector* columns, N_Vector* rates) {
+    int compute_difference_rates(double t, const double* state, N_Vector* columns, N_Vector* rates) {
         constexpr double size = 1e-5;
         for (int j = 0; j < directions; ++j) {
             const double* column = Vector::data(columns[j]);
@@ -213,7 +214,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
                 for (int i = 0; i < dimension; ++i) moved[i] = state[i] - e * column[i];
                 system_.derivative(t, moved, below);
             } catch (...) {  // must not propagate through C code
-                this->thrown_ = std::current_exception();
+                this->exception_ = std::current_exception();
                 return -1;
             }
             for (int i = 0; i < dimension; ++i) Vector::data(rates[j])[i] = (above[i] - below[i]) / (2 * e);
@@ -222,7 +223,7 @@ class SensitivitySession : public CvodeSession<SystemType> {
     }
 
     std::array<double, dimension> scale_{};
-    std::unique_ptr<N_Vector, FreeColumns> columns_, inside_columns_;
+    std::unique_ptr<N_Vector, FreeColumns> columns_, interpolated_columns_;
     SundialsOwner<SUNNonlinearSolver> nonlinear_columns_;
 };
 

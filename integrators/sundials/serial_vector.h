@@ -35,7 +35,7 @@ struct VectorFor<run_time> {
 
 /// A vector of zeros; nullptr if there is not enough memory.
 template <class Vector>
-N_Vector made(SUNContext context, int size) {
+N_Vector make_vector(SUNContext context, int size) {
     if constexpr (std::is_same_v<Vector, SerialVector>)
         return Vector::make(context, size);
     else
@@ -45,8 +45,8 @@ N_Vector made(SUNContext context, int size) {
 /// A square matrix for the vector y of N components, and its solver; nullptr if there is not enough memory. N is 3, 7,
 /// 13 or run_time. Compiled in linear_solvers.cpp, because Eigen's fixed-size factorisations compile slowly.
 template <int N>
-SUNMatrix matrix_for(N_Vector y, SUNContext context);
+SUNMatrix make_matrix(N_Vector y, SUNContext context);
 template <int N>
-SUNLinearSolver solver_for(N_Vector y, SUNMatrix matrix, SUNContext context);
+SUNLinearSolver make_linear_solver(N_Vector y, SUNMatrix matrix, SUNContext context);
 
 }  // namespace polhode

@@ -24,7 +24,7 @@ using SundialsOwner = std::unique_ptr<std::remove_pointer_t<Handle>, SundialsDel
 
 /// The owner of a new object. Throws std::bad_alloc if it is null.
 template <class Handle>
-SundialsOwner<Handle> owned(Handle handle) {
+SundialsOwner<Handle> make_owner(Handle handle) {
     if (!handle) throw std::bad_alloc();
     return SundialsOwner<Handle>(handle);
 }

@@ -7,13 +7,13 @@
 namespace polhode {
 
 /// Appends a remark to the message of every run if the library is unoptimised, because this affects timings.
-inline void name_unoptimised_sundials(Trajectory& trajectory) {
+inline void append_unoptimised_remark(Trajectory& trajectory) {
     if (sundials_unoptimised())
         trajectory.message += trajectory.message.empty() ? "SUNDIALS unoptimised" : "; SUNDIALS unoptimised";
 }
 
 /// Prepends a remark to the message.
-inline Trajectory remarked(Trajectory trajectory, const char* remark) {
+inline Trajectory prepend_remark(Trajectory trajectory, const char* remark) {
     trajectory.message = trajectory.message.empty() ? remark : remark + ("; " + trajectory.message);
     return trajectory;
 }
@@ -22,7 +22,7 @@ inline Trajectory remarked(Trajectory trajectory, const char* remark) {
 template <SolverSession Session>
 Trajectory run_sundials(const Problem& problem, const Settings& settings, Session& session) {
     Trajectory trajectory = SolverRun(problem, settings, session).solve();
-    name_unoptimised_sundials(trajectory);
+    append_unoptimised_remark(trajectory);
     return trajectory;
 }
 

@@ -61,39 +61,39 @@ class SundialsSession {
     ~SundialsSession() = default;
 
     // with valid arguments only allocation can fail; flags are zero on success
-    static void demand(int flag) {
+    static void check_flag(int flag) {
         if (flag != 0) throw std::bad_alloc();
     }
 
     // creates Newton's method, the matrix of its linear systems and their solver
     void make_newton() {
-        nonlinear_ = owned(SUNNonlinSol_Newton(state_.get(), context_));
-        matrix_ = owned(matrix_for<dimension>(state_.get(), context_));
-        linear_ = owned(solver_for<dimension>(state_.get(), matrix_.get(), context_));
+        nonlinear_ = make_owner(SUNNonlinSol_Newton(state_.get(), context_));
+        matrix_ = make_owner(make_matrix<dimension>(state_.get(), context_));
+        linear_ = make_owner(make_linear_solver<dimension>(state_.get(), matrix_.get(), context_));
     }
-    void begin() {
+    void reset_state() {
         system_.initial(y());
         evaluations_ = 0;
         not_finite_at_.reset();
     }
-    void pass(const Segment& segment) {
+    void apply_event(const Segment& segment) {
         system_.enter(segment, y());
         t_ = segment.begin, end_ = segment.end;
     }
     // `status` is the meaning of the flag; the flag's name is used if the library gave no message
-    SolverFailure explained(const char* library, Status status, char* flag_name) {
+    SolverFailure describe_failure(const char* library, Status status, char* flag_name) {
         const std::unique_ptr<char, decltype(&std::free)> name(flag_name, &std::free);
-        const std::string said = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
+        const std::string reason = message_.empty() ? fmt::format("{} returned", name.get()) : message_;
         if (not_finite_at_)
             return {Status::diverged, fmt::format("the right-hand side is not finite at {}; {}: {}{}",
-                                                  format_time(*not_finite_at_), library, said, last_state(sample()))};
-        return {status, fmt::format("{}: {}", library, said)};
+                                                  format_time(*not_finite_at_), library, reason, last_state(sample()))};
+        return {status, fmt::format("{}: {}", library, reason)};
     }
     void rethrow() {
-        if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+        if (exception_) std::rethrow_exception(std::exchange(exception_, nullptr));
     }
     // A segment as short as a rounding error, on which no solver can start: one explicit Euler step is exact there.
-    void leap() {
+    void take_euler_step() {
         Numbers<dimension> rate(system_.size());
         system_.derivative(t_, y(), rate.data());
         ++evaluations_;
@@ -107,14 +107,14 @@ class SundialsSession {
     // retry. Therefore all calls after the first -1 also return -1.
     static int right_hand_side(double t, N_Vector y, N_Vector rate, void* session) {
         SundialsSession* self = static_cast<SundialsSession*>(session);
-        if (self->not_finite_at_ || self->thrown_) return -1;
+        if (self->not_finite_at_ || self->exception_) return -1;
         double* dy = Vector::data(rate);
         t += self->offset_;
         ++self->evaluations_;
         try {
             self->system_.derivative(t, Vector::data(y), dy);
         } catch (...) {  // must not propagate through C code
-            self->thrown_ = std::current_exception();
+            self->exception_ = std::current_exception();
             return -1;
         }
         double zeros[2] = {0, 0};
@@ -144,7 +144,7 @@ class SundialsSession {
     }
 
     // positive codes are warnings
-    static void note_message(int code, const char*, const char*, char* text, void* session) {
+    static void store_message(int code, const char*, const char*, char* text, void* session) {
         if (code <= 0) static_cast<SundialsSession*>(session)->message_ = text;
     }
 
@@ -152,8 +152,8 @@ class SundialsSession {
     SystemType system_;
     double tolerance_;
     SundialsContext context_;  // declared before the members that use it
-    SundialsOwner<N_Vector> state_ = owned(made<Vector>(context_, system_.size()));
-    SundialsOwner<N_Vector> absolute_ = owned(made<Vector>(context_, system_.size()));
+    SundialsOwner<N_Vector> state_ = make_owner(make_vector<Vector>(context_, system_.size()));
+    SundialsOwner<N_Vector> absolute_ = make_owner(make_vector<Vector>(context_, system_.size()));
     SundialsOwner<SUNNonlinearSolver> nonlinear_;
     SundialsOwner<SUNMatrix> matrix_;
     SundialsOwner<SUNLinearSolver> linear_;
@@ -162,7 +162,7 @@ class SundialsSession {
     long evaluations_ = 0;
     std::optional<double> not_finite_at_;
     std::string message_;
-    std::exception_ptr thrown_;
+    std::exception_ptr exception_;
 };
 
 }  // namespace polhode

@@ -116,7 +116,7 @@ void description::growth(Report& report, const Problem& problem, ConditioningBud
     }
     const Conditioning found = polhode::conditioning(problem, times, settings);
     const auto how_to_get_it = [&] {
-        if (budget == ConditioningBudget::brief && found.budget_spent)
+        if (budget == ConditioningBudget::brief && found.limit_reached)
             report.line("", "`polhode describe --conditioning` computes it for the whole run");
     };
     // the initial time alone gives no information

@@ -193,11 +193,11 @@ Vector EngineModel::apply_gyroscopic_term(const BodyInertia<double>& inertia, co
     if (time == 0) return w;
     switch (rule.rate) {
         case RateUpdate::implicit_newton:
-            return inertia.turned<GyroscopicTerm::one_newton_step>(w, time);
+            return inertia.apply_gyroscopic_term<GyroscopicTerm::one_newton_step>(w, time);
         case RateUpdate::rescaled_momentum:
-            return inertia.turned<GyroscopicTerm::rescaled_momentum>(w, time);
+            return inertia.apply_gyroscopic_term<GyroscopicTerm::rescaled_momentum>(w, time);
         default:
-            return inertia.turned<GyroscopicTerm::explicit_euler>(w, time);
+            return inertia.apply_gyroscopic_term<GyroscopicTerm::explicit_euler>(w, time);
     }
 }
 

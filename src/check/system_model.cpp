@@ -153,7 +153,7 @@ void SystemEngine::accelerate(Placements& at, const std::vector<maximal::Wrench<
             // first the loads, then the gyroscopic term
             torque_B = torque_B + engine_.gyroscopic * gyroscopic;
             const BodyInertia<double> inertia{body.inertia, body.inverse_inertia};
-            at[b].angular_velocity_B = inertia.turned<GyroscopicTerm::one_newton_step>(
+            at[b].angular_velocity_B = inertia.apply_gyroscopic_term<GyroscopicTerm::one_newton_step>(
                 w + h * (body.inverse_inertia * torque_B), engine_.gyroscopic * h);
         } else {
             at[b].angular_velocity_B = w + h * (body.inverse_inertia * torque_B);

@@ -134,10 +134,10 @@ TEST(Structure, FlowsAreSymmetric) {
     const auto expect_undone = [&](auto&& flow) {
         flow.prepare(y);
         RotationIncrement there, back;
-        ASSERT_TRUE(flow.turn(y, 0.1, there));
+        ASSERT_TRUE(flow.compute_rotation(y, 0.1, there));
         const Vector3<double> later =
             rotate_back(Quaternion<double>{1 + there.w, there.v[0], there.v[1], there.v[2]}, y);
-        ASSERT_TRUE(flow.turn(later, -0.1, back));
+        ASSERT_TRUE(flow.compute_rotation(later, -0.1, back));
         const RotationIncrement both = compose(there, back);
         EXPECT_LT(std::abs(both.w) + std::sqrt(dot(both.v, both.v)), 1e-15);
     };
@@ -160,7 +160,7 @@ TEST(Structure, FreeMotionIsExactAtEveryStep) {
         ASSERT_TRUE(form.has_value());
         for (double h = 1e-3; h < 300; h *= 2.7) {
             RotationIncrement d;
-            ASSERT_TRUE(ExactFreeMotion(problem).turn(y, h, d));
+            ASSERT_TRUE(ExactFreeMotion(problem).compute_rotation(y, h, d));
             EXPECT_LT(rotation_angle_between({1 + d.w, d.v[0], d.v[1], d.v[2]}, form->at(h).q), 2e-15 * (4 + h));
         }
     }

@@ -14,22 +14,22 @@ inline btQuaternion bullet(const Quaternion<double>& q) {
 
 class BulletMechanism {
   public:
-    explicit BulletMechanism(const Mechanism& known) {
-        world_.setGravity(bullet(known.gravity));
-        for (const LinkBody& link : known.bodies) {
+    explicit BulletMechanism(const Mechanism& mechanism) {
+        world_.setGravity(bullet(mechanism.gravity));
+        for (const LinkBody& link : mechanism.bodies) {
             btRigidBody::btRigidBodyConstructionInfo info(btScalar(link.mass), nullptr, &shape_, bullet(link.moments));
             info.m_startWorldTransform = btTransform(bullet(link.start.q), bullet(link.start.p));
             auto body = std::make_unique<btRigidBody>(info);
-            if (known.setting != "default") body->setActivationState(DISABLE_DEACTIVATION);
-            if (known.setting == "explicit") body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
-            if (known.setting == "none") body->setFlags(0);
+            if (mechanism.setting != "default") body->setActivationState(DISABLE_DEACTIVATION);
+            if (mechanism.setting == "explicit") body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
+            if (mechanism.setting == "none") body->setFlags(0);
             // bodies do not collide
             world_.addRigidBody(body.get(), 1, 0);
             body->setAngularVelocity(bullet(link.start.w)), body->setLinearVelocity(bullet(link.start.v));
             bodies_.push_back(std::move(body));
         }
-        for (const LinkJoint& joint : known.joints) add(known, joint);
-        for (const LinkJoint& loop : known.loops) add(known, loop);
+        for (const LinkJoint& joint : mechanism.joints) add(mechanism, joint);
+        for (const LinkJoint& loop : mechanism.loops) add(mechanism, loop);
     }
     ~BulletMechanism() {
         for (const auto& joint : joints_) world_.removeConstraint(joint.get());
@@ -56,12 +56,12 @@ class BulletMechanism {
     btRigidBody& body(int index) {
         return index < 0 ? btTypedConstraint::getFixedBody() : *bodies_[std::size_t(index)];
     }
-    void add(const Mechanism& known, const LinkJoint& joint) {
+    void add(const Mechanism& mechanism, const LinkJoint& joint) {
         btRigidBody &parent = body(joint.parent), &child = body(joint.child);
         // the joint's frame at the start, in each body
         const auto frames = [&](const Quaternion<double>& frame) {
             const auto in = [&](int index, const Vector3<double>& point) {
-                return btTransform(bullet(conjugate(known.attitude(index)) * frame), bullet(point));
+                return btTransform(bullet(conjugate(mechanism.attitude(index)) * frame), bullet(point));
             };
             return std::pair(in(joint.parent, joint.parent_point), in(joint.child, joint.child_point));
         };
@@ -84,7 +84,8 @@ class BulletMechanism {
             const auto [a, b] = frames({1, 0, 0, 0});
             joints_.push_back(std::make_unique<btFixedConstraint>(parent, child, a, b));
         } else {
-            if (!joint.is_cross()) throw Unsupported("Bullet supports only universal joints with perpendicular axes");
+            if (!joint.has_perpendicular_axes())
+                throw Unsupported("Bullet supports only universal joints with perpendicular axes");
             // z fixed in the parent, x in the child, no rotation about y
             const auto [a, b] = frames(frame_about(joint.axes_W[0], joint.axes_W[1]));
             auto cross = std::make_unique<btGeneric6DofSpring2Constraint>(parent, child, a, b, RO_XYZ);

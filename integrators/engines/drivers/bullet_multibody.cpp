@@ -89,12 +89,12 @@ class MultibodyWorld {
 /// One btMultiBody per tree of a mechanism. Its base is the free body, or fixed if the tree is attached to the world.
 class MultibodyMechanism {
   public:
-    explicit MultibodyMechanism(const Mechanism& known) : places_(known.bodies.size()) {
-        world_.setGravity(bullet(known.gravity));
-        for (int i = 0; i < static_cast<int>(known.bodies.size()); ++i)
-            if (!known.carrier(i)) add_tree(known, i);
-        const auto hangs = [](const LinkJoint& joint) { return joint.parent < 0; };
-        if (std::ranges::any_of(known.joints, hangs)) add_tree(known, -1);
+    explicit MultibodyMechanism(const Mechanism& mechanism) : places_(mechanism.bodies.size()) {
+        world_.setGravity(bullet(mechanism.gravity));
+        for (int i = 0; i < static_cast<int>(mechanism.bodies.size()); ++i)
+            if (!mechanism.parent_joint(i)) add_tree(mechanism, i);
+        const auto is_root = [](const LinkJoint& joint) { return joint.parent < 0; };
+        if (std::ranges::any_of(mechanism.joints, is_root)) add_tree(mechanism, -1);
     }
     ~MultibodyMechanism() {
         for (const auto& tree : trees_) world_.removeMultiBody(tree.get());
@@ -109,7 +109,7 @@ class MultibodyMechanism {
             tree->compTreeLinkVelocities(w.back().data(), v.back().data());
         }
         std::vector<Motion> all;
-        for (const Place& place : places_) {
+        for (const LinkPlace& place : places_) {
             const btMultiBody& tree = *trees_[place.tree];
             // the columns of the attitude
             btMatrix3x3 R;
@@ -132,47 +132,47 @@ class MultibodyMechanism {
     void step(double h) { world_.stepSimulation(h, 0); }
 
   private:
-    struct Place {
+    struct LinkPlace {
         std::size_t tree = 0;
         int link = -1;  ///< -1: the base
     };
 
-    void add_tree(const Mechanism& known, int base) {
+    void add_tree(const Mechanism& mechanism, int base) {
         std::vector<const LinkJoint*> joints;
-        std::vector<bool> belongs(known.bodies.size(), false);
+        std::vector<bool> in_tree(mechanism.bodies.size(), false);
         int links = 0;
-        for (const LinkJoint& joint : known.joints) {
-            const bool is_own = joint.parent == base || (joint.parent >= 0 && belongs[std::size_t(joint.parent)]);
+        for (const LinkJoint& joint : mechanism.joints) {
+            const bool is_own = joint.parent == base || (joint.parent >= 0 && in_tree[std::size_t(joint.parent)]);
             if (!is_own) continue;
-            belongs[std::size_t(joint.child)] = true;
+            in_tree[std::size_t(joint.child)] = true;
             joints.push_back(&joint);
             // a universal joint consists of two hinges with a massless link between them
             links += joint.type == "universal" ? 2 : 1;
         }
-        const LinkBody nothing{0, {}, {}};
-        const LinkBody& foot = base < 0 ? nothing : known.body(base);
-        auto tree =
-            std::make_unique<btMultiBody>(links, foot.mass, bullet(foot.moments), base < 0, known.setting == "default");
+        const LinkBody world_body{0, {}, {}};
+        const LinkBody& base_body = base < 0 ? world_body : mechanism.body(base);
+        auto tree = std::make_unique<btMultiBody>(links, base_body.mass, bullet(base_body.moments), base < 0,
+                                                  mechanism.setting == "default");
         if (base >= 0) places_[std::size_t(base)] = {trees_.size(), -1};
         int link = 0;
         for (const LinkJoint* joint : joints) {
-            set_up(known, *joint, *tree, link);
+            set_up_link(mechanism, *joint, *tree, link);
             places_[std::size_t(joint->child)] = {trees_.size(), link - 1};
         }
-        const Quaternion<double>& q = foot.start.q;
+        const Quaternion<double>& q = base_body.start.q;
         tree->setWorldToBaseRot(btQuaternion(q.x, q.y, q.z, q.w).inverse());
-        tree->setBasePos(bullet(foot.start.p));
-        if (known.setting != "default") {
+        tree->setBasePos(bullet(base_body.start.p));
+        if (mechanism.setting != "default") {
             tree->setLinearDamping(0), tree->setAngularDamping(0);
             tree->setMaxCoordinateVelocity(1e30);
         }
-        if (known.setting == "rk4") tree->useRK4Integration(true);
+        if (mechanism.setting == "rk4") tree->useRK4Integration(true);
         tree->finalizeMultiDof();
-        if (base >= 0) tree->setBaseOmega(bullet(foot.start.w)), tree->setBaseVel(bullet(foot.start.v));
+        if (base >= 0) tree->setBaseOmega(bullet(base_body.start.w)), tree->setBaseVel(bullet(base_body.start.v));
         link = 0;
         for (const LinkJoint* joint : joints) {
             if (joint->type == "spherical") {
-                const Vector3<double> w = rotate_back(known.attitude(joint->child), joint->turning_W);
+                const Vector3<double> w = rotate_back(mechanism.attitude(joint->child), joint->angular_velocity_W);
                 const double rates[] = {w[0], w[1], w[2]};
                 tree->setJointVelMultiDof(link, rates);
             }
@@ -182,10 +182,10 @@ class MultibodyMechanism {
         world_.addMultiBody(tree.get());
         trees_.push_back(std::move(tree));
     }
-    void set_up(const Mechanism& known, const LinkJoint& joint, btMultiBody& tree, int& link) {
-        const LinkBody& child = known.body(joint.child);
+    void set_up_link(const Mechanism& mechanism, const LinkJoint& joint, btMultiBody& tree, int& link) {
+        const LinkBody& child = mechanism.body(joint.child);
         const int parent = joint.parent < 0 ? -1 : places_[std::size_t(joint.parent)].link;
-        const Quaternion<double> turn = conjugate(child.start.q) * known.attitude(joint.parent);
+        const Quaternion<double> turn = conjugate(child.start.q) * mechanism.attitude(joint.parent);
         const btQuaternion to_child(turn.x, turn.y, turn.z, turn.w);
         const btVector3 out = bullet(joint.parent_point), in = -bullet(joint.child_point), none(0, 0, 0);
         const btVector3 moments = bullet(child.moments);
@@ -212,7 +212,7 @@ class MultibodyMechanism {
     btMultiBodyConstraintSolver solver_;
     btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
     std::vector<std::unique_ptr<btMultiBody>> trees_;
-    std::vector<Place> places_;
+    std::vector<LinkPlace> places_;
 };
 
 }  // namespace

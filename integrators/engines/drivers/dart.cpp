@@ -91,18 +91,19 @@ class DartWorld {
 
 class DartMechanism {
   public:
-    explicit DartMechanism(const Mechanism& known) : nodes_(known.bodies.size()) {
+    explicit DartMechanism(const Mechanism& mechanism) : nodes_(mechanism.bodies.size()) {
         const dd::SkeletonPtr skeleton = dd::Skeleton::create("mechanism");
-        for (const int i : known.outwards()) {
-            const LinkBody& body = known.body(i);
-            const LinkJoint* joint = known.carrier(i);
-            dd::BodyNode* node = joint ? jointed(*skeleton, known, *joint) : free(*skeleton, body);
+        for (const int i : mechanism.outward_order()) {
+            const LinkBody& body = mechanism.body(i);
+            const LinkJoint* joint = mechanism.parent_joint(i);
+            dd::BodyNode* node =
+                joint ? create_jointed_body(*skeleton, mechanism, *joint) : create_free_body(*skeleton, body);
             node->setInertia(dd::Inertia(body.mass, Eigen::Vector3d::Zero(), eigen(body.moments).asDiagonal()));
             nodes_[std::size_t(i)] = node;
         }
         world_->addSkeleton(skeleton);
-        world_->setGravity(eigen(known.gravity));
-        for (const LinkJoint& loop : known.loops) {
+        world_->setGravity(eigen(mechanism.gravity));
+        for (const LinkJoint& loop : mechanism.loops) {
             const auto node = [&](int index) { return index < 0 ? nullptr : nodes_[std::size_t(index)]; };
             const bool two = loop.parent >= 0 && loop.child >= 0;
             const Eigen::Vector3d at = eigen(loop.anchor_W);
@@ -124,7 +125,7 @@ class DartMechanism {
     }
 
   private:
-    static dd::BodyNode* free(dd::Skeleton& skeleton, const LinkBody& body) {
+    static dd::BodyNode* create_free_body(dd::Skeleton& skeleton, const LinkBody& body) {
         auto [joint, node] = skeleton.createJointAndBodyNodePair<dd::FreeJoint>();
         const Quaternion<double>& q = body.start.q;
         Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
@@ -135,10 +136,10 @@ class DartMechanism {
         return node;
     }
     // The joint's frame is the child's frame at the start.
-    dd::BodyNode* jointed(dd::Skeleton& skeleton, const Mechanism& known, const LinkJoint& joint) {
+    dd::BodyNode* create_jointed_body(dd::Skeleton& skeleton, const Mechanism& mechanism, const LinkJoint& joint) {
         dd::BodyNode* parent = joint.parent < 0 ? nullptr : nodes_[std::size_t(joint.parent)];
-        const Quaternion<double> turn = conjugate(known.attitude(joint.parent)) * known.attitude(joint.child);
-        const auto placed = [&](auto properties) {
+        const Quaternion<double> turn = conjugate(mechanism.attitude(joint.parent)) * mechanism.attitude(joint.child);
+        const auto set_frames = [&](auto properties) {
             properties.mT_ParentBodyToJoint.linear() =
                 Eigen::Quaterniond(turn.w, turn.x, turn.y, turn.z).toRotationMatrix();
             properties.mT_ParentBodyToJoint.translation() = eigen(joint.parent_point);
@@ -148,36 +149,38 @@ class DartMechanism {
             return properties;
         };
         const dd::BodyNode::AspectProperties named(fmt::format("body_{}", joint.child));
-        const auto about = [&](auto properties) {
+        const auto set_axis = [&](auto properties) {
             properties.mAxis = eigen(joint.child_axes[0]);
             return properties;
         };
         if (joint.type == "revolute") {
-            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::RevoluteJoint>(
-                parent, about(placed(dd::RevoluteJoint::Properties())), named);
-            made->setVelocity(0, joint.rates[0]);
+            auto [dart_joint, node] = skeleton.createJointAndBodyNodePair<dd::RevoluteJoint>(
+                parent, set_axis(set_frames(dd::RevoluteJoint::Properties())), named);
+            dart_joint->setVelocity(0, joint.rates[0]);
             return node;
         }
         if (joint.type == "prismatic") {
-            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::PrismaticJoint>(
-                parent, about(placed(dd::PrismaticJoint::Properties())), named);
-            made->setVelocity(0, joint.rates[0]);
+            auto [dart_joint, node] = skeleton.createJointAndBodyNodePair<dd::PrismaticJoint>(
+                parent, set_axis(set_frames(dd::PrismaticJoint::Properties())), named);
+            dart_joint->setVelocity(0, joint.rates[0]);
             return node;
         }
         if (joint.type == "universal") {
-            auto properties = placed(dd::UniversalJoint::Properties());
+            auto properties = set_frames(dd::UniversalJoint::Properties());
             properties.mAxis = {eigen(joint.child_axes[0]), eigen(joint.child_axes[1])};
-            auto [made, node] = skeleton.createJointAndBodyNodePair<dd::UniversalJoint>(parent, properties, named);
-            for (std::size_t i = 0; i < 2; ++i) made->setVelocity(i, joint.rates[i]);
+            auto [dart_joint, node] =
+                skeleton.createJointAndBodyNodePair<dd::UniversalJoint>(parent, properties, named);
+            for (std::size_t i = 0; i < 2; ++i) dart_joint->setVelocity(i, joint.rates[i]);
             return node;
         }
         if (joint.type == "spherical") {
-            auto [made, node] =
-                skeleton.createJointAndBodyNodePair<dd::BallJoint>(parent, placed(dd::BallJoint::Properties()), named);
-            made->setVelocities(eigen(rotate_back(known.attitude(joint.child), joint.turning_W)));
+            auto [dart_joint, node] = skeleton.createJointAndBodyNodePair<dd::BallJoint>(
+                parent, set_frames(dd::BallJoint::Properties()), named);
+            dart_joint->setVelocities(eigen(rotate_back(mechanism.attitude(joint.child), joint.angular_velocity_W)));
             return node;
         }
-        return skeleton.createJointAndBodyNodePair<dd::WeldJoint>(parent, placed(dd::WeldJoint::Properties()), named)
+        return skeleton
+            .createJointAndBodyNodePair<dd::WeldJoint>(parent, set_frames(dd::WeldJoint::Properties()), named)
             .second;
     }
 

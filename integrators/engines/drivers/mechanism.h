@@ -34,11 +34,11 @@ struct LinkJoint {
     int parent, child;  ///< indices; -1: the world
     Vector3<double> anchor_W, parent_point, child_point;
     std::vector<Vector3<double>> axes_W, parent_axes, child_axes;  ///< unit
-    Vector3<double> turning_W;  ///< angular velocity of the child relative to the parent
-    std::vector<double> rates;  ///< rates of the coordinates
+    Vector3<double> angular_velocity_W;  ///< angular velocity of the child relative to the parent
+    std::vector<double> rates;           ///< rates of the coordinates
 
     /// True if a universal joint has perpendicular axes, as most engines require.
-    bool is_cross() const { return std::abs(dot(axes_W.at(0), axes_W.at(1))) < 1e-9; }
+    bool has_perpendicular_axes() const { return std::abs(dot(axes_W.at(0), axes_W.at(1))) < 1e-9; }
 };
 
 struct Mechanism {
@@ -52,16 +52,16 @@ struct Mechanism {
     /// The attitude of a body, or of the world, at the start.
     Quaternion<double> attitude(int index) const { return index < 0 ? Quaternion<double>() : body(index).start.q; }
     /// The joint that carries a body; nullptr for a free body.
-    const LinkJoint* carrier(int index) const {
+    const LinkJoint* parent_joint(int index) const {
         for (const LinkJoint& joint : joints)
             if (joint.child == index) return &joint;
         return nullptr;
     }
     /// The bodies in an order in which parents precede children; free bodies come first.
-    std::vector<int> outwards() const {
+    std::vector<int> outward_order() const {
         std::vector<int> order;
         for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
-            if (!carrier(i)) order.push_back(i);
+            if (!parent_joint(i)) order.push_back(i);
         for (const LinkJoint& joint : joints) order.push_back(joint.child);
         return order;
     }

@@ -1,7 +1,7 @@
 // MuJoCo: a body with a free joint, or with a ball joint at its pivot; mechanisms as nested bodies.
 //
-// Models are written as MJCF text and loaded from memory (model_of()). MujocoWorld has one body; MujocoMechanism nests
-// each body in its parent and closes loops by "connect" equality constraints. serve.h runs the requests.
+// Models are written as MJCF text and loaded from memory (load_model()). MujocoWorld has one body; MujocoMechanism
+// nests each body in its parent and closes loops by "connect" equality constraints. serve.h runs the requests.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -12,12 +12,12 @@
 namespace polhode::engines {
 namespace {
 
-std::string text(const Vector3<double>& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v[0], v[1], v[2]); }
+std::string format_vector(const Vector3<double>& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v[0], v[1], v[2]); }
 
 // Replaces MuJoCo's error handler, which would end the program.
-[[noreturn]] void give_up(const char* message) { throw std::runtime_error(message); }
+[[noreturn]] void throw_error(const char* message) { throw std::runtime_error(message); }
 
-const char* integrator_of(const std::string& setting) {
+const char* integrator_name(const std::string& setting) {
     return setting == "rk4"            ? "RK4"
            : setting == "implicit"     ? "implicit"
            : setting == "implicitfast" ? "implicitfast"
@@ -25,7 +25,7 @@ const char* integrator_of(const std::string& setting) {
 }
 
 // Loads a model from text; the caller creates its data.
-mjModel* model_of(const std::string& xml) {
+mjModel* load_model(const std::string& xml) {
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
     char error[300] = "";
@@ -51,15 +51,15 @@ class MujocoWorld {
   public:
     explicit MujocoWorld(const Body& body) : pivot_(body.pivot) {
         if (!body.planes.empty()) throw Unsupported("MuJoCo's contacts have no coefficient of restitution");
-        const char* integrator = integrator_of(body.setting);
+        const char* integrator = integrator_name(body.setting);
         const std::string joint =
-            body.pivot ? fmt::format(R"(<joint type="ball" pos="{}"/>)", text(*body.pivot)) : "<freejoint/>";
+            body.pivot ? fmt::format(R"(<joint type="ball" pos="{}"/>)", format_vector(*body.pivot)) : "<freejoint/>";
         const std::string xml = fmt::format(
             R"(<mujoco><option gravity="{}" integrator="{}"/><worldbody><body pos="{}">{}<inertial pos="0 0 0" )"
             R"(mass="{:.17g}" diaginertia="{}"/></body></worldbody></mujoco>)",
-            text(body.gravity), integrator, text(body.pivot ? -*body.pivot : body.p), joint, body.mass,
-            text(body.moments));
-        model_ = model_of(xml);
+            format_vector(body.gravity), integrator, format_vector(body.pivot ? -*body.pivot : body.p), joint,
+            body.mass, format_vector(body.moments));
+        model_ = load_model(xml);
         data_ = mj_makeData(model_);
         mjtNum* q = data_->qpos + first_q();
         q[0] = body.q.w, q[1] = body.q.x, q[2] = body.q.y, q[3] = body.q.z;
@@ -120,72 +120,76 @@ class MujocoWorld {
 };
 
 // The body's name in the model; "world" for a negative index.
-std::string name_of_body(int index) { return index < 0 ? "world" : fmt::format("b{}", index); }
+std::string body_name(int index) { return index < 0 ? "world" : fmt::format("b{}", index); }
 
 // The joints of a body. All coordinates are zero in the initial configuration.
-std::string joints_text(const LinkJoint* joint) {
+std::string write_joints(const LinkJoint* joint) {
     if (!joint) return "<freejoint/>";
     if (joint->type == "fixed") return "";
     const char* type = joint->type == "spherical" ? "ball" : joint->type == "prismatic" ? "slide" : "hinge";
     std::string all;
     for (std::size_t i = 0; i < std::max<std::size_t>(joint->child_axes.size(), 1); ++i)
-        all += fmt::format(R"(<joint type="{}" pos="{}"{}/>)", type, text(joint->child_point),
-                           joint->child_axes.empty() ? "" : fmt::format(R"( axis="{}")", text(joint->child_axes[i])));
+        all += fmt::format(
+            R"(<joint type="{}" pos="{}"{}/>)", type, format_vector(joint->child_point),
+            joint->child_axes.empty() ? "" : fmt::format(R"( axis="{}")", format_vector(joint->child_axes[i])));
     return all;
 }
 
 // A body and all bodies that it carries.
-std::string body_text(const Mechanism& known, int index) {
-    const LinkJoint* joint = known.carrier(index);
-    const LinkBody& body = known.body(index);
+std::string write_body(const Mechanism& mechanism, int index) {
+    const LinkJoint* joint = mechanism.parent_joint(index);
+    const LinkBody& body = mechanism.body(index);
     const int parent = joint ? joint->parent : -1;
-    const Quaternion<double> up = conjugate(known.attitude(parent)), q = up * body.start.q;
-    const Vector3<double> p = parent < 0 ? body.start.p : rotate(up, body.start.p - known.body(parent).start.p);
+    const Quaternion<double> up = conjugate(mechanism.attitude(parent)), q = up * body.start.q;
+    const Vector3<double> p = parent < 0 ? body.start.p : rotate(up, body.start.p - mechanism.body(parent).start.p);
     std::string all = fmt::format(
         R"(<body name="{}" pos="{}" quat="{:.17g} {:.17g} {:.17g} {:.17g}">{}<inertial pos="0 0 0" mass="{:.17g}" )"
         R"(diaginertia="{}"/>)",
-        name_of_body(index), text(p), q.w, q.x, q.y, q.z, joints_text(joint), body.mass, text(body.moments));
-    for (const LinkJoint& other : known.joints)
-        if (other.parent == index) all += body_text(known, other.child);
+        body_name(index), format_vector(p), q.w, q.x, q.y, q.z, write_joints(joint), body.mass,
+        format_vector(body.moments));
+    for (const LinkJoint& other : mechanism.joints)
+        if (other.parent == index) all += write_body(mechanism, other.child);
     return all + "</body>";
 }
 
 // Constraints that close a loop. A hinge constrains two points of its axis.
-std::string closure_text(const LinkJoint& loop) {
+std::string write_closure(const LinkJoint& loop) {
     std::string all;
-    const auto hold = [&](const Vector3<double>& anchor) {
+    const auto add_connection = [&](const Vector3<double>& anchor) {
         const bool from_parent = loop.parent >= 0;
         const int first = from_parent ? loop.parent : loop.child, second = from_parent ? loop.child : -1;
-        all += fmt::format(R"(<connect body1="{}" {} anchor="{}"/>)", name_of_body(first),
-                           second < 0 ? "" : fmt::format(R"(body2="{}")", name_of_body(second)), text(anchor));
+        all += fmt::format(R"(<connect body1="{}" {} anchor="{}"/>)", body_name(first),
+                           second < 0 ? "" : fmt::format(R"(body2="{}")", body_name(second)), format_vector(anchor));
     };
     const bool from_parent = loop.parent >= 0;
     const Vector3<double>& point = from_parent ? loop.parent_point : loop.child_point;
-    hold(point);
-    if (!loop.axes_W.empty()) hold(point + (from_parent ? loop.parent_axes[0] : loop.child_axes[0]));
+    add_connection(point);
+    if (!loop.axes_W.empty()) add_connection(point + (from_parent ? loop.parent_axes[0] : loop.child_axes[0]));
     return all;
 }
 
 class MujocoMechanism {
   public:
-    explicit MujocoMechanism(const Mechanism& known) {
+    explicit MujocoMechanism(const Mechanism& mechanism) {
         std::string bodies, closures;
-        for (int i = 0; i < static_cast<int>(known.bodies.size()); ++i)
-            if (const LinkJoint* joint = known.carrier(i); !joint || joint->parent < 0) bodies += body_text(known, i);
-        for (const LinkJoint& loop : known.loops) closures += closure_text(loop);
-        model_ = model_of(fmt::format(R"(<mujoco><option gravity="{}" integrator="{}"/><worldbody>{}</worldbody>)"
-                                      R"(<equality>{}</equality></mujoco>)",
-                                      text(known.gravity), integrator_of(known.setting), bodies, closures));
+        for (int i = 0; i < static_cast<int>(mechanism.bodies.size()); ++i)
+            if (const LinkJoint* joint = mechanism.parent_joint(i); !joint || joint->parent < 0)
+                bodies += write_body(mechanism, i);
+        for (const LinkJoint& loop : mechanism.loops) closures += write_closure(loop);
+        model_ = load_model(fmt::format(R"(<mujoco><option gravity="{}" integrator="{}"/><worldbody>{}</worldbody>)"
+                                        R"(<equality>{}</equality></mujoco>)",
+                                        format_vector(mechanism.gravity), integrator_name(mechanism.setting), bodies,
+                                        closures));
         data_ = mj_makeData(model_);
-        for (int i = 0; i < static_cast<int>(known.bodies.size()); ++i) {
-            const int id = mj_name2id(model_, mjOBJ_BODY, name_of_body(i).c_str());
+        for (int i = 0; i < static_cast<int>(mechanism.bodies.size()); ++i) {
+            const int id = mj_name2id(model_, mjOBJ_BODY, body_name(i).c_str());
             ids_.push_back(id);
             mjtNum* rates = data_->qvel + model_->body_dofadr[id];
-            const LinkJoint* joint = known.carrier(i);
-            const auto& [q, w, p, v] = known.body(i).start;
-            const Vector3<double> turning = rotate_back(q, joint ? joint->turning_W : w);
+            const LinkJoint* joint = mechanism.parent_joint(i);
+            const auto& [q, w, p, v] = mechanism.body(i).start;
+            const Vector3<double> angular_velocity = rotate_back(q, joint ? joint->angular_velocity_W : w);
             if (!joint) std::copy_n(&v[0], 3, rates), rates += 3;
-            if (!joint || joint->type == "spherical") std::copy_n(&turning[0], 3, rates);
+            if (!joint || joint->type == "spherical") std::copy_n(&angular_velocity[0], 3, rates);
             if (joint) std::copy(joint->rates.begin(), joint->rates.end(), rates);
         }
     }
@@ -221,7 +225,7 @@ class MujocoMechanism {
 
 int main() {
     using namespace polhode::engines;
-    mju_user_error = give_up;
+    mju_user_error = throw_error;
     // otherwise MuJoCo writes a log file into the current directory
     mju_user_warning = [](const char*) {};
     return serve<MujocoWorld, MujocoMechanism>(

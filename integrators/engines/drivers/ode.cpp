@@ -1,7 +1,7 @@
 // Open Dynamics Engine: a dBody with optional ball joint and contacts, or several with joints.
 //
-// OdeWorld has one body; contacts are created in touch() with the planes' restitution and friction. OdeMechanism has
-// one dBody per body and one dJoint per joint or loop. serve.h runs the requests.
+// OdeWorld has one body; contacts are created in add_contacts() with the planes' restitution and friction. OdeMechanism
+// has one dBody per body and one dJoint per joint or loop. serve.h runs the requests.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
@@ -39,7 +39,7 @@ class OdeWorld {
         for (const Plane& plane : body.planes)
             dCreatePlane(space_, dReal(plane.normal_W[0]), dReal(plane.normal_W[1]), dReal(plane.normal_W[2]),
                          dReal(plane.offset));
-        touching_ = body.planes.front();
+        contact_plane_ = body.planes.front();
     }
     ~OdeWorld() {
         dJointGroupDestroy(contacts_);
@@ -67,18 +67,18 @@ class OdeWorld {
         dBodyAddTorque(body_, dReal(torque[0]), dReal(torque[1]), dReal(torque[2]));
     }
     void step(double h) {
-        if (touching_) dSpaceCollide(space_, this, touch);
+        if (contact_plane_) dSpaceCollide(space_, this, add_contacts);
         dWorldStep(world_, dReal(h));
         dJointGroupEmpty(contacts_);
     }
-    double mass() const { return of_body().mass; }
+    double mass() const { return body_mass().mass; }
     Vector3<double> moments() const {
-        const dMass mass = of_body();
+        const dMass mass = body_mass();
         return {mass.I[0], mass.I[5], mass.I[10]};
     }
 
   private:
-    dMass of_body() const {
+    dMass body_mass() const {
         dMass mass;
         dBodyGetMass(body_, &mass);
         return mass;
@@ -102,7 +102,7 @@ class OdeWorld {
         }
         dGeomSetBody(shape, body_);
     }
-    static void touch(void* self, dGeomID a, dGeomID b) {
+    static void add_contacts(void* self, dGeomID a, dGeomID b) {
         OdeWorld& world = *static_cast<OdeWorld*>(self);
         if (dGeomGetBody(a) == dGeomGetBody(b)) return;
         std::array<dContact, 8> contacts{};
@@ -110,8 +110,8 @@ class OdeWorld {
         for (int i = 0; i < count; ++i) {
             dContact& contact = contacts[std::size_t(i)];
             contact.surface.mode = dContactBounce;
-            contact.surface.mu = dReal(world.touching_->friction);
-            contact.surface.bounce = dReal(world.touching_->restitution);
+            contact.surface.mu = dReal(world.contact_plane_->friction);
+            contact.surface.bounce = dReal(world.contact_plane_->restitution);
             contact.surface.bounce_vel = 0;
             const dJointID joint = dJointCreateContact(world.world_, world.contacts_, &contact);
             dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
@@ -122,14 +122,14 @@ class OdeWorld {
     dSpaceID space_;
     dJointGroupID contacts_;
     dBodyID body_;
-    std::optional<Plane> touching_;
+    std::optional<Plane> contact_plane_;
 };
 
 class OdeMechanism {
   public:
-    explicit OdeMechanism(const Mechanism& known) : world_(dWorldCreate()) {
-        dWorldSetGravity(world_, dReal(known.gravity[0]), dReal(known.gravity[1]), dReal(known.gravity[2]));
-        for (const LinkBody& link : known.bodies) {
+    explicit OdeMechanism(const Mechanism& mechanism) : world_(dWorldCreate()) {
+        dWorldSetGravity(world_, dReal(mechanism.gravity[0]), dReal(mechanism.gravity[1]), dReal(mechanism.gravity[2]));
+        for (const LinkBody& link : mechanism.bodies) {
             const dBodyID body = dBodyCreate(world_);
             dMass mass;
             dMassSetParameters(&mass, dReal(link.mass), 0, 0, 0, dReal(link.moments[0]), dReal(link.moments[1]),
@@ -141,12 +141,12 @@ class OdeMechanism {
             dBodySetPosition(body, dReal(p[0]), dReal(p[1]), dReal(p[2]));
             dBodySetAngularVel(body, dReal(w[0]), dReal(w[1]), dReal(w[2]));
             dBodySetLinearVel(body, dReal(v[0]), dReal(v[1]), dReal(v[2]));
-            if (known.setting == "best") dBodySetFiniteRotationMode(body, 1);
-            if (known.setting == "none") dBodySetGyroscopicMode(body, 0);
+            if (mechanism.setting == "best") dBodySetFiniteRotationMode(body, 1);
+            if (mechanism.setting == "none") dBodySetGyroscopicMode(body, 0);
             bodies_.push_back(body);
         }
-        for (const LinkJoint& joint : known.joints) add(joint);
-        for (const LinkJoint& loop : known.loops) add(loop);
+        for (const LinkJoint& joint : mechanism.joints) add(joint);
+        for (const LinkJoint& loop : mechanism.loops) add(loop);
     }
     ~OdeMechanism() { dWorldDestroy(world_); }
     OdeMechanism(const OdeMechanism&) = delete;
@@ -166,30 +166,31 @@ class OdeMechanism {
     void step(double h) { dWorldStep(world_, dReal(h)); }
 
   private:
-    void add(const LinkJoint& known) {
-        const Vector3<double>& at = known.anchor_W;
+    void add(const LinkJoint& link_joint) {
+        const Vector3<double>& at = link_joint.anchor_W;
         const auto attach = [&](dJointID joint) {
             const auto body = [&](int index) { return index < 0 ? nullptr : bodies_[std::size_t(index)]; };
-            dJointAttach(joint, body(known.parent), body(known.child));
+            dJointAttach(joint, body(link_joint.parent), body(link_joint.child));
             return joint;
         };
         const auto axis = [&](std::size_t i, auto set, dJointID joint) {
-            const Vector3<double>& a = known.axes_W.at(i);
+            const Vector3<double>& a = link_joint.axes_W.at(i);
             set(joint, dReal(a[0]), dReal(a[1]), dReal(a[2]));
         };
-        if (known.type == "revolute") {
+        if (link_joint.type == "revolute") {
             const dJointID joint = attach(dJointCreateHinge(world_, nullptr));
             dJointSetHingeAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
             axis(0, dJointSetHingeAxis, joint);
-        } else if (known.type == "spherical") {
+        } else if (link_joint.type == "spherical") {
             const dJointID joint = attach(dJointCreateBall(world_, nullptr));
             dJointSetBallAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
-        } else if (known.type == "prismatic") {
+        } else if (link_joint.type == "prismatic") {
             axis(0, dJointSetSliderAxis, attach(dJointCreateSlider(world_, nullptr)));
-        } else if (known.type == "fixed") {
+        } else if (link_joint.type == "fixed") {
             dJointSetFixed(attach(dJointCreateFixed(world_, nullptr)));
         } else {
-            if (!known.is_cross()) throw Unsupported("ODE supports only universal joints with perpendicular axes");
+            if (!link_joint.has_perpendicular_axes())
+                throw Unsupported("ODE supports only universal joints with perpendicular axes");
             const dJointID joint = attach(dJointCreateUniversal(world_, nullptr));
             dJointSetUniversalAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
             axis(0, dJointSetUniversalAxis1, joint), axis(1, dJointSetUniversalAxis2, joint);

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr int answers_descriptor = 3;
 
-void say(const json& line) {
+void write_line(const json& line) {
     const std::string text = line.dump() + "\n";
     for (std::size_t done = 0; done < text.size();) {
         const ssize_t written = write(answers_descriptor, text.data() + done, text.size() - done);
@@ -27,70 +27,70 @@ void say(const json& line) {
     }
 }
 
-Vector3<double> vector_from(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
+Vector3<double> read_vector(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
 json array(const Vector3<double>& v) { return json::array({v[0], v[1], v[2]}); }
 json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z}); }
 
 Request read_request(const json& request) {
     const Scene scene = parse_scene(request.at("scene").dump(), "the request");
-    Request known{pose(scene, Formulation::full), {}, {}};
+    Request result{pose(scene, Formulation::full), {}, {}};
     const long steps = request.at("steps_per_sample");
-    known.settings.samples = request.at("samples");
-    known.settings.repetitions = request.at("repetitions");
+    result.settings.samples = request.at("samples");
+    result.settings.repetitions = request.at("repetitions");
     // the fraction of the sample interval from which the same number of steps is computed
-    known.settings.step = scene.duration / static_cast<double>(known.settings.samples) / static_cast<double>(steps);
-    Body& body = known.body;
-    body.mass = request.at("mass"), body.moments = vector_from(request.at("moments"));
-    const ExactBody<double>& start = known.problem.body;
+    result.settings.step = scene.duration / static_cast<double>(result.settings.samples) / static_cast<double>(steps);
+    Body& body = result.body;
+    body.mass = request.at("mass"), body.moments = read_vector(request.at("moments"));
+    const ExactBody<double>& start = result.problem.body;
     body.q = start.q, body.w = rotate(start.q, start.angular_velocity_B);
     body.p = start.position_W, body.v = start.velocity_W;
-    if (!request.at("pivot").is_null()) body.pivot = vector_from(request.at("pivot"));
+    if (!request.at("pivot").is_null()) body.pivot = read_vector(request.at("pivot"));
     for (const json& plane : request.at("planes"))
         body.planes.push_back(
-            {vector_from(plane.at("normal")), plane.at("offset"), plane.at("restitution"), plane.at("friction")});
-    for (const json& corner : request.at("hull")) body.hull.push_back(vector_from(corner));
+            {read_vector(plane.at("normal")), plane.at("offset"), plane.at("restitution"), plane.at("friction")});
+    for (const json& corner : request.at("hull")) body.hull.push_back(read_vector(corner));
     if (request.contains("ball")) body.ball = request.at("ball");
     body.setting = request.at("setting");
-    return known;
+    return result;
 }
 
-std::vector<Vector3<double>> vectors_from(const json& list) {
+std::vector<Vector3<double>> read_vectors(const json& list) {
     std::vector<Vector3<double>> all;
-    for (const json& v : list) all.push_back(vector_from(v));
+    for (const json& v : list) all.push_back(read_vector(v));
     return all;
 }
 
-std::vector<LinkJoint> joints_from(const json& list) {
+std::vector<LinkJoint> read_joints(const json& list) {
     std::vector<LinkJoint> all;
     for (const json& joint : list)
-        all.push_back({joint.at("type"), joint.at("parent"), joint.at("child"), vector_from(joint.at("anchor")),
-                       vector_from(joint.at("parent_point")), vector_from(joint.at("child_point")),
-                       vectors_from(joint.at("axes")), vectors_from(joint.at("parent_axes")),
-                       vectors_from(joint.at("child_axes")), vector_from(joint.at("turning")),
+        all.push_back({joint.at("type"), joint.at("parent"), joint.at("child"), read_vector(joint.at("anchor")),
+                       read_vector(joint.at("parent_point")), read_vector(joint.at("child_point")),
+                       read_vectors(joint.at("axes")), read_vectors(joint.at("parent_axes")),
+                       read_vectors(joint.at("child_axes")), read_vector(joint.at("turning")),
                        joint.at("rates").get<std::vector<double>>()});
     return all;
 }
 
 MechanismRequest read_mechanism(const json& request) {
-    MechanismRequest known;
-    known.duration = request.at("duration"), known.samples = request.at("samples");
-    known.steps_per_sample = request.at("steps_per_sample"), known.repetitions = request.at("repetitions");
-    Mechanism& all = known.mechanism;
-    all.setting = request.at("setting"), all.gravity = vector_from(request.at("gravity"));
+    MechanismRequest result;
+    result.duration = request.at("duration"), result.samples = request.at("samples");
+    result.steps_per_sample = request.at("steps_per_sample"), result.repetitions = request.at("repetitions");
+    Mechanism& all = result.mechanism;
+    all.setting = request.at("setting"), all.gravity = read_vector(request.at("gravity"));
     for (const json& body : request.at("bodies")) {
         const json& q = body.at("q");
         all.bodies.push_back({body.at("mass"),
-                              vector_from(body.at("moments")),
+                              read_vector(body.at("moments")),
                               {{q.at(0), q.at(1), q.at(2), q.at(3)},
-                               vector_from(body.at("w")),
-                               vector_from(body.at("p")),
-                               vector_from(body.at("v"))}});
+                               read_vector(body.at("w")),
+                               read_vector(body.at("p")),
+                               read_vector(body.at("v"))}});
     }
-    all.joints = joints_from(request.at("joints")), all.loops = joints_from(request.at("loops"));
-    return known;
+    all.joints = read_joints(request.at("joints")), all.loops = read_joints(request.at("loops"));
+    return result;
 }
 
-json row_of(const Motion& at) {
+json make_row(const Motion& at) {
     return {at.q.w,  at.q.x,  at.q.y,  at.q.z,  at.w[0], at.w[1], at.w[2],
             at.p[0], at.p[1], at.p[2], at.v[0], at.v[1], at.v[2]};
 }
@@ -99,24 +99,24 @@ json mechanism_answer(const MechanismRun& done) {
     json samples = json::array();
     for (const std::vector<Motion>& moment : done.moments) {
         json rows = json::array();
-        for (const Motion& at : moment) rows.push_back(row_of(at));
+        for (const Motion& at : moment) rows.push_back(make_row(at));
         samples.push_back(std::move(rows));
     }
     return {{"status", "ok"}, {"message", ""}, {"seconds", done.seconds}, {"steps", done.steps}, {"samples", samples}};
 }
 
-json answer_to(const std::string& line, const Driver& driver, const std::function<Run(const Request&)>& run,
-               const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism) {
+json make_answer(const std::string& line, const Driver& driver, const std::function<Run(const Request&)>& run,
+                 const std::function<MechanismRun(const MechanismRequest&)>& run_mechanism) {
     try {
-        const json asked = json::parse(line);
-        const auto known = [&](const auto& setting) { return asked.at("setting") == setting.first; };
-        if (std::ranges::none_of(driver.settings, known))
-            throw std::runtime_error("unknown setting " + asked.at("setting").get<std::string>());
-        if (asked.contains("bodies")) {
+        const json request = json::parse(line);
+        const auto matches = [&](const auto& setting) { return request.at("setting") == setting.first; };
+        if (std::ranges::none_of(driver.settings, matches))
+            throw std::runtime_error("unknown setting " + request.at("setting").get<std::string>());
+        if (request.contains("bodies")) {
             if (!run_mechanism) throw Unsupported("this driver supports only scenes of one body");
-            return mechanism_answer(run_mechanism(read_mechanism(asked)));
+            return mechanism_answer(run_mechanism(read_mechanism(request)));
         }
-        const Run done = run(read_request(asked));
+        const Run done = run(read_request(request));
         const Trajectory& trajectory = done.trajectory;
         json answer{{"status", name_of(trajectory.status)},
                     {"message", trajectory.message},
@@ -149,8 +149,8 @@ int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
     for (const auto& [name, what] : driver.settings) hello["settings"][name] = what;
     if (run_mechanism) hello["joints"] = driver.joints, hello["loops"] = driver.loops;
     try {
-        say(hello);
-        for (std::string line; std::getline(std::cin, line);) say(answer_to(line, driver, run, run_mechanism));
+        write_line(hello);
+        for (std::string line; std::getline(std::cin, line);) write_line(make_answer(line, driver, run, run_mechanism));
     } catch (const std::exception& error) {
         fmt::print(stderr, "{}: {}\n", driver.engine, error.what());
         return 1;

@@ -43,14 +43,14 @@ struct Unsupported : std::runtime_error {
 /// An engine with one body.
 template <class World>
 concept EngineWorld = std::constructible_from<World, const Body&> &&
-    requires(World world, const World known, const Vector3<double>& vector, double h) {
-    { known.motion() } -> std::same_as<Motion>;
+    requires(World world, const World view, const Vector3<double>& vector, double h) {
+    { view.motion() } -> std::same_as<Motion>;
     world.set_velocities(vector, vector);  // sets w and v after an impulse
     world.set_gravity(vector);
     world.apply(vector, vector);  // force at the centre of mass and torque, for one step
     world.step(h);
-    { known.mass() } -> std::convertible_to<double>;
-    { known.moments() } -> std::convertible_to<Vector3<double>>;
+    { view.mass() } -> std::convertible_to<double>;
+    { view.moments() } -> std::convertible_to<Vector3<double>>;
 };
 
 /// Information about a driver's engine.
@@ -90,9 +90,9 @@ class WorldStepper {
         Body body = *body_;
         body.gravity = gravity_;
         world_ = std::make_unique<World>(body);
-        const Motion made = world_->motion();
-        *readback_ = {world_->mass(), world_->moments(), made.q, made.w, made.p, made.v};
-        steps_ = 0, ++worlds_, set_up_ += stopwatch.seconds();
+        const Motion initial = world_->motion();
+        *readback_ = {world_->mass(), world_->moments(), initial.q, initial.w, initial.p, initial.v};
+        steps_ = 0, ++worlds_, setup_seconds_ += stopwatch.seconds();
     }
     void enter(const Segment& segment) {
         enter_loads(segment);
@@ -100,15 +100,15 @@ class WorldStepper {
         if (segment.impulses.empty()) return;
         const Motion at = world_->motion();
         const Matrix3<double> R = rotation_matrix(normalized(at.q));
-        Vector3<double> kick, v = at.v;
-        WorldLoads<double>::apply_impulses(*problem_, segment, R, at.p, kick, v);
-        const Vector3<double> change = transposed(R) * kick;
-        Vector3<double> turned;
-        for (int i = 0; i < 3; ++i) turned[i] = change[i] / body_->moments[i];
-        world_->set_velocities(at.w + R * turned, v);
+        Vector3<double> angular_impulse, v = at.v;
+        WorldLoads<double>::apply_impulses(*problem_, segment, R, at.p, angular_impulse, v);
+        const Vector3<double> change = transposed(R) * angular_impulse;
+        Vector3<double> change_of_w;
+        for (int i = 0; i < 3; ++i) change_of_w[i] = change[i] / body_->moments[i];
+        world_->set_velocities(at.w + R * change_of_w, v);
     }
     void step(double t, double h) {
-        if (is_loaded_) {
+        if (has_loads_) {
             const Motion at = world_->motion();
             const Quaternion<double> q = normalized(at.q);
             const Matrix3<double> R = rotation_matrix(q);
@@ -129,20 +129,20 @@ class WorldStepper {
     }
     long rhs_evaluations() const { return steps_; }
     /// Subtracts the time for creating worlds, which is not integration time.
-    void report(Trajectory& trajectory) const { trajectory.seconds -= set_up_ / static_cast<double>(worlds_); }
+    void report(Trajectory& trajectory) const { trajectory.seconds -= setup_seconds_ / static_cast<double>(worlds_); }
 
   private:
     // gravity is set in the engine; all other loads are applied as external forces
     void enter_loads(const Segment& segment) {
         loads_.enter(segment);
         gravity_ = {};
-        is_loaded_ = false;
+        has_loads_ = false;
         for (const Load& load : problem_->scene.loads) {
             if (std::holds_alternative<Impulse>(load) || !acts(window_of(load), segment.begin)) continue;
             if (const Gravity* gravity = std::get_if<Gravity>(&load))
                 gravity_ = gravity_ + gravity->acceleration_W;
             else
-                is_loaded_ = true;
+                has_loads_ = true;
         }
     }
 
@@ -152,9 +152,9 @@ class WorldStepper {
     WorldLoads<double> loads_;
     std::unique_ptr<World> world_;
     Vector3<double> gravity_;
-    bool is_loaded_ = false;
+    bool has_loads_ = false;
     long steps_ = 0, worlds_ = 0;
-    double set_up_ = 0;
+    double setup_seconds_ = 0;
 };
 
 /// Runs a request for one body.

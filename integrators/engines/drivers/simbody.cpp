@@ -5,7 +5,7 @@
 namespace polhode::engines {
 namespace {
 
-SimbodyStart start_of(const Body& body) {
+SimbodyStart make_start(const Body& body) {
     if (!body.planes.empty())
         throw Unsupported("Simbody's contacts have no coefficient of restitution: they are compliant");
     SimbodyStart start{};
@@ -21,7 +21,7 @@ SimbodyStart start_of(const Body& body) {
 
 class SimbodyWorld {
   public:
-    explicit SimbodyWorld(const Body& body) : system_(start_of(body)) {}
+    explicit SimbodyWorld(const Body& body) : system_(make_start(body)) {}
 
     Motion motion() const {
         double n[13];
@@ -43,18 +43,19 @@ class SimbodyWorld {
     SimbodySystem system_;
 };
 
-SimbodyJoint joint_of(const Mechanism& known, const LinkJoint& joint) {
+SimbodyJoint make_joint(const Mechanism& mechanism, const LinkJoint& joint) {
     Quaternion<double> frame;
     if (joint.type == "revolute") frame = frame_about(joint.axes_W[0]);
     if (joint.type == "prismatic")
         frame = frame_about(rotate(frame_about(joint.axes_W[0]), Vector3<double>(1, 0, 0)), joint.axes_W[0]);
     if (joint.type == "universal") {
-        if (!joint.is_cross()) throw Unsupported("Simbody supports only universal joints with perpendicular axes");
+        if (!joint.has_perpendicular_axes())
+            throw Unsupported("Simbody supports only universal joints with perpendicular axes");
         frame = frame_about(cross(joint.axes_W[0], joint.axes_W[1]), joint.axes_W[0]);
     }
     SimbodyJoint plain{joint.type, joint.parent, joint.child, {}, {}, {}, {}};
-    const Quaternion<double> out = conjugate(known.attitude(joint.parent)) * frame,
-                             in = conjugate(known.attitude(joint.child)) * frame;
+    const Quaternion<double> out = conjugate(mechanism.attitude(joint.parent)) * frame,
+                             in = conjugate(mechanism.attitude(joint.child)) * frame;
     std::copy_n(&joint.parent_point[0], 3, plain.parent_point),
         std::copy_n(&joint.child_point[0], 3, plain.child_point);
     const double q_out[] = {out.w, out.x, out.y, out.z}, q_in[] = {in.w, in.x, in.y, in.z};
@@ -62,27 +63,29 @@ SimbodyJoint joint_of(const Mechanism& known, const LinkJoint& joint) {
     return plain;
 }
 
-SimbodyMechanismStart start_of(const Mechanism& known) {
+SimbodyMechanismStart make_start(const Mechanism& mechanism) {
     SimbodyMechanismStart start{};
-    start.setting = known.setting;
-    std::copy_n(&known.gravity[0], 3, start.gravity);
-    for (const LinkBody& body : known.bodies) {
+    start.setting = mechanism.setting;
+    std::copy_n(&mechanism.gravity[0], 3, start.gravity);
+    for (const LinkBody& body : mechanism.bodies) {
         const auto& [q, w, p, v] = body.start;
         SimbodyLink link{body.mass,
                          {body.moments[0], body.moments[1], body.moments[2]},
                          {q.w, q.x, q.y, q.z, w[0], w[1], w[2], p[0], p[1], p[2], v[0], v[1], v[2]}};
         start.links.push_back(link);
     }
-    for (const int i : known.outwards())
-        start.joints.push_back(known.carrier(i) ? joint_of(known, *known.carrier(i))
-                                                : SimbodyJoint{"free", -1, i, {}, {}, {1, 0, 0, 0}, {1, 0, 0, 0}});
-    for (const LinkJoint& loop : known.loops) start.loops.push_back(joint_of(known, loop));
+    for (const int i : mechanism.outward_order())
+        start.joints.push_back(mechanism.parent_joint(i)
+                                   ? make_joint(mechanism, *mechanism.parent_joint(i))
+                                   : SimbodyJoint{"free", -1, i, {}, {}, {1, 0, 0, 0}, {1, 0, 0, 0}});
+    for (const LinkJoint& loop : mechanism.loops) start.loops.push_back(make_joint(mechanism, loop));
     return start;
 }
 
 class SimbodyMechanism {
   public:
-    explicit SimbodyMechanism(const Mechanism& known) : system_(start_of(known)), count_(known.bodies.size()) {}
+    explicit SimbodyMechanism(const Mechanism& mechanism)
+        : system_(make_start(mechanism)), count_(mechanism.bodies.size()) {}
 
     std::vector<Motion> motions() const {
         std::vector<double> n(13 * count_);

@@ -1,7 +1,7 @@
 // Simbody behind the interface of simbody_world.h, compiled as C++17.
 //
-// Clockwork holds the integrator of a setting. SimbodySystem has one body; SimbodyMechanismSystem has one mobilizer per
-// body and constraints for loops.
+// SettingIntegrator holds the integrator of a setting. SimbodySystem has one body; SimbodyMechanismSystem has one
+// mobilizer per body and constraints for loops.
 #include "integrators/engines/drivers/simbody_world.h"
 
 #include <Simbody.h>
@@ -31,22 +31,22 @@ void write_motion(const SimTK::MobilizedBody& body, const SimTK::State& state, d
 }
 
 /// The integrator of the driver's setting. Its fixed step is set at the start, so that another step requires a new one.
-struct Clockwork {
+struct SettingIntegrator {
     std::unique_ptr<SimTK::Integrator> integrator;
-    bool goes_by_h = false, is_gazebos = false;
+    bool has_fixed_step = false, is_gazebo = false;
     double time = 0, h = 1;
 
     void start(const SimTK::System& system, const SimTK::State& state) {
-        if (is_gazebos)
+        if (is_gazebo)
             integrator = std::make_unique<SimTK::SemiExplicitEuler2Integrator>(system);
         else
             integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
-        if (goes_by_h) integrator->setFixedStepSize(h);
+        if (has_fixed_step) integrator->setFixedStepSize(h);
         integrator->initialize(state);
     }
-    void set(const std::string& setting) { is_gazebos = setting == "gazebo", goes_by_h = setting == "best"; }
+    void set(const std::string& setting) { is_gazebo = setting == "gazebo", has_fixed_step = setting == "best"; }
     void step(const SimTK::System& system, double step) {
-        if (goes_by_h && !(std::abs(step / h - 1) < 1e-6)) {
+        if (has_fixed_step && !(std::abs(step / h - 1) < 1e-6)) {
             h = step;
             const SimTK::State state = integrator->getAdvancedState();
             start(system, state);
@@ -60,64 +60,64 @@ struct Clockwork {
 
 struct SimbodySystem::Parts {
     explicit Parts(const SimbodyStart& start)
-        : gravity(forces, matter, vector(start.gravity)), pushes(forces, matter) {}
+        : gravity(forces, matter, vector(start.gravity)), external_forces(forces, matter) {}
 
     SimTK::MultibodySystem system;
     SimTK::SimbodyMatterSubsystem matter{system};
     SimTK::GeneralForceSubsystem forces{system};
     SimTK::Force::Gravity gravity;
-    SimTK::Force::DiscreteForces pushes;
-    SimTK::MobilizedBody mobile;
-    Clockwork clockwork;
+    SimTK::Force::DiscreteForces external_forces;
+    SimTK::MobilizedBody body;
+    SettingIntegrator stepper;
 };
 
 SimbodySystem::SimbodySystem(const SimbodyStart& start) : parts_(std::make_unique<Parts>(start)) {
     Parts& s = *parts_;
     const SimTK::Body::Rigid rigid = rigid_body(start.mass, start.moments);
     if (start.pivoted)
-        s.mobile = SimTK::MobilizedBody::Ball(s.matter.Ground(), SimTK::Transform(), rigid,
-                                              SimTK::Transform(vector(start.pivot)));
+        s.body = SimTK::MobilizedBody::Ball(s.matter.Ground(), SimTK::Transform(), rigid,
+                                            SimTK::Transform(vector(start.pivot)));
     else
-        s.mobile = SimTK::MobilizedBody::Free(s.matter.Ground(), rigid);
+        s.body = SimTK::MobilizedBody::Free(s.matter.Ground(), rigid);
     SimTK::State state = s.system.realizeTopology();
     const SimTK::Quaternion q(start.q[0], start.q[1], start.q[2], start.q[3]);
-    s.mobile.setQToFitTransform(state, SimTK::Transform(SimTK::Rotation(q), vector(start.p)));
-    s.mobile.setUToFitVelocity(state, SimTK::SpatialVec(vector(start.w), vector(start.v)));
-    s.clockwork.set(start.setting);
-    s.clockwork.start(s.system, state);
+    s.body.setQToFitTransform(state, SimTK::Transform(SimTK::Rotation(q), vector(start.p)));
+    s.body.setUToFitVelocity(state, SimTK::SpatialVec(vector(start.w), vector(start.v)));
+    s.stepper.set(start.setting);
+    s.stepper.start(s.system, state);
 }
 
 SimbodySystem::~SimbodySystem() = default;
 
 void SimbodySystem::motion(double (&numbers)[13]) const {
     const Parts& s = *parts_;
-    const SimTK::State& state = s.clockwork.integrator->getState();
+    const SimTK::State& state = s.stepper.integrator->getState();
     s.system.realize(state, SimTK::Stage::Velocity);
-    write_motion(s.mobile, state, numbers);
+    write_motion(s.body, state, numbers);
 }
 
 void SimbodySystem::set_velocities(const double* w, const double* v) {
-    parts_->mobile.setUToFitVelocity(parts_->clockwork.integrator->updAdvancedState(),
-                                     SimTK::SpatialVec(vector(w), vector(v)));
-    parts_->clockwork.integrator->reinitialize(SimTK::Stage::Velocity, false);
+    parts_->body.setUToFitVelocity(parts_->stepper.integrator->updAdvancedState(),
+                                   SimTK::SpatialVec(vector(w), vector(v)));
+    parts_->stepper.integrator->reinitialize(SimTK::Stage::Velocity, false);
 }
 
 void SimbodySystem::set_gravity(const double* gravity) {
-    parts_->gravity.setGravityVector(parts_->clockwork.integrator->updAdvancedState(), vector(gravity));
+    parts_->gravity.setGravityVector(parts_->stepper.integrator->updAdvancedState(), vector(gravity));
 }
 
 void SimbodySystem::apply(const double* force, const double* torque) {
-    parts_->pushes.setOneBodyForce(parts_->clockwork.integrator->updAdvancedState(), parts_->mobile,
-                                   SimTK::SpatialVec(vector(torque), vector(force)));
+    parts_->external_forces.setOneBodyForce(parts_->stepper.integrator->updAdvancedState(), parts_->body,
+                                            SimTK::SpatialVec(vector(torque), vector(force)));
 }
 
-void SimbodySystem::step(double h) { parts_->clockwork.step(parts_->system, h); }
+void SimbodySystem::step(double h) { parts_->stepper.step(parts_->system, h); }
 
-double SimbodySystem::mass() const { return parts_->mobile.getBodyMass(parts_->clockwork.integrator->getState()); }
+double SimbodySystem::mass() const { return parts_->body.getBodyMass(parts_->stepper.integrator->getState()); }
 
 void SimbodySystem::moments(double* three) const {
-    const SimTK::State& state = parts_->clockwork.integrator->getState();
-    const SimTK::Vec3 unit = parts_->mobile.getBodyUnitInertiaAboutBodyOrigin(state).getMoments();
+    const SimTK::State& state = parts_->stepper.integrator->getState();
+    const SimTK::Vec3 unit = parts_->body.getBodyUnitInertiaAboutBodyOrigin(state).getMoments();
     for (int i = 0; i < 3; ++i) three[i] = mass() * unit[i];
 }
 
@@ -135,12 +135,12 @@ struct SimbodyMechanismSystem::Parts {
     SimTK::GeneralForceSubsystem forces{system};
     SimTK::Force::Gravity gravity;
     std::vector<SimTK::MobilizedBody> bodies;
-    Clockwork clockwork;
+    SettingIntegrator stepper;
 
     SimTK::MobilizedBody& at(int index) {
         return index < 0 ? matter.updGround() : bodies[static_cast<std::size_t>(index)];
     }
-    SimTK::MobilizedBody mobilized(const SimbodyJoint& joint, const SimTK::Body& body) {
+    SimTK::MobilizedBody make_mobilizer(const SimbodyJoint& joint, const SimTK::Body& body) {
         SimTK::MobilizedBody& parent = at(joint.parent);
         const SimTK::Transform out(rotation(joint.parent_frame), vector(joint.parent_point));
         const SimTK::Transform in(rotation(joint.child_frame), vector(joint.child_point));
@@ -151,7 +151,7 @@ struct SimbodyMechanismSystem::Parts {
         if (joint.type == "fixed") return SimTK::MobilizedBody::Weld(parent, out, body, in);
         return SimTK::MobilizedBody::Free(parent, body);
     }
-    void close(const SimbodyJoint& loop) {
+    void add_loop(const SimbodyJoint& loop) {
         SimTK::MobilizedBody &first = at(loop.parent), &second = at(loop.child);
         SimTK::Constraint::Ball(first, vector(loop.parent_point), second, vector(loop.child_point));
         if (loop.type != "revolute") return;
@@ -168,9 +168,9 @@ SimbodyMechanismSystem::SimbodyMechanismSystem(const SimbodyMechanismStart& star
     s.bodies.resize(start.links.size());
     for (const SimbodyJoint& joint : start.joints) {
         const SimbodyLink& link = start.links[static_cast<std::size_t>(joint.child)];
-        s.bodies[static_cast<std::size_t>(joint.child)] = s.mobilized(joint, rigid_body(link.mass, link.moments));
+        s.bodies[static_cast<std::size_t>(joint.child)] = s.make_mobilizer(joint, rigid_body(link.mass, link.moments));
     }
-    for (const SimbodyJoint& loop : start.loops) s.close(loop);
+    for (const SimbodyJoint& loop : start.loops) s.add_loop(loop);
     SimTK::State state = s.system.realizeTopology();
     s.system.realizeModel(state);
     // the children's positions and velocities depend on those of their parents
@@ -194,19 +194,19 @@ SimbodyMechanismSystem::SimbodyMechanismSystem(const SimbodyMechanismStart& star
             parent.getBodyOriginVelocity(state) + w_parent % (there - parent.getBodyOriginLocation(state));
         body.setUToFitVelocity(state, SimTK::SpatialVec(~F.R() * (w - w_parent), ~F.R() * (v - v_parent)));
     }
-    s.clockwork.set(start.setting);
-    s.clockwork.start(s.system, state);
+    s.stepper.set(start.setting);
+    s.stepper.start(s.system, state);
 }
 
 SimbodyMechanismSystem::~SimbodyMechanismSystem() = default;
 
 void SimbodyMechanismSystem::motions(double* numbers) const {
     const Parts& s = *parts_;
-    const SimTK::State& state = s.clockwork.integrator->getState();
+    const SimTK::State& state = s.stepper.integrator->getState();
     s.system.realize(state, SimTK::Stage::Velocity);
     for (const SimTK::MobilizedBody& body : s.bodies) write_motion(body, state, numbers), numbers += 13;
 }
 
-void SimbodyMechanismSystem::step(double h) { parts_->clockwork.step(parts_->system, h); }
+void SimbodyMechanismSystem::step(double h) { parts_->stepper.step(parts_->system, h); }
 
 }  // namespace polhode::engines

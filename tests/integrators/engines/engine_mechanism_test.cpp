@@ -119,7 +119,7 @@ TEST(EngineMechanism, AgreesWithItselfOnTheCatalogue) {
                         turning = turning + joint.rates[i] * joint.axes_W[i];
                 }
                 if (list == &known.joints && joint.type != "spherical") {
-                    EXPECT_LT(hypotenuse(turning - joint.turning_W), 1e-11 * (1 + hypotenuse(turning)));
+                    EXPECT_LT(hypotenuse(turning - joint.angular_velocity_W), 1e-11 * (1 + hypotenuse(turning)));
                 }
             }
     }

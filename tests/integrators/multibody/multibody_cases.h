@@ -65,9 +65,9 @@ class Case {
         for (std::size_t k = 0; k < trajectory.moments(); ++k) {
             const auto run = motions_of(trajectory.at(k)), truth = motions_of(motion_.at(k));
             for (std::size_t b = 0; b < run.size(); ++b) {
-                const Quaternion<double> apart = conjugate(truth[b].q) * run[b].q;
+                const Quaternion<double> gap = conjugate(truth[b].q) * run[b].q;
                 largest.attitude =
-                    std::max(largest.attitude, 2 * std::atan2(length(vector_part(apart)), std::abs(apart.w)));
+                    std::max(largest.attitude, 2 * std::atan2(length(vector_part(gap)), std::abs(gap.w)));
             }
             const JointViolations<double> violations = measure_.violations(run);
             largest.gap = std::max(largest.gap, violations.gap);

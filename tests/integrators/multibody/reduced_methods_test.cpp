@@ -73,7 +73,7 @@ RC_GTEST_PROP(ArmatureSolver, SolvesWithTheMassMatrixAndADiagonal, ()) {
     TreeWork<double>& at = tree.work<double>();
     tree.move(y.data(), at);
     multibody::ArmatureSolver solver;
-    solver.take(tree, at);
+    solver.copy_links(tree, at);
     solver.factorize(tree, armature);
     solver.solve(tree, torque, x);
     const std::vector<double> product = mass_times(tree, y, x);

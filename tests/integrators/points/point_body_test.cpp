@@ -125,7 +125,7 @@ RC_GTEST_PROP(BestRotation, IsTheBest, ()) {
     const PointBody body = point_body(pose(moderate_scene()), {});
     std::vector<double> r = placed(body, moderate_orientation(), {});
     for (double& x : r) x += 0.1 * body.extent * moderate(-1, 1);
-    const Vector3<double> center = cloud_of(1, r.data(), body.count()).center;
+    const Vector3<double> center = compute_cloud(1, r.data(), body.count()).center;
     const Quaternion<double> q = best_rotation(body.rest_B, r.data(), center);
     RC_ASSERT(q.w >= 0);
     const auto squares = [&](const Quaternion<double>& p) {

@@ -109,7 +109,7 @@ TEST(SpringNetwork, SettlesIntoASteadyRotation) {
     const Vector3<double> w = motion.initial(y.data());
     network.accelerations(y.data(), a.data());
     EXPECT_LT(std::abs(a[0]), 1e-8);  // unstretched: the points do not rotate
-    network.settle(w, y.data());
+    network.apply_rotation_stretch(w, y.data());
     network.accelerations(y.data(), a.data());
     for (int i = 0; i < n; ++i) {
         const Vector3<double> needed = cross(w, cross(w, vector_at(y.data(), 3 * i)));

@@ -21,18 +21,18 @@ TYPED_TEST_SUITE(FixedDenseSolverOf, Sizes);
 TYPED_TEST(FixedDenseSolverOf, SolvesANewtonSystem) {
     constexpr int N = TypeParam::value;
     SundialsContext context;
-    const auto J = owned(FixedMatrix<N>::make(context));
+    const auto J = make_owner(FixedMatrix<N>::make(context));
     std::mt19937 bits(7);
     std::uniform_real_distribution<double> number(-1, 1);
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) FixedMatrix<N>::entries(J.get())(i, j) = number(bits);
-    const auto A = owned(SUNMatClone(J.get()));
+    const auto A = make_owner(SUNMatClone(J.get()));
     const double gamma = 0.4;
     ASSERT_EQ(SUNMatCopy(J.get(), A.get()), SUNMAT_SUCCESS);
     ASSERT_EQ(SUNMatScaleAddI(-gamma, A.get()), SUNMAT_SUCCESS);
 
-    const auto solver = owned(FixedDenseSolver<N>::make(context));
-    const auto x = owned(FixedVector<N>::make(context)), b = owned(FixedVector<N>::make(context));
+    const auto solver = make_owner(FixedDenseSolver<N>::make(context));
+    const auto x = make_owner(FixedVector<N>::make(context)), b = make_owner(FixedVector<N>::make(context));
     for (int i = 0; i < N; ++i) FixedVector<N>::data(b.get())[i] = number(bits);
     ASSERT_EQ(SUNLinSolInitialize(solver.get()), SUNLS_SUCCESS);
     ASSERT_EQ(SUNLinSolSetup(solver.get(), A.get()), SUNLS_SUCCESS);
@@ -51,8 +51,8 @@ TYPED_TEST(FixedDenseSolverOf, SolvesANewtonSystem) {
 TYPED_TEST(FixedDenseSolverOf, AsksForASmallerStepWhereTheMatrixIsSingular) {
     constexpr int N = TypeParam::value;
     SundialsContext context;
-    const auto A = owned(FixedMatrix<N>::make(context));
-    const auto solver = owned(FixedDenseSolver<N>::make(context));
+    const auto A = make_owner(FixedMatrix<N>::make(context));
+    const auto solver = make_owner(FixedDenseSolver<N>::make(context));
     FixedMatrix<N>::entries(A.get()).setOnes();
     EXPECT_GT(SUNLinSolSetup(solver.get(), A.get()), 0);
     FixedMatrix<N>::entries(A.get())(0, 0) = std::nan("");

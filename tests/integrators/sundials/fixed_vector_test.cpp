@@ -23,7 +23,9 @@ TYPED_TEST_SUITE(FixedVectorOf, Lengths);
 template <class Vector, int N>
 struct Three {
     explicit Three(SUNContext context)
-        : x(owned(Vector::make(context))), y(owned(Vector::make(context))), z(owned(Vector::make(context))) {
+        : x(make_owner(Vector::make(context))),
+          y(make_owner(Vector::make(context))),
+          z(make_owner(Vector::make(context))) {
         std::mt19937 bits(5);
         std::uniform_real_distribution<double> positive(0.5, 2);
         for (const N_Vector v : {x.get(), y.get(), z.get()})
@@ -92,9 +94,9 @@ TYPED_TEST(FixedVectorOf, ComputesWhatTheSerialVectorComputes) {
 TYPED_TEST(FixedVectorOf, ClonesToZeros) {
     constexpr int N = TypeParam::value;
     SundialsContext context;
-    const auto v = owned(FixedVector<N>::make(context));
+    const auto v = make_owner(FixedVector<N>::make(context));
     N_VConst(3, v.get());
-    const auto copy = owned(N_VClone(v.get()));
+    const auto copy = make_owner(N_VClone(v.get()));
     EXPECT_EQ(N_VGetLength(copy.get()), N);
     EXPECT_EQ(N_VMaxNorm(copy.get()), 0);
     EXPECT_EQ(N_VMin(v.get()), 3);

@@ -2,8 +2,9 @@
 //
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
 // advances both by DOP853 with step control. Dual numbers give df/dy S, jacobian_directions columns per evaluation.
-// Norms are taken in minimal coordinates (minimal()). Above most_full_directions, directions() mixes them at random.
-#include "integrators/analysis/conditioning_of_mechanism.h"
+// Norms are taken in minimal coordinates (to_minimal_coordinates()). Above max_full_directions, initial_directions() mixes
+// them at random. VariationRun advances it between samples, within the limits of the run.
+#include "integrators/analysis/mechanism_conditioning.h"
 
 #include <fmt/format.h>
 
@@ -28,11 +29,11 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-constexpr int most_full_directions = 40, mixed_directions = 16;
+constexpr int max_full_directions = 40, mixed_directions = 16;
 constexpr double variation_tolerance = 1e-8;
 // step of central differences: their truncation error is its square, their rounding error 1e-16 divided by it
-constexpr double difference = 1e-5;
-constexpr double most_prompt_steps = 20'000;
+constexpr double difference_step = 1e-5;
+constexpr double max_prompt_steps = 20'000;
 
 // The state y of a mechanism and the columns S = dy/da, advanced together.
 class Variation {
@@ -44,13 +45,13 @@ class Variation {
         for (const Link<double>& link : links_.links)
             if (link.kind == LinkJoint::revolute) units_[static_cast<std::size_t>(link.coordinate)] = 1;
         model_->initial(y_.data());
-        S_ = directions();
+        S_ = initial_directions();
     }
 
     int size() const { return model_->dimension(); }
     int columns() const { return static_cast<int>(S_.cols()); }
     bool mixed() const { return mixed_; }
-    double work_of_a_step() const { return size() * std::ceil(static_cast<double>(columns()) / jacobian_directions); }
+    double step_work() const { return size() * std::ceil(static_cast<double>(columns()) / jacobian_directions); }
 
     // Processes an event: an impulse changes y, and S by its derivative.
     void enter(double t) {
@@ -87,12 +88,12 @@ class Variation {
         };
         for (int i = 0; i < dop853_stages; ++i) {
             sum(dop853.a[i], i, 1, y, S);
-            rate(y, S, k[static_cast<std::size_t>(i)], K[static_cast<std::size_t>(i)]);
+            compute_rates(y, S, k[static_cast<std::size_t>(i)], K[static_cast<std::size_t>(i)]);
         }
         std::vector<double> change(y_.size());
         Matrix Change(n, m);
         sum(dop853.fifth_error, dop853_stages, 0, change, Change);
-        const double error = size_of_change(change, Change) / variation_tolerance;
+        const double error = change_norm(change, Change) / variation_tolerance;
         if (!std::isfinite(error)) {
             h /= 10;
             return 0;
@@ -106,14 +107,14 @@ class Variation {
     }
 
     // || d state(t) / d state(0) ||, in minimal coordinates in units of their scales.
-    double state() const { return spectral_norm(minimal(S_)); }
+    double state_norm() const { return spectral_norm(to_minimal_coordinates(S_)); }
 
     // Norm of the attitude rows of the body with the largest response, rad.
-    double attitude() const {
-        std::vector<Matrix> turns;
+    double attitude_norm() const {
+        std::vector<Matrix> rotations;
         for (int c = 0; c < columns(); ++c) {
             // normalised by the coordinates alone: rates do not rotate anything, however large they are in their units
-            const double size = minimal(S_.col(c)).topRows(links_.rates).norm();
+            const double size = to_minimal_coordinates(S_.col(c)).topRows(links_.rates).norm();
             if (!(size > 0) || !std::isfinite(size)) continue;
             const Eigen::VectorXd along = S_.col(c) / size;
             const auto moved = [&](double by) {
@@ -121,16 +122,16 @@ class Variation {
                 for (std::size_t i = 0; i < y.size(); ++i) y[i] += by * along[static_cast<Eigen::Index>(i)];
                 return model_->motion(y.data());
             };
-            const std::vector<Sample> ahead = moved(difference), behind = moved(-difference);
-            turns.resize(ahead.size(), Matrix::Zero(3, columns()));
+            const std::vector<Sample> ahead = moved(difference_step), behind = moved(-difference_step);
+            rotations.resize(ahead.size(), Matrix::Zero(3, columns()));
             for (std::size_t b = 0; b < ahead.size(); ++b) {
                 const Quaternion<double> r = conjugate(normalized(behind[b].q)) * normalized(ahead[b].q);
-                const double to_rate = (r.w < 0 ? -2 : 2) * size / (2 * difference);
-                turns[b].col(c) << to_rate * r.x, to_rate * r.y, to_rate * r.z;
+                const double to_rate = (r.w < 0 ? -2 : 2) * size / (2 * difference_step);
+                rotations[b].col(c) << to_rate * r.x, to_rate * r.y, to_rate * r.z;
             }
         }
         double largest = 0;
-        for (const Matrix& turn : turns) largest = std::max(largest, spectral_norm(turn));
+        for (const Matrix& rotation : rotations) largest = std::max(largest, spectral_norm(rotation));
         return largest;
     }
 
@@ -146,7 +147,7 @@ class Variation {
     static Eigen::Index index(int i) { return static_cast<Eigen::Index>(i); }
 
     // Converts changes of y to minimal coordinates, in units of the scales.
-    Matrix minimal(const Matrix& changes) const {
+    Matrix to_minimal_coordinates(const Matrix& changes) const {
         Matrix small(2 * links_.rates, changes.cols());
         for (Eigen::Index c = 0; c < changes.cols(); ++c) {
             Eigen::Index row = 0;
@@ -156,9 +157,9 @@ class Variation {
                 if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {
                     const Quaternion<double> q = quaternion_at(y_.data() + i);
                     const Quaternion<double> dq{changes(i, c), changes(i + 1, c), changes(i + 2, c), changes(i + 3, c)};
-                    const Quaternion<double> turn = conjugate(q) * dq;
+                    const Quaternion<double> rotation = conjugate(q) * dq;
                     const double to_angle = 2 / squared_norm(q);
-                    for (const double part : {turn.x, turn.y, turn.z}) small(row++, c) = to_angle * part;
+                    for (const double part : {rotation.x, rotation.y, rotation.z}) small(row++, c) = to_angle * part;
                     i += 4;
                 }
                 for (; i < link.coordinate + link.coordinates(); ++i) scaled(i);
@@ -194,27 +195,27 @@ class Variation {
     // (F(y + h s) - F(y - h s)) / 2h, with s normalised to length 1
     template <class F>
     Eigen::VectorXd difference_along(const Eigen::VectorXd& s, const F& apply) const {
-        const double length = minimal(s).norm();
+        const double length = to_minimal_coordinates(s).norm();
         if (!(length > 0)) return Eigen::VectorXd::Zero(s.size());
         std::vector<double> ahead = y_, behind = y_;
         for (std::size_t i = 0; i < ahead.size(); ++i) {
-            const double by = difference / length * s[static_cast<Eigen::Index>(i)];
+            const double by = difference_step / length * s[static_cast<Eigen::Index>(i)];
             ahead[i] += by, behind[i] -= by;
         }
         apply(ahead.data()), apply(behind.data());
         Eigen::VectorXd rate(s.size());
         for (std::size_t i = 0; i < ahead.size(); ++i)
-            rate[static_cast<Eigen::Index>(i)] = (ahead[i] - behind[i]) / (2 * difference) * length;
+            rate[static_cast<Eigen::Index>(i)] = (ahead[i] - behind[i]) / (2 * difference_step) * length;
         return rate;
     }
 
     // Orthonormal changes of the initial state in minimal coordinates that keep loops closed.
-    Matrix directions() {
+    Matrix initial_directions() {
         Matrix all = unit_changes();
         if (model_->projects())
             for (Eigen::Index c = 0; c < all.cols(); ++c)
                 all.col(c) = difference_along(all.col(c), [&](double* y) { model_->project(y); });
-        mixed_ = all.cols() > most_full_directions;
+        mixed_ = all.cols() > max_full_directions;
         if (mixed_) {
             std::mt19937_64 engine(1);
             Matrix mixture(all.cols(), mixed_directions);
@@ -224,14 +225,14 @@ class Variation {
         } else if (!model_->projects()) {
             return all;
         }
-        const Eigen::JacobiSVD<Matrix> svd(minimal(all), Eigen::ComputeThinU | Eigen::ComputeThinV);
+        const Eigen::JacobiSVD<Matrix> svd(to_minimal_coordinates(all), Eigen::ComputeThinU | Eigen::ComputeThinV);
         const Eigen::VectorXd& values = svd.singularValues();
         Eigen::Index rank = 0;
         while (rank < values.size() && values[rank] > 1e-6 * values[0]) ++rank;
         return all * svd.matrixV().leftCols(rank) * values.head(rank).cwiseInverse().asDiagonal();
     }
 
-    void rate(const std::vector<double>& y, const Matrix& S, std::vector<double>& dy, Matrix& dS) const {
+    void compute_rates(const std::vector<double>& y, const Matrix& S, std::vector<double>& dy, Matrix& dS) const {
         using D = Dual<jacobian_directions>;
         const int n = size(), m = columns();
         dy.resize(y.size()), dS.resize(n, m);
@@ -254,85 +255,116 @@ class Variation {
     }
 
     // Error norm: components relative to the scales, columns also relative to their length.
-    double size_of_change(const std::vector<double>& change, const Matrix& Change) const {
+    double change_norm(const std::vector<double>& change, const Matrix& Change) const {
         double largest = 0;
-        const auto see = [&](double size) { largest = size <= largest ? largest : size; };
-        for (std::size_t i = 0; i < change.size(); ++i) see(std::abs(change[i]) / scales_[i]);
+        const auto include = [&](double size) { largest = size <= largest ? largest : size; };
+        for (std::size_t i = 0; i < change.size(); ++i) include(std::abs(change[i]) / scales_[i]);
         for (int c = 0; c < columns(); ++c) {
-            const double length = std::max(1.0, minimal(S_.col(c)).norm());
+            const double length = std::max(1.0, to_minimal_coordinates(S_.col(c)).norm());
             for (int i = 0; i < size(); ++i)
-                see(std::abs(Change(i, c)) / (scales_[static_cast<std::size_t>(i)] * length));
+                include(std::abs(Change(i, c)) / (scales_[static_cast<std::size_t>(i)] * length));
         }
         return largest;
     }
 };
 
-}  // namespace
+/// The variational equation from one sample to the next, with the limits of a run. Functions return false if the run
+/// must end; the message of `result` then has the reason.
+class VariationRun {
+  public:
+    /// The arguments must outlive this object.
+    VariationRun(const Problem& problem, const ConditioningSettings& settings, Conditioning& result)
+        : settings_(settings),
+          result_(result),
+          variation_(problem),
+          end_(processor_time() + settings.seconds_limit),
+          max_steps_(std::min(static_cast<double>(settings.max_steps),
+                              settings.max_steps <= prompt_conditioning_steps
+                                  ? std::min(max_prompt_steps, settings.mechanism_work / variation_.step_work())
+                                  : static_cast<double>(settings.max_steps))) {}
 
-Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector<double>& times,
-                                       const ConditioningSettings& settings) {
-    Conditioning result;
-    Variation variation(problem);
-    const double end = processor_time() + settings.seconds_limit;
-    const double most_steps =
-        std::min(static_cast<double>(settings.max_steps),
-                 settings.max_steps <= prompt_conditioning_steps
-                     ? std::min(most_prompt_steps, settings.mechanism_work / variation.work_of_a_step())
-                     : static_cast<double>(settings.max_steps));
-    SampleQueue samples(times);
-    double t = 0, h = 0;
-    const auto fail = [&](std::string message) {
-        result.message = std::move(message);
-        return false;
-    };
-    const auto show = [&](double at) {
-        const double state = variation.state(), attitude = variation.attitude();
+    const Variation& variation() const { return variation_; }
+    double time() const { return t_; }
+
+    void enter(const Segment& segment) {
+        variation_.enter(segment.begin);
+        t_ = segment.begin;
+        if (h_ == 0) h_ = (segment.end - segment.begin) / 1000;
+    }
+
+    /// Records kappa at the current time, which is that of a sample up to rounding.
+    bool record(double at) {
+        const double state = variation_.state_norm(), attitude = variation_.attitude_norm();
         if (!std::isfinite(state) || !std::isfinite(attitude))
             return fail(fmt::format("kappa is beyond binary64 at t = {:g} s", at));
-        result.times.push_back(at), result.state.push_back(state), result.attitude.push_back(attitude);
+        result_.times.push_back(at), result_.state.push_back(state), result_.attitude.push_back(attitude);
         return true;
-    };
+    }
+
+    bool advance_to(double stop) {
+        while (t_ < stop) {
+            result_.limit_reached = static_cast<double>(++result_.steps) > max_steps_;
+            if (result_.limit_reached)
+                return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", max_steps_, t_));
+            if (Interruption::is_wanted()) return fail("interrupted");
+            if (processor_time() > end_)
+                return fail(fmt::format("stopped at the limit of {} s", settings_.seconds_limit));
+            const double remaining = stop - t_;
+            const bool last = h_ >= remaining * (1 - 1e-14);
+            double size = last ? remaining : h_;
+            const double tried = size, done = variation_.step(size);
+            if (done == 0) {
+                h_ = size;
+                if (!(h_ > 0) || t_ + h_ == t_)
+                    return fail(fmt::format(
+                        "step size below the spacing of numbers at t = {:g} s in the variational equation", t_));
+                continue;
+            }
+            t_ = last ? stop : t_ + done;
+            h_ = last && tried < h_ ? std::max(h_, size) : size;
+        }
+        return true;
+    }
+
+  private:
+    bool fail(std::string message) {
+        result_.message = std::move(message);
+        return false;
+    }
+
+    const ConditioningSettings& settings_;
+    Conditioning& result_;
+    Variation variation_;
+    double end_;  // s, processor time
+    double max_steps_;
+    double t_ = 0, h_ = 0;  // s
+};
+
+}  // namespace
+
+Conditioning mechanism_conditioning(const Problem& problem, const std::vector<double>& times,
+                                    const ConditioningSettings& settings) {
+    Conditioning result;
+    VariationRun run(problem, settings, result);
+    SampleQueue samples(times);
     const auto enter = [&](const Segment& segment) {
         if (samples.empty()) return false;
-        variation.enter(segment.begin);
-        t = segment.begin;
-        if (h == 0) h = (segment.end - segment.begin) / 1000;
+        run.enter(segment);
         return true;
     };
-    const auto go = [&](const Segment& segment) {
-        while (t < segment.end && !samples.empty()) {
-            const double stop = std::min(segment.end, std::max(samples.front(), t));
-            while (t < stop) {
-                result.budget_spent = static_cast<double>(++result.steps) > most_steps;
-                if (result.budget_spent)
-                    return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", most_steps, t));
-                if (Interruption::is_requested()) return fail("interrupted");
-                if (processor_time() > end)
-                    return fail(fmt::format("stopped at the limit of {} s", settings.seconds_limit));
-                const double left = stop - t;
-                const bool last = h >= left * (1 - 1e-14);
-                double size = last ? left : h;
-                const double tried = size, done = variation.step(size);
-                if (done == 0) {
-                    h = size;
-                    if (!(h > 0) || t + h == t)
-                        return fail(
-                            fmt::format("step size below the spacing of numbers at t = {:g} s in the "
-                                        "variational equation",
-                                        t));
-                    continue;
-                }
-                t = last ? stop : t + done;
-                h = last && tried < h ? std::max(h, size) : size;
-            }
-            for (; samples.due(segment, t); samples.pop())
-                if (!show(samples.front())) return false;
+    const auto record = [&](double at) { return run.record(at); };
+    const auto integrate = [&](const Segment& segment) {
+        while (run.time() < segment.end && !samples.empty()) {
+            if (!run.advance_to(std::min(segment.end, std::max(samples.front(), run.time()))) return false;
+            for (; samples.due(segment, run.time()); samples.pop())
+                if (!run.record(samples.front())) return false;
         }
         return true;
     };
-    follow(problem.segments, samples, enter, show, go);
+    follow(problem.segments, samples, enter, record, integrate);
     result.available = samples.empty();
     if (!result.available) return result;
+    const Variation& variation = run.variation();
     result.message = fmt::format(
         "variational equation solved by DOP853 with dual numbers, {} directions{}, {} steps", variation.columns(),
         variation.mixed() ? " (random combinations: kappa is a lower bound)" : "", result.steps);

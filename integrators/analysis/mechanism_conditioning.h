@@ -12,7 +12,7 @@ namespace polhode {
 /// rotation. With loops, only changes that keep them closed count. `attitude` is that of the body with the largest
 /// response. Solves the variational equation by DOP853 on dual numbers. With more than 40 coordinates and rates, 16
 /// random combinations of all directions are followed, and the result is a lower bound of kappa.
-Conditioning conditioning_of_mechanism(const Problem& problem, const std::vector<double>& times,
-                                       const ConditioningSettings& settings);
+Conditioning mechanism_conditioning(const Problem& problem, const std::vector<double>& times,
+                                    const ConditioningSettings& settings);
 
 }  // namespace polhode

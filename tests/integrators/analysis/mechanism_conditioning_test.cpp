@@ -1,5 +1,5 @@
 // Condition numbers of mechanisms, compared with closed forms of the variational equation and with finite differences.
-#include "integrators/analysis/conditioning_of_mechanism.h"
+#include "integrators/analysis/mechanism_conditioning.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -42,7 +42,7 @@ void expect_order_one(const char* what, const Scene& scene) {
     }
 }
 
-TEST(Acting, JointsOwnForcesAreTheGeneralizedOnes) {
+TEST(ActiveLoads, JointsOwnForcesAreTheGeneralizedOnes) {
     for (const auto& [what, type] :
          {std::pair{"revolute", JointType::revolute}, std::pair{"prismatic", JointType::prismatic},
           std::pair{"spherical", JointType::spherical}, std::pair{"universal", JointType::universal}}) {
@@ -60,7 +60,7 @@ TEST(Acting, JointsOwnForcesAreTheGeneralizedOnes) {
     }
 }
 
-TEST(Acting, LoadsMoveBodiesAsTheyDoInJointCoordinates) {
+TEST(ActiveLoads, LoadsMoveBodiesAsTheyDoInJointCoordinates) {
     const auto beside = [](Load load) {
         Scene scene = carried(JointType::revolute);
         scene.loads.push_back(std::move(load));
@@ -79,7 +79,7 @@ TEST(Acting, LoadsMoveBodiesAsTheyDoInJointCoordinates) {
     expect_order_one("spring between the bodies", beside(PointSpring{"base", point, "load", {1, 0, 0}, 30, 0, {}}));
 }
 
-TEST(Acting, ImpulsesStrikeBothBodiesOfAJoint) {
+TEST(ActiveLoads, ImpulsesStrikeBothBodiesOfAJoint) {
     for (const Frame frame : {Frame::body, Frame::world}) {
         Scene scene = carried(JointType::universal);
         scene.loads.push_back(Impulse{{1, -0.5, 0.75}, frame, {0.5, 0, 0.25}, frame, 0.25, "load"});

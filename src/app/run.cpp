@@ -102,7 +102,7 @@ void list_pending(const Plan& plan, const RunOptions& options) {
     const std::vector<PendingCase> pending = pending_work(plan, options);
     for (const PendingCase& one : pending) {
         if (one.seconds_before) total += *one.seconds_before, ++known;
-        list += fmt::format("{}{}\n", one.words,
+        list += fmt::format("{}{}\n", one.description,
                             one.seconds_before ? fmt::format("  {:.3g} s in the last run", *one.seconds_before) : "");
     }
     write_output("", list);
@@ -134,7 +134,7 @@ int run_command(const RunCommandOptions& options) {
         const std::string& measured = options.measured.empty() ? checked_options.directory : options.measured;
         Table costs{Costs::columns(), {}};
         for (const Plan& plan : plans)
-            for (std::vector<Cell>& row : costs_of_work(plan, measured).rows) costs.rows.push_back(std::move(row));
+            for (std::vector<Cell>& row : work_cost_table(plan, measured).rows) costs.rows.push_back(std::move(row));
         write_output(options.plan, csv(costs));
         if (!options.quiet) tell_costs(costs, options.plan);
         return 0;

@@ -90,7 +90,7 @@ TEST_F(StabilityStudy, NoRowHidesWhatIsWrong) {
             } else if (run.result.status != Status::unsupported) {
                 EXPECT_FALSE(run.result.message.empty()) << f.method->name;
             }
-            for (const Cell& cell : row_of("x", run.result)) {
+            for (const Cell& cell : result_row("x", run.result)) {
                 if (const double* value = std::get_if<double>(&cell)) {
                     EXPECT_TRUE(std::isfinite(*value)) << f.method->name;
                 }

@@ -89,8 +89,8 @@ void add_merge(CLI::App& program, int& exit_code) {
         ->add_option("DIR", options->directories,
                      "Directories written by polhode run --shard I/N or polhode ensemble --shard I/N")
         ->required();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command
         ->add_option("--output", options->output,
                      "Output directory: a new one or one of DIR. For ensembles an output file or its directory")

@@ -111,7 +111,7 @@ void list_pending(const Plan& plan, const RunOptions& options) {
                    plan.experiment.name, pending.size(), known, total);
 }
 
-void tell_costs(const Table& costs, const std::string& path) {
+void print_costs(const Table& costs, const std::string& path) {
     double total = 0;
     std::size_t measured = 0;
     for (const std::vector<Cell>& row : costs.rows) {
@@ -136,7 +136,7 @@ int run_command(const RunCommandOptions& options) {
         for (const Plan& plan : plans)
             for (std::vector<Cell>& row : work_cost_table(plan, measured).rows) costs.rows.push_back(std::move(row));
         write_output(options.plan, csv(costs));
-        if (!options.quiet) tell_costs(costs, options.plan);
+        if (!options.quiet) print_costs(costs, options.plan);
         return 0;
     }
     for (const Plan& plan : plans) {
@@ -163,8 +163,8 @@ void add_run(CLI::App& program, int& exit_code) {
         ->add_option("EXPERIMENT", options->experiments,
                      "Experiments: built-in names (see polhode list experiments) or files")
         ->required();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command->add_option("--filter", options->filter,
                         "Run only cases whose SCENE/METHOD matches this POSIX extended regular expression");
     command->add_option("--output", options->output,

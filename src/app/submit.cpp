@@ -32,14 +32,14 @@ struct SubmitOptions {
 
 std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
 
-std::string own_path() {
+std::string program_path() {
     std::error_code none;
     const fs::path path = fs::read_symlink("/proc/self/exe", none);
     return none ? "polhode" : path.string();
 }
 
 // Returns the expected time of the longest shard, s.
-double dearest_shard(const Plan& plan, const Costs& costs, int shards) {
+double longest_shard_seconds(const Plan& plan, const Costs& costs, int shards) {
     std::vector<double> seconds(static_cast<std::size_t>(shards), 0.0);
     const std::vector<std::vector<int>> shards = assign_shards(plan, costs, shards);
     for (std::size_t s = 0; s < shards.size(); ++s) {
@@ -69,7 +69,7 @@ int submit_command(const SubmitOptions& options) {
     std::error_code none;
     Submission submission;
     submission.name = plan.experiment.name;
-    submission.program = options.program.empty() ? own_path() : options.program;
+    submission.program = options.program.empty() ? program_path() : options.program;
     submission.experiment = fs::exists(options.experiment, none) ? absolute(options.experiment) : options.experiment;
     submission.output = output;
     submission.plan = (fs::path(output) / (submission.name + ".plan.csv")).string();
@@ -85,7 +85,7 @@ int submit_command(const SubmitOptions& options) {
     // an experiment that is computed as a whole runs in the first shard
     if (costs.rows.size() == 1) whole = std::get<double>(costs.rows.front()[costs.rows.front().size() - 2]);
     const double dearest =
-        std::max(whole, dearest_shard(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
+        std::max(whole, longest_shard_seconds(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
     submission.seconds = std::lround(std::min(1e8, std::ceil(3 * dearest + 600)));
     const std::string path = (fs::path(output) / script_name(options.engine, submission)).string();
     fs::create_directories(output);

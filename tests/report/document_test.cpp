@@ -201,7 +201,7 @@ TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
         motion["methods"][2]["message"] = "slow";
         motions.list.push_back(motion);
     }
-    motions.left_out = {"c is not drawn: why."};
+    motions.omissions = {"c is not drawn: why."};
     Detail detail;
     detail.tracks = 4;
     const Json page = document(detail);
@@ -226,7 +226,7 @@ TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {
     there.name = "there", there.rows.pop_back();
     for (FolderRow& row : there.rows) row["seconds_median"] *= 1.5;
     there.rows[1]["attitude_error_max"] = 2e-3, there.rows[2]["seconds_median"] = absent;
-    other = &there, comparison = compared(folder, there);
+    other = &there, comparison = compare_folders(folder, there);
     const Json found = document()["comparison"];
     EXPECT_EQ(found["folder"], "there");
     EXPECT_EQ(found["matched"], 3);

@@ -104,9 +104,9 @@ class SceneSweep {
 
     const Problem& problem_of(const Case& c) const { return problems_.at(c.curve->formulation); }
 
-    long run_rank(const std::vector<Case*>& all) {
+    // Claims cases. Returns those to run; others are waiting, claimed by another process, stored or cut.
+    std::vector<Case*> claim_cases(const std::vector<Case*>& all, std::vector<Claims::Claim>& held) {
         std::vector<Case*> now;
-        std::vector<Claims::Claim> held;  // released when all are stored
         for (Case* c : all) {
             if (has_pending_predecessor(*c)) continue;
             std::optional<Claims::Claim> claim = claims_.take(c->key);
@@ -122,6 +122,36 @@ class SceneSweep {
                 now.push_back(c);
             }
         }
+        return now;
+    }
+
+    // Stores the results with their timings.
+    void store_timed(const std::vector<Case*>& now, const std::vector<TimedRun>& runs) {
+        auto timed = runs.begin();
+        for (Case* c : now) {
+            Result& result = *c->result;
+            result.seconds_min.reset();
+            if (result.status == Status::ok || result.status == Status::tolerance_not_met) {
+                const TimedRun& run = *timed++;
+                c->spent += run.spent;
+                if (run.failure.empty()) {
+                    result.seconds_min = run.minimum(), result.seconds_median = run.median();
+                    result.repeats = static_cast<long>(run.seconds.size());
+                } else {
+                    result.status = Status::failed, result.message = run.failure;
+                    result.cut = run.limit_reached;
+                    result.errors = {};
+                    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
+                }
+            }
+            store(*c);
+        }
+    }
+
+    // Runs the cases of one setting that no other process has claimed. Returns their number.
+    long run_rank(const std::vector<Case*>& all) {
+        std::vector<Claims::Claim> held;  // released when all are stored
+        const std::vector<Case*> now = claim_cases(all, held);
         parallel_for(now.size(), options_.jobs, [&](std::size_t i) {
             const FileLock shared_lock(machine_lock_file(), FileLock::Kind::shared, interrupted);
             const Stopwatch stopwatch;
@@ -146,25 +176,7 @@ class SceneSweep {
             for (Case* c : now) c->result.reset();
             return 0;
         }
-        auto timed = runs.begin();
-        for (Case* c : now) {
-            Result& result = *c->result;
-            result.seconds_min.reset();
-            if (result.status == Status::ok || result.status == Status::tolerance_not_met) {
-                const TimedRun& run = *timed++;
-                c->spent += run.spent;
-                if (run.failure.empty()) {
-                    result.seconds_min = run.minimum(), result.seconds_median = run.median();
-                    result.repeats = static_cast<long>(run.seconds.size());
-                } else {
-                    result.status = Status::failed, result.message = run.failure;
-                    result.cut = run.limit_reached;
-                    result.errors = {};
-                    if (result.cut) result.steps.reset(), result.rhs_evaluations.reset(), result.counts = {};
-                }
-            }
-            store(*c);
-        }
+        store_timed(now, runs);
         return static_cast<long>(now.size());
     }
 

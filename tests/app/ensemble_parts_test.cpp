@@ -89,7 +89,7 @@ TEST(Shards, FollowEachOther) {
     EXPECT_EQ(parse_shard("3/200").part, 3u);
 }
 
-TEST_F(EnsembleParts, AreTheWhole) {
+TEST_F(EnsembleParts, MergedPartsEqualTheWholeRun) {
     for (const std::string ending : {"csv", "npy"}) {
         SCOPED_TRACE(ending);
         const std::string out = "out." + ending;
@@ -128,7 +128,7 @@ TEST_F(EnsembleParts, MorePartsThanRows) {
     expect_fault({"q"}, "none.csv", "has no solved row");
 }
 
-TEST_F(EnsembleParts, FaultsAreTold) {
+TEST_F(EnsembleParts, ReportsFaults) {
     expect_fault({"none"}, "m.csv", "none: cannot be read: No such file or directory");
     fs::create_directory(directory / "empty");
     expect_fault({"empty"}, "m.csv", "contains no part of an ensemble");
@@ -181,7 +181,7 @@ TEST_F(EnsembleParts, FaultsAreTold) {
     expect_fault({"a", "table"}, "m.csv", "has table hash");
 }
 
-TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
+TEST_F(EnsembleParts, DistinguishesLongTablesByBlocks) {
     // 70 MiB of zeros in a sparse file
     constexpr std::uint64_t many = 3'000'000;
     const std::string header = write_npy_header({{"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, many);

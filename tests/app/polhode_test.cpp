@@ -118,7 +118,7 @@ PolhodeCurve ellipsoid(const V& semi_axes) {
     return polhode;
 }
 
-TEST(PolhodeView, TellsFrontFromBehind) {
+TEST(PolhodeView, DistinguishesFrontAndBack) {
     const PolhodeView view(ellipsoid({3, 2, 1.5}), {0, 0, 1}, {1, 0, 0});
     EXPECT_FALSE(view.hidden({0, 0, 1.5}));
     EXPECT_TRUE(view.hidden({0, 0, -1.5}));

@@ -240,7 +240,7 @@ TEST(OwnSystem, APlanetObeysKepler) {
     });
 }
 
-TEST(OwnSystem, WhatMakesNoSenseIsNotPosed) {
+TEST(OwnSystem, RefusesInconsistentSystems) {
     EXPECT_THROW(pose(StruckMass(), 0.0), InputError);
     EXPECT_THROW(pose(StruckMass(), std::nan("")), InputError);
 }

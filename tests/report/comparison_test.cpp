@@ -59,7 +59,7 @@ ResultFolder folder_of(const std::vector<std::pair<double, double>>& seconds_and
     return folder;
 }
 
-TEST(Compared, MatchesRowsByWhatTheyAreOf) {
+TEST(Compared, MatchesRowsOfTheSameCase) {
     const ResultFolder here = folder_of({{1, 1e-7}, {2, 1e-8}, {3, 1e-9}, {4, absent}});
     ResultFolder there = folder_of({{2, 1e-7}, {4, 3e-8}, {6, 1e-9}});
     const FolderComparison comparison = compare_folders(here, there);
@@ -76,7 +76,7 @@ TEST(Compared, MatchesRowsByWhatTheyAreOf) {
     EXPECT_EQ(compare_folders(here, there).only_there, 1u);
 }
 
-TEST(Compared, AFolderWithItselfIsTheSame) {
+TEST(Compared, ADirectoryEqualsItself) {
     const ResultFolder folder = folder_of({{1, 1e-7}, {2, absent}, {3, 1e-9}, {absent, 2}});
     const FolderComparison comparison = compare_folders(folder, folder);
     EXPECT_EQ(comparison.same_bits, 4u);

@@ -37,7 +37,7 @@ class FolderFindings : public ::testing::Test {
     ResultFolder folder;
 };
 
-TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
+TEST_F(FolderFindings, ReportTheFastestMethodOnMostScenes) {
     // at 1e-9 rad, one scene has two methods to compare; at 1e-6 rad, all four scenes have
     for (const char* scene : {"a", "b b", "c", "d"}) {
         add(scene, "taylor", 1e-7, scene[0] == 'c' ? 5e-6 : 1e-6);
@@ -53,7 +53,7 @@ TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
     EXPECT_EQ(fastest.link, "#section=work-precision&scene=a");
 }
 
-TEST_F(FolderFindings, TellOfOneLibraryAloneAndOfManyWinners) {
+TEST_F(FolderFindings, ReportOneLibraryAndSeveralWinners) {
     const char* const winners[] = {"taylor", "taylor", "extrapolation", "dop853", "radau", "exact", "splitting4"};
     for (std::size_t i = 0; i < 7; ++i) {
         const std::string scene = "s" + std::to_string(i);
@@ -80,7 +80,7 @@ TEST_F(FolderFindings, NameThePlainestOfTheLostAttitudes) {
     EXPECT_EQ(hidden.link, "#section=motion&scene=lagrange%20top%25&motion_methods=article_as_written");
 }
 
-TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
+TEST_F(FolderFindings, DistinguishBoundedAndGrowingErrors) {
     const auto series = [&](const std::string& method, const auto& energy) {
         add("free_asymmetric", method, 1e-3, 1e-6);
         FolderSeries one;
@@ -142,7 +142,7 @@ TEST_F(FolderFindings, CountWhatFailedAndWhatReachesTheFloor) {
               "rad.");
 }
 
-TEST_F(FolderFindings, TellWhatLeavingOutGains) {
+TEST_F(FolderFindings, ReportTheGainOfTheReducedFormulation) {
     FolderTable torn{"x_gain", "x", "", {{"scene", "method"}, {{std::string("a"), std::string("m")}}}, 1};
     FolderTable table{"y_gain", "y", "", {{"scene", "method", "gain"}, {}}, 4};
     for (const auto& [scene, gain] :

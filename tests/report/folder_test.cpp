@@ -45,7 +45,7 @@ class Folder : public ::testing::Test {
     std::string path;
 };
 
-TEST_F(Folder, TakesNothingFromFilesThatAreNestedWithoutEnd) {
+TEST_F(Folder, RefusesDeeplyNestedFiles) {
     write("t.csv", header + row("taylor", 0.1, 1e-3, 2e-6));
     const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
     write("scenes.json", R"({"free_asymmetric": )" + deep + "}");
@@ -86,7 +86,7 @@ TEST_F(Folder, ReadsRowsSeriesTablesAndWhereTheyAreFrom) {
     EXPECT_TRUE(folder.remarks.empty());
 }
 
-TEST_F(Folder, LeavesOutATornFileAndSaysSo) {
+TEST_F(Folder, OmitsATruncatedFileAndReportsIt) {
     write("a.csv", header + row("taylor", 0.1, 1e-3, 2e-6));
     write("b.csv", std::string(header) + "t,free_asym");
     write("c.csv", "");
@@ -176,7 +176,7 @@ TEST_F(Folder, FindsTheFastestAndWhoIsNext) {
     EXPECT_NE(findings[0].title.find("is the fastest to"), std::string::npos) << findings[0].title;
 }
 
-TEST_F(Folder, TellsOfEnergiesThatHideALostAttitude) {
+TEST_F(Folder, ReportsEnergiesThatHideALostAttitude) {
     write("t.csv", header + row("article_as_written", 0.1, 3, 1e-6, "ok", 1e-3, 1.5) +
                        row("article_as_written", 0.2, 3, 1e-6, "ok", 0.5, 1.5) + row("taylor", 0.1, 1e-9, 1e-6));
     bool told = false;

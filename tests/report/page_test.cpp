@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-TEST(Page, HoldsItsDocumentToTheLastByte) {
+TEST(Page, ContainsTheExactDocument) {
     std::mt19937 random(1);
     for (const std::size_t size : {0u, 1u, 2u, 3u, 100u, 1'000'000u}) {
         std::string document;
@@ -30,7 +30,7 @@ TEST(Page, ShowsATitleLiterally) {
         << page;
 }
 
-TEST(Page, ATitleIsNoPlaceForTheDocument) {
+TEST(Page, EscapesPlaceholdersInTheTitle) {
     const std::string page = fill_page(page_template, "<!--polhode:data-->", "{}");
     EXPECT_EQ(document_text(page), "{}");
     EXPECT_EQ(page.find("<!--"), std::string::npos);

@@ -108,7 +108,7 @@ TEST(Diagnosis, WrongTimeStep) {
 
 // Faults that the attitude alone cannot distinguish. Clamping the rate of a nearly steady rotation looks like a slower
 // clock; a start 57 times too slow looks like a clamped rate. The file's w decides, or the lack of fitted parameters.
-TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
+TEST(Diagnosis, ReportsOnlyTheTrueOneOfSimilarFaults) {
     Scene scene = tilted_free_body();
     scene.loads.clear();
     scene.body.inertia_B = diagonal(Vector3<double>(1, 1.5, 2));
@@ -251,7 +251,7 @@ TEST(Diagnosis, TwoFaultsAtOnce) {
 // Euler's method is not among them, because it is a first-order quaternion update.
 class SoundMethod : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(SoundMethod, IsToldNothing) {
+TEST_P(SoundMethod, HasNoDiagnosis) {
     const Method& method = *find_method(GetParam());
     int judged = 0;
     constexpr std::size_t every = optimised_build ? 5 : 61;

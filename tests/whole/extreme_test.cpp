@@ -244,7 +244,7 @@ TEST(ExtremeScenes, DragActsInItsWindow) {
 
 // ---- extreme
 
-TEST(ExtremeScenes, MomentsAreAsTheirNamesSay) {
+TEST(ExtremeScenes, MomentsMatchTheirNames) {
     const auto sorted = [](const Problem& problem) {
         Vector3<double> I = problem.body.principal.moments;
         std::sort(&I[0], &I[0] + 3);
@@ -274,7 +274,7 @@ TEST(ExtremeScenes, MomentsAreAsTheirNamesSay) {
     for (const auto& [moment, scene, problem] : members("moment")) EXPECT_EQ(sorted(problem)[0], moment);
 }
 
-TEST(ExtremeScenes, RatesAreAsTheirNamesSay) {
+TEST(ExtremeScenes, RatesMatchTheirNames) {
     for (const auto& [rate, scene, problem] : members("free_spin"))
         EXPECT_NEAR(size(scene.initial.angular_velocity) / rate, 1, 1e-13);
     for (const auto& [rate, scene, problem] : members("rate")) EXPECT_EQ(scene.initial.angular_velocity[0], rate);

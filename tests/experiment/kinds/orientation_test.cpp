@@ -26,7 +26,7 @@ class OrientationStudy : public ::testing::Test {
     static inline Findings* result = nullptr;
 };
 
-TEST_F(OrientationStudy, WritesWholeTables) {
+TEST_F(OrientationStudy, WritesCompleteTables) {
     for (const NamedTable& table : result->tables) {
         EXPECT_NO_THROW(require_rectangular(table.table)) << table.name;
         EXPECT_GT(table.table.rows.size(), 2U) << table.name;

@@ -77,7 +77,7 @@ TEST_F(StabilityStudy, FindsThePublishedLimitsOnDrag) {
     for (const StabilityRun& run : radau.runs) EXPECT_NE(run.outcome, Outcome::diverged);
 }
 
-TEST_F(StabilityStudy, NoRowHidesWhatIsWrong) {
+TEST_F(StabilityStudy, EveryFailedRowHasAMessage) {
     const Plan plan = plan_of(R"("extreme/spring_1000", "extreme/middle_axis_0.1")",
                               R"("odeint_euler", "article_mended", "radau5", "cvode_adams", "exact")");
     const StabilityFindings found = run_stability_cases(plan, options);

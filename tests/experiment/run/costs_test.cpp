@@ -58,7 +58,7 @@ TEST(Costs, ATableHasEachCaseAndEachTruthOnce) {
     }
 }
 
-TEST(Costs, WhatWasMeasuredIsTakenAndWhatWasNotIsLikeItsMethod) {
+TEST(Costs, UsesMeasuredTimesElseTheMedianOfTheMethod) {
     const Plan plan = plan_of("1, 2, 3");
     const fs::path directory = fs::path(testing::TempDir()) / "polhode_costs";
     fs::remove_all(directory);
@@ -121,7 +121,7 @@ TEST(Costs, ASceneStaysTogetherUnlessItCostsMoreThanAShare) {
     EXPECT_EQ(all.size(), 4U);
 }
 
-TEST(Costs, EveryShardTakesWhatNoOtherTakes) {
+TEST(Costs, EveryCurveIsInExactlyOneShard) {
     const Plan plan = plan_of("1, 2, 3, 4, 5");
     RunOptions options;
     options.shards = 3;
@@ -156,14 +156,14 @@ TEST(Costs, AWrongPlanIsRefusedByItsLine) {
               std::string::npos);
 }
 
-TEST(Costs, WhatIsMadeAsAWholeIsOneRow) {
+TEST(Costs, AStudyIsOneRow) {
     const Plan plan = make_plan(find_experiment("gimbal_lock"), "gimbal_lock", true);
     const Table table = work_cost_table(plan, "/nowhere");
     ASSERT_EQ(table.rows.size(), 1U);
     EXPECT_EQ(text_of(table.rows[0][0]), plan.experiment.name);
 }
 
-TEST(Costs, ASequelsCasesStandInThePlanToo) {
+TEST(Costs, IncludesTheCasesOfTheFollowUp) {
     const Plan plan = make_plan(find_experiment("speed"), "speed", true);
     ASSERT_NE(plan.experiment.kind->follow_up, nullptr);
     const Table table = work_cost_table(plan, "/nowhere");

@@ -54,7 +54,7 @@ a_scene_o..ion=1000}         1e-3  cvode_adams  R 1e-6    1.25 s  odeint_fehlber
 )");
 }
 
-TEST(RunTable, FitsItsWidthAndHasColorsOnlyWhereAsked) {
+TEST(RunTable, FitsItsWidthAndHasColorsOnRequest) {
     for (const int width : {80, 100, 200}) {
         std::istringstream lines(run_table(some_rows(), {width, false}));
         for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), static_cast<std::size_t>(width));

@@ -122,7 +122,7 @@ TEST_F(Merge, CountsWhatIsMissing) {
     EXPECT_NE(merged.experiments[0].first_missing.find("duration=2"), std::string::npos);
 }
 
-TEST_F(Merge, OfTimesTheFastestStandsWhateverTheOrder) {
+TEST_F(Merge, KeepsTheFastestTimeInAnyOrder) {
     const std::vector<std::string> folders = run_shards(1);
     fs::copy(folders[0], directory_ / "slower", fs::copy_options::recursive);
     const fs::path changed = directory_ / "slower" / ".cases" / a_case(folders[0]).filename();
@@ -189,7 +189,7 @@ TEST_F(Merge, RefusesWhatIsNotOfOneExperiment) {
     EXPECT_EQ(merge({folders[0], (directory_ / "empty").string()}, "fine").remarks.size(), 1U);
 }
 
-TEST_F(Merge, TakesWhatOneShardMadeAsAWhole) {
+TEST_F(Merge, CopiesAStudyOfOneShard) {
     const Plan whole = make_plan(find_experiment("gimbal_lock"), "gimbal_lock", true);
     for (const int shard : {1, 2}) {
         RunOptions each = options("whole_" + std::to_string(shard));

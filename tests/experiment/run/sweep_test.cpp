@@ -101,7 +101,7 @@ TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
     EXPECT_EQ(rows(), before);
 }
 
-TEST_F(Sweep, FindsAFlippedBitTellsOfItOnceAndRunsTheCaseAgain) {
+TEST_F(Sweep, ReportsACorruptedCaseOnceAndRerunsIt) {
     const Plan p = plan(R"(, "kind": "drift")", R"("odeint_rk4")");
     const long cases = run_sweep(p, options_).run;
     std::vector<std::string> files;
@@ -255,7 +255,7 @@ TEST_F(Sweep, WritesTablesPicturesAndProvenance) {
         EXPECT_NE(text("provenance.json").find(key), std::string::npos) << key;
 }
 
-TEST_F(Sweep, WritesTheFormatsThatAreAskedFor) {
+TEST_F(Sweep, WritesTheRequestedFormats) {
     const Plan p = plan(R"(, "kind": "convergence")");
     run_sweep(p, options_);
     write_report(p, conclude(p, finished_results(p, options_.directory)), options_.directory, "polhode run t", false,
@@ -322,7 +322,7 @@ TEST_F(Sweep, RowsCarryTheFloorsOfTheirScene) {
     EXPECT_GE(cut, 4);
 }
 
-TEST_F(Sweep, DriftTellsTheFloorOverTime) {
+TEST_F(Sweep, DriftContainsTheFloorOverTime) {
     const Plan p = plan(R"(, "kind": "drift")");
     run_sweep(p, options_);
     for (const Result& r : finished_results(p, options_.directory)) {
@@ -380,7 +380,7 @@ TEST(Result, HasTheContractsColumnsFirst) {
         EXPECT_EQ(std::count(columns.begin() + static_cast<long>(standard.size()), columns.end(), floor), 1) << floor;
 }
 
-TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
+TEST_F(Sweep, ReportsTheExpectedErrorOfAnInaccurateRun) {
     // a long unstable spin: errors grow by a factor of e in about a second
     const Plan p = make_plan(parse_experiment(R"({"name": "t", "scenes": ["dzhanibekov"], "vary": {"/duration": [60]},
                                                    "methods": ["odeint_dopri5"], "settings": {"tolerances": [1e-2]},
@@ -399,7 +399,7 @@ TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
     EXPECT_TRUE(r.counts.rejected_steps.has_value());
 }
 
-TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
+TEST(Result, ContainsSolverCountsAndErrorOverTolerance) {
     Result r;
     r.scene = "s", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 0.25;
     r.counts = {12, 3, std::nullopt}, r.errors["attitude"].max = 1.25;

@@ -306,7 +306,7 @@ class VariationRun {
             result_.limit_reached = static_cast<double>(++result_.steps) > max_steps_;
             if (result_.limit_reached)
                 return fail(fmt::format("stopped at the limit of {:.0f} steps, at t = {:.4g} s", max_steps_, t_));
-            if (Interruption::is_wanted()) return fail("interrupted");
+            if (Interruption::is_requested()) return fail("interrupted");
             if (processor_time() > end_)
                 return fail(fmt::format("stopped at the limit of {} s", settings_.seconds_limit));
             const double remaining = stop - t_;
@@ -355,7 +355,7 @@ Conditioning mechanism_conditioning(const Problem& problem, const std::vector<do
     const auto record = [&](double at) { return run.record(at); };
     const auto integrate = [&](const Segment& segment) {
         while (run.time() < segment.end && !samples.empty()) {
-            if (!run.advance_to(std::min(segment.end, std::max(samples.front(), run.time()))) return false;
+            if (!run.advance_to(std::min(segment.end, std::max(samples.front(), run.time())))) return false;
             for (; samples.due(segment, run.time()); samples.pop())
                 if (!run.record(samples.front())) return false;
         }

@@ -62,7 +62,7 @@ Convention convention_of(const CheckOptions& options) {
     const auto add = [&](std::string_view word) { words += (words.empty() ? "" : ",") + std::string(word); };
     if (!options.length_unit.empty()) add(length_units().at(options.length_unit));
     if (!options.angle_unit.empty()) add(options.angle_unit == "deg" ? "degrees" : "radians");
-    return convention_option(words);
+    return parse_convention_option(words);
 }
 
 // Prints a text to stderr unless it is destroyed within two seconds.
@@ -145,31 +145,32 @@ void add_check(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand("check",
                                                "Compares trajectory files with the truth and diagnoses known faults. "
                                                "The exit code is 1 if the error of any block exceeds its limit.");
-    tell_columns(*command,
-                 "Blocks of --columns (BLOCK=COLUMN or BLOCK=COLUMN:COLUMN:..):\n"
-                 "  time=T  body=NAME  angular_velocity=X:Y:Z  position=X:Y:Z  origin=X:Y:Z  velocity=X:Y:Z\n"
-                 "  rotation=X:Y:Z:W   quaternion, or a rotation matrix by nine columns, row by row\n"
-                 "  matrix_by_columns= rotation matrix by nine columns, column by column\n"
-                 "  euler_zyx=A:B:C    Euler angles of any sequence, intrinsic rotations in this order\n"
-                 "\n"
-                 "Words of --convention (default: z-up, right-handed, radians, world-rates, metres, columns by name):\n"
-                 "  y-up               the scene's (x, y, z) is (x, z, -y) in the file; z-up: no change\n"
-                 "  left-handed        the scene's (x, y, z) is (x, z, y) with y-up, (x, -y, z) with z-up\n"
-                 "  right-handed       axes are right-handed\n"
-                 "  degrees, radians   Euler angles in deg or rad, w in deg/s or rad/s\n"
-                 "  body-rates         w in body axes\n"
-                 "  world-rates        w in world axes\n"
-                 "  scalar-first       the quaternion's columns are w,x,y,z in file order, whatever their names\n"
-                 "  scalar-last        the quaternion's columns are x,y,z,w in file order, whatever their names\n"
-                 "  metres, centimetres, millimetres, inches, feet   unit of positions and velocities\n"
-                 "  unity              y-up,left-handed\n"
-                 "  unreal             z-up,left-handed,centimetres\n"
-                 "  godot, three, bullet   y-up,right-handed\n"
-                 "\n"
-                 "Examples:\n"
-                 "  polhode check lagrange_top mine.csv --max-attitude 1e-6\n"
-                 "  polhode check t_handle engine.csv --convention unity,degrees --explain\n"
-                 "  polhode check t_handle log.csv --columns time=Time,rotation=a:b:c:d --format junit\n");
+    describe_columns(
+        *command,
+        "Blocks of --columns (BLOCK=COLUMN or BLOCK=COLUMN:COLUMN:..):\n"
+        "  time=T  body=NAME  angular_velocity=X:Y:Z  position=X:Y:Z  origin=X:Y:Z  velocity=X:Y:Z\n"
+        "  rotation=X:Y:Z:W   quaternion, or a rotation matrix by nine columns, row by row\n"
+        "  matrix_by_columns= rotation matrix by nine columns, column by column\n"
+        "  euler_zyx=A:B:C    Euler angles of any sequence, intrinsic rotations in this order\n"
+        "\n"
+        "Words of --convention (default: z-up, right-handed, radians, world-rates, metres, columns by name):\n"
+        "  y-up               the scene's (x, y, z) is (x, z, -y) in the file; z-up: no change\n"
+        "  left-handed        the scene's (x, y, z) is (x, z, y) with y-up, (x, -y, z) with z-up\n"
+        "  right-handed       axes are right-handed\n"
+        "  degrees, radians   Euler angles in deg or rad, w in deg/s or rad/s\n"
+        "  body-rates         w in body axes\n"
+        "  world-rates        w in world axes\n"
+        "  scalar-first       the quaternion's columns are w,x,y,z in file order, whatever their names\n"
+        "  scalar-last        the quaternion's columns are x,y,z,w in file order, whatever their names\n"
+        "  metres, centimetres, millimetres, inches, feet   unit of positions and velocities\n"
+        "  unity              y-up,left-handed\n"
+        "  unreal             z-up,left-handed,centimetres\n"
+        "  godot, three, bullet   y-up,right-handed\n"
+        "\n"
+        "Examples:\n"
+        "  polhode check lagrange_top mine.csv --max-attitude 1e-6\n"
+        "  polhode check t_handle engine.csv --convention unity,degrees --explain\n"
+        "  polhode check t_handle log.csv --columns time=Time,rotation=a:b:c:d --format junit\n");
     const auto options = std::make_shared<CheckOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
@@ -213,7 +214,7 @@ void add_check(CLI::App& program, int& exit_code) {
     command->add_option("--format", options->format, "Output format: text, json or junit")
         ->check(CLI::IsMember({"text", "json", "junit"}))
         ->capture_default_str();
-    outside_option(*command);
+    add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = check_command(*options); });
 }
 

@@ -74,7 +74,7 @@ void require_output(const std::string& path);
 void require_positive(const char* option, double value);
 
 /// Parses the value of --convention. An empty value is polhode's convention. Throws UsageError.
-Convention convention_option(const std::string& words);
+Convention parse_convention_option(const std::string& words);
 
 /// Throws UsageError if the scene has neither joints nor loops, or if `path`, for their reactions, equals `other`.
 void require_joints(const Scene& scene, const std::string& path, const std::string& other);
@@ -86,18 +86,18 @@ void require_one_body(const Scene& scene, const std::string& option, const std::
 void write_trajectory_output(const std::string& path, std::string text);
 
 /// Appends the columns of trajectory files, and then the text `further`, to the command's help.
-void tell_columns(CLI::App& command, std::string_view further);
+void describe_columns(CLI::App& command, std::string_view further);
 
 /// Throws UsageError unless 1 <= count <= most.
 void require_count(const char* option, long count, long most);
 
 /// Adds --allow-outside, which allows scene and experiment files to name files outside their directories.
-void outside_option(CLI::App& command);
+void add_outside_option(CLI::App& command);
 
 /// Throws UsageError if samples times bodies exceeds the limit of states in memory.
 void require_states(const Scene& scene, long samples);
 
 /// Adds --engines FILE, a list of user-defined engines.
-void engines_option(CLI::App& command);
+void add_engines_option(CLI::App& command);
 
 }  // namespace polhode

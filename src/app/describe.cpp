@@ -52,7 +52,7 @@ bool is_experiment(const std::string& name) {
 }
 
 // "1e-2 to 1e-5 (4)"
-std::string told(const PlannedCurve& curve) {
+std::string describe_curve(const PlannedCurve& curve) {
     if (curve.kind == SettingKind::none) return std::string(curve.method->name);
     const auto [low, high] = std::ranges::minmax(curve.settings);
     return fmt::format("{}, {}s {:.4g} to {:.4g} ({})", curve.method->name,
@@ -74,7 +74,7 @@ std::string describe_experiment(const std::string& name) {
     for (const PlannedScene& scene : plan.scenes) scenes.push_back(scene.label);
     std::size_t cases = 0;
     for (const PlannedCurve& curve : plan.curves) {
-        methods.push_back(told(curve));
+        methods.push_back(describe_curve(curve));
         cases += curve.settings.size() * plan.scenes.size();
     }
     list("scenes", scenes);
@@ -183,8 +183,8 @@ void add_describe(CLI::App& program, int& exit_code) {
     const auto options = std::make_shared<Options>();
     command->add_option("NAME", options->name, "A scene or experiment (built-in name or file), or a method")
         ->required();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command->add_option("--output", options->output, "Output file (default: stdout)")->check(not_empty, "");
     command
         ->add_option("--picture", options->picture,

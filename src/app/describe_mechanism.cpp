@@ -26,7 +26,7 @@ std::string brief(double value) { return fmt::format("{:.6g}", std::abs(value) <
 std::string brief(const Vector3<double>& v) {
     return fmt::format("({}, {}, {})", brief(v[0] + 0.0), brief(v[1] + 0.0), brief(v[2] + 0.0));
 }
-std::string counted(std::size_t count, const char* noun) {
+std::string format_count(std::size_t count, const char* noun) {
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
@@ -197,11 +197,11 @@ void loops(Report& report, const Problem& problem) {
         begin += rows;
         report.line(one_line(loop.name, 26),
                     fmt::format("{}, {} - {}: {}, {} used", name_of(loop.type), loop.first, loop.second,
-                                counted(static_cast<std::size_t>(rows), "condition"), chosen));
+                                format_count(static_cast<std::size_t>(rows), "condition"), chosen));
     }
     const std::size_t all = tree.loop_rows(), independent = tree.independent_loop_rows();
-    report.line("all loops", fmt::format("{}: {} independent at the start, {} redundant", counted(all, "condition"),
-                                         independent, all - independent));
+    report.line("all loops", fmt::format("{}: {} independent at the start, {} redundant",
+                                         format_count(all, "condition"), independent, all - independent));
     report.line("mobility", fmt::format("{}: {} of the tree minus {} independent loop conditions", mobility(tree),
                                         tree.links().rates, independent));
 }
@@ -226,9 +226,10 @@ void start(Report& report, const Problem& problem) {
 void system_of(Report& report, const Problem& problem) {
     const Tree<double>& tree = mechanism_of(problem).tree();
     report.title("System posed");
-    report.line("system", fmt::format("{}, {} variables: {} and {}", name_of(problem.needs.system), tree.dimension(),
-                                      counted(static_cast<std::size_t>(tree.links().coordinates), "joint coordinate"),
-                                      counted(static_cast<std::size_t>(tree.links().rates), "rate")));
+    report.line("system",
+                fmt::format("{}, {} variables: {} and {}", name_of(problem.needs.system), tree.dimension(),
+                            format_count(static_cast<std::size_t>(tree.links().coordinates), "joint coordinate"),
+                            format_count(static_cast<std::size_t>(tree.links().rates), "rate")));
     report.line("equations", "articulated-body recursion (Featherstone 2008) in joint coordinates");
     if (tree.has_loops())
         report.line("", "loops: multipliers on accelerations; positions and rates are projected after each step");
@@ -238,13 +239,13 @@ void system_of(Report& report, const Problem& problem) {
         report.line("events at", fmt::format("{} s: loads change or impulses act", join_with_commas(events)));
 }
 
-void left_out(Report& report, const Problem& problem) {
+void add_omissions(Report& report, const Problem& problem) {
     const Scene& scene = problem.scene;
     const Links<double>& links = mechanism_of(problem).tree().links();
     report.title("Omitted, and why");
     const std::size_t full = 13 * scene.bodies.size(), taken = static_cast<std::size_t>(problem.needs.dimension);
     if (full > taken)
-        report.line(counted(full - taken, "variable"),
+        report.line(format_count(full - taken, "variable"),
                     fmt::format("eliminated by joints, of the {} of free bodies", full));
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         if (links.carrier[b] < 0) continue;
@@ -266,7 +267,7 @@ void left_out(Report& report, const Problem& problem) {
                                 brief(*normal)));
     const Tree<double>& tree = mechanism_of(problem).tree();
     const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows();
-    if (redundant > 0) report.line(counted(redundant, "loop condition"), "implied by the other conditions");
+    if (redundant > 0) report.line(format_count(redundant, "loop condition"), "implied by the other conditions");
     const bool all_free = std::ranges::all_of(links.carrier, [](int joint) { return joint < 0; });
     if (full <= taken && all_free && redundant == 0) report.line("nothing");
 }
@@ -291,7 +292,7 @@ void description::mechanism(Report& report, const Problem& problem) {
     start(report, problem);
     loads(report, problem.scene);
     system_of(report, problem);
-    left_out(report, problem);
+    add_omissions(report, problem);
     import_notes(report, problem.scene);
     choice(report, problem);
     report.title("Truth");

@@ -96,16 +96,16 @@ class EnsembleRun {
           settings_(settings),
           options_(options),
           table_(open_ensemble(options.initial, scene)),
-          format_(format_of(options.output, scene, *table_, options.initial)) {
+          format_(make_format(options.output, scene, *table_, options.initial)) {
         // one thread per piece; pieces run in parallel
-        EnsembleSettings alone = settings;
-        alone.threads = 1;
+        EnsembleSettings single_thread = settings;
+        single_thread.threads = 1;
         if (is_mechanism(scene))
-            mechanism_.emplace(scene, table_->empty_table().mechanisms.only_starts(), options.samples, alone);
+            mechanism_.emplace(scene, table_->empty_table().mechanisms.only_starts(), options.samples, single_thread);
         for (long k = 1; k <= options.samples && !mechanism_; ++k) {
             Scene until = scene;
             until.duration = sample_time(scene.duration, k, options.samples);
-            solvers_.emplace_back(until, alone);
+            solvers_.emplace_back(until, single_thread);
         }
         const long records = options.samples * std::max(1L, static_cast<long>(scene.bodies.size()));
         largest_piece_ = static_cast<std::size_t>(std::max(64L, options.rows_at_once / records));
@@ -122,12 +122,12 @@ class EnsembleRun {
         EnsemblePart part;
         part.shard = shard;
         part.output = std::filesystem::path(options_.output).filename().string();
-        part.table = identity_of(options_.initial, scene_);
+        part.table = compute_identity(options_.initial, scene_);
         part.scene = content_hash(write_scene(scene_));
         part.program = running_program_key();
         part.options = fmt::format("tolerance {}, samples {}, max-steps {}, max-seconds {}", settings_.tolerance,
                                    options_.samples, settings_.max_steps, settings_.seconds_limit);
-        const auto [first, last] = rows_of_shard(part.table.rows, shard);
+        const auto [first, last] = shard_rows(part.table.rows, shard);
         if (table_->skip(first) < first) throw std::runtime_error(options_.initial + ": changed while it was read");
         const std::string path = part_path(options_.output, shard);
         ContentHash hash;
@@ -191,7 +191,7 @@ class EnsembleRun {
         piece.mechanisms.resize(piece.table.mechanisms.rows());
         if (mechanism_) mechanism_->solve(piece.table.mechanisms, piece.mechanisms);
         piece.solving = seconds_since(start);
-        piece.text = rows_of(piece, scene_, *format_);
+        piece.text = format_rows(piece, scene_, *format_);
         piece.formatting = seconds_since(start) - piece.solving;
     }
 
@@ -342,7 +342,7 @@ void add_ensemble(CLI::App& program, int& exit_code) {
     command->add_option("--output", options->output,
                         "Output file (default: stdout). A name that ends in .npy selects a NumPy structured array with "
                         "one record per row, time and body (fields: below)");
-    outside_option(*command);
+    add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = ensemble_command(*options); });
 }
 

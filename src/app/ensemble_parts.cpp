@@ -196,11 +196,11 @@ Shard parse_shard(const std::string& text) {
     throw UsageError(fmt::format("--shard is {}; give I/N with 1 <= I <= N <= 1000000", one_line(text, 60)));
 }
 
-std::pair<std::size_t, std::size_t> rows_of_shard(std::size_t rows, const Shard& shard) {
+std::pair<std::size_t, std::size_t> shard_rows(std::size_t rows, const Shard& shard) {
     // the first (rows % parts) parts have one more row; no product can overflow
     const std::size_t least = rows / shard.parts, longer = rows % shard.parts;
-    const auto begin_of = [&](std::size_t i) { return i * least + std::min(i, longer); };
-    return {begin_of(shard.part - 1), begin_of(shard.part)};
+    const auto first_row = [&](std::size_t i) { return i * least + std::min(i, longer); };
+    return {first_row(shard.part - 1), first_row(shard.part)};
 }
 
 std::string part_path(const std::string& output, const Shard& shard) {
@@ -211,7 +211,7 @@ std::string part_path(const std::string& output, const Shard& shard) {
     return (path.parent_path() / name).string();
 }
 
-TableIdentity identity_of(const std::string& path, const Scene& scene) {
+TableIdentity compute_identity(const std::string& path, const Scene& scene) {
     TableIdentity identity;
     ContentHash hash;
     InputFile input(path, path, "a table that is a regular file, because --shard reads it several times",
@@ -282,7 +282,7 @@ EnsemblePart parse_part(const std::string& text, const std::string& file) {
     p.options = field(root, "options").string();
     p.rows = count(root, "rows"), p.ok = count(root, "ok"), p.refused = count(root, "refused");
     p.bytes = count(root, "bytes"), p.hash = field(root, "hash").string();
-    const auto [first, last] = rows_of_shard(p.table.rows, p.shard);
+    const auto [first, last] = shard_rows(p.table.rows, p.shard);
     if (p.rows != last - first)
         field(root, "rows").fail(fmt::format("is {}", p.rows), fmt::format("give {}", last - first));
     return p;
@@ -323,8 +323,8 @@ MergedEnsemble merge_ensemble_parts(const std::vector<std::string>& dirs, const 
             npy_header = reader.npy(), header = write_npy_header(npy_header.fields, 0);
         else if (part == order.front())
             header = reader.header();
-        const bool alike = npy ? write_npy_header(reader.npy().fields, 0) == header : reader.header() == header;
-        if (!alike)
+        const bool same_header = npy ? write_npy_header(reader.npy().fields, 0) == header : reader.header() == header;
+        if (!same_header)
             throw InputError(part->path, "header", "differs from that of " + one_line(order.front()->path, 300),
                              "solve it again");
         if (part == order.front()) stream.write(header);

@@ -21,7 +21,7 @@ Shard parse_shard(const std::string& text);
 
 /// Returns the rows of a part as a half-open range [first, last), counted from 0. Parts are contiguous, and their
 /// numbers of rows differ by at most one.
-std::pair<std::size_t, std::size_t> rows_of_shard(std::size_t rows, const Shard& shard);
+std::pair<std::size_t, std::size_t> shard_rows(std::size_t rows, const Shard& shard);
 
 /// Returns the path of a part of `output`, in the same directory: "out.part-0003-of-0200.npy" for "out.npy".
 std::string part_path(const std::string& output, const Shard& shard);
@@ -30,13 +30,13 @@ std::string part_path(const std::string& output, const Shard& shard);
 struct TableIdentity {
     std::size_t rows = 0;
     std::uint64_t bytes = 0;
-    std::string hash;  ///< content_hash() of the file, or of the blocks that identity_of() reads
+    std::string hash;  ///< content_hash() of the file, or of the blocks that compute_identity() reads
 };
 
 /// Identifies a table by its content and its number of rows. A CSV file is read completely. For an .npy file of more
 /// than 64 MiB, about a thousand blocks are read, so that tables of equal length that differ in few rows may not be
 /// distinguished. Throws InputError.
-TableIdentity identity_of(const std::string& path, const Scene& scene);
+TableIdentity compute_identity(const std::string& path, const Scene& scene);
 
 /// The contents of the .json file of a part: identifies the part and its ensemble.
 struct EnsemblePart {

@@ -122,8 +122,8 @@ void append_row(std::string& text, const SolvedPiece& piece, std::size_t i, std:
 
 }  // namespace
 
-std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& scene, const EnsembleStream& table,
-                                          const std::string& file) {
+std::unique_ptr<EnsembleFormat> make_format(const std::string& path, const Scene& scene, const EnsembleStream& table,
+                                            const std::string& file) {
     if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids(), is_mechanism(scene));
     if (table.has_ids() && table.id_width() == 0)
         throw InputError(file, "column id", "has ids of variable length, which .npy output does not support",
@@ -133,7 +133,7 @@ std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& 
     return std::make_unique<NpyFormat>(table.id_width(), longest_name);
 }
 
-std::string rows_of(const SolvedPiece& piece, const Scene& scene, const EnsembleFormat& format) {
+std::string format_rows(const SolvedPiece& piece, const Scene& scene, const EnsembleFormat& format) {
     const EnsembleTable& table = piece.table;
     const std::vector<std::size_t> numbers = table.row_numbers(piece.first_row);
     std::string text;

@@ -50,11 +50,11 @@ class EnsembleFormat {
 
 /// Returns the format of `path`: NumPy's if it ends in .npy, otherwise CSV. Throws InputError, naming the table `file`,
 /// if the ids of the table have no fixed width, which NumPy's format requires.
-std::unique_ptr<EnsembleFormat> format_of(const std::string& path, const Scene& scene, const EnsembleStream& table,
-                                          const std::string& file);
+std::unique_ptr<EnsembleFormat> make_format(const std::string& path, const Scene& scene, const EnsembleStream& table,
+                                            const std::string& file);
 
 /// Formats the rows of a piece in order, by row, time and body. A mechanism whose run ended early has one more record,
 /// which reports the reason.
-std::string rows_of(const SolvedPiece& piece, const Scene& scene, const EnsembleFormat& format);
+std::string format_rows(const SolvedPiece& piece, const Scene& scene, const EnsembleFormat& format);
 
 }  // namespace polhode

@@ -35,7 +35,7 @@ const std::map<std::string, GoldenFormat> golden_formats{{"csv", GoldenFormat::c
 int export_command(const ExportOptions& options) {
     require_count("--samples", options.samples, most_golden_samples);
     if (options.duration) require_positive("--duration", *options.duration);
-    const Convention convention = convention_option(options.convention);
+    const Convention convention = parse_convention_option(options.convention);
     require_output(options.output);
     Scene scene = read_scene_with_notes(options.scene);
     require_states(scene, options.samples);
@@ -53,11 +53,11 @@ int export_command(const ExportOptions& options) {
         throw InputError(options.scene, "", "a number cannot be exported", error.what());
     }
     write_output(options.output, text);
-    std::string told = fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\n", one_line(scene.name, 100),
-                                   truth.message, data.bound);
+    std::string summary = fmt::format("scene      {}\ntruth      {}\nbound      {:.2e}\n", one_line(scene.name, 100),
+                                      truth.message, data.bound);
     for (const GoldenTolerance& t : data.tolerances)
-        told += fmt::format("tolerance  {}: {:.4g} ({})\n", t.block, t.value, t.from);
-    std::fputs(told.c_str(), stderr);
+        summary += fmt::format("tolerance  {}: {:.4g} ({})\n", t.block, t.value, t.from);
+    std::fputs(summary.c_str(), stderr);
     return 0;
 }
 
@@ -91,7 +91,7 @@ void add_export(CLI::App& program, int& exit_code) {
     command->add_option("--convention", options->convention,
                         "Convention to convert all data to (words: see polhode check --help)");
     command->add_option("--output", options->output, "Output file (default: stdout)");
-    outside_option(*command);
+    add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = export_command(*options); });
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 // Opens /dev/null for each closed standard stream, so that the next opened file does not take its place. The mode
 // forbids reading stdin and writing stdout and stderr.
-void hold_standard_streams() {
+void reserve_standard_streams() {
     for (int stream = 0; stream < 3; ++stream)
         if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
 }
@@ -59,7 +59,7 @@ void throw_out_of_memory() {
 }  // namespace
 
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
-    hold_standard_streams();
+    reserve_standard_streams();
     // exceeding the file size limit fails the write instead of ending the process
     std::signal(SIGXFSZ, SIG_IGN);
     truth::set_out_of_memory_handler(end_without_memory);

@@ -214,7 +214,7 @@ void add_list(CLI::App& program, int&) {
         ->required()
         ->check(
             CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines", "constructs"}));
-    engines_option(*command);
+    add_engines_option(*command);
     command->add_option("--format", options->format, "Output format: text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
         ->capture_default_str();

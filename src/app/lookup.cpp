@@ -49,14 +49,14 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
 
 }  // namespace
 
-void engines_option(CLI::App& command) {
+void add_engines_option(CLI::App& command) {
     command
         .add_option("--engines",
                     "JSON file of further engines (see integrators/engines/README.md), named ENGINE:SETTING")
         ->each([](const std::string& path) { add_engines(path); });
 }
 
-void outside_option(CLI::App& command) {
+void add_outside_option(CLI::App& command) {
     command.add_flag_callback(
         "--allow-outside", [] { allow_outside_files(true); },
         "Allow scene and experiment files to name files outside their directories");

@@ -58,13 +58,13 @@ int merge_command(const MergeOptions& options) {
     std::string command_line = "polhode merge";
     for (const std::string& directory : options.directories) command_line += " " + shell_word(directory);
     command_line += " --output " + shell_word(options.output);
-    const Merged merged = merge_results(options.directories, run, command_line);
+    const MergeResult merged = merge_results(options.directories, run, command_line);
     for (const std::string& remark : merged.remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
     if (!options.quiet)
         fmt::print(stderr, "{} directories merged into {}: {} case files, {} of them in more than one directory\n",
                    options.directories.size(), one_line(options.output, 300), merged.taken, merged.repeated);
     bool complete = true;
-    for (const MergedExperiment& one : merged.experiments) {
+    for (const ExperimentMerge& one : merged.experiments) {
         if (one.missing == 0) continue;
         complete = false;
         fmt::print(stderr, "polhode: {}: {} cases are missing, first {}; rerun their shards and merge again\n",
@@ -89,8 +89,8 @@ void add_merge(CLI::App& program, int& exit_code) {
         ->add_option("DIR", options->directories,
                      "Directories written by polhode run --shard I/N or polhode ensemble --shard I/N")
         ->required();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command
         ->add_option("--output", options->output,
                      "Output directory: a new one or one of DIR. For ensembles an output file or its directory")

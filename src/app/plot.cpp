@@ -90,7 +90,7 @@ void add_pieces(Panel& panel, const Curve& whole, const std::vector<std::size_t>
     }
 }
 
-Curve curve_named_as(const std::string& label, std::size_t place) {
+Curve find_or_add_plot_curve(const std::string& label, std::size_t place) {
     Curve curve;
     curve.label = label, curve.points = false;
     // dashes differ, so that curves remain visible where files agree
@@ -152,7 +152,7 @@ Figure figure_of_components(const std::vector<PlottedFile>& files, const std::st
         if (quantity != "attitude") require_rates(one, quantity);
         const std::size_t at_once = one.file.bodies_at_once();
         for (std::size_t body = 0; body < at_once; ++body, ++place) {
-            std::vector<Curve> curves(components.names.size(), curve_named_as(one.name, place));
+            std::vector<Curve> curves(components.names.size(), find_or_add_plot_curve(one.name, place));
             for (std::size_t k = body; k < one.file.rows.size(); k += at_once) {
                 const TrajectoryRow& row = one.file.rows[k];
                 const std::vector<double> values = components.of(row);
@@ -183,7 +183,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
         const PlottedFile& one = files[i];
         const ErrorOverTime errors = error_over_time(scene, one.file, quantity, one.path);
         if (!errors.fault.empty()) throw TruthUnavailable(one.path + ": " + errors.fault);
-        Curve curve = curve_named_as(one.name, i);
+        Curve curve = find_or_add_plot_curve(one.name, i);
         curve.x = errors.t, curve.y = errors.error;
         // there may be errors at fewer times than in the file
         std::vector<std::size_t> gaps;
@@ -197,7 +197,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
 }
 
 // The angular velocities of the file on the inertia ellipsoid of their initial energy.
-PolhodeCurve polhode_of(const PlottedFile& one, const Scene& scene) {
+PolhodeCurve make_polhode(const PlottedFile& one, const Scene& scene) {
     const Problem problem = pose(scene);
     PolhodeCurve polhode;
     const Vector3<double>& moments = polhode.moments = problem.body.principal.moments;
@@ -220,23 +220,23 @@ PolhodeCurve polhode_of(const PlottedFile& one, const Scene& scene) {
         return polhode;
     }
     for (int i = 0; i < 3; ++i) polhode.semi_axes[i] = std::sqrt(2 * polhode.energy / moments[i]);
-    for (Polyline& line : polhode.curve) line = simplified(line, polhode.semi_axes, 1e-3);
+    for (Polyline& line : polhode.curve) line = simplify(line, polhode.semi_axes, 1e-3);
     return polhode;
 }
 
-int complain(const std::string& fault) {
+int print_plot_error(const std::string& fault) {
     std::fputs(("polhode: " + one_line(fault, 500) + "\n").c_str(), stderr);
     return 1;
 }
 
 int plot_polhode(const PlotOptions& options, const std::vector<PlottedFile>& files, const Scene& scene) {
     require_rates(files.front(), "polhode");
-    const PolhodeCurve polhode = polhode_of(files.front(), scene);
-    if (!polhode.fault.empty()) return complain("cannot draw the picture: " + polhode.fault);
+    const PolhodeCurve polhode = make_polhode(files.front(), scene);
+    if (!polhode.fault.empty()) return print_plot_error("cannot draw the picture: " + polhode.fault);
     const std::string title = fmt::format("{} on {}", files.front().name, scene.name);
     if (!options.output.empty()) {
         const std::string fault = draw_polhode(polhode, title, options.output);
-        return fault.empty() ? 0 : complain("cannot draw the picture: " + fault);
+        return fault.empty() ? 0 : print_plot_error("cannot draw the picture: " + fault);
     }
     std::string text = title + "\n";
     for (const std::string& line : polhode_text(polhode)) text += line + "\n";
@@ -263,7 +263,7 @@ void require_sense(const PlotOptions& options) {
 
 int plot_command(const PlotOptions& options) {
     require_sense(options);
-    const Convention convention = convention_option(options.convention);
+    const Convention convention = parse_convention_option(options.convention);
     std::optional<Scene> scene;
     if (!options.scene.empty()) scene = find_scene(options.scene);
     if (scene && options.of == "polhode") require_one_body(*scene, "--of polhode", "a polhode is drawn for one body");
@@ -278,7 +278,7 @@ int plot_command(const PlotOptions& options) {
         figure = scene ? figure_of_errors(files, *scene, options.of, columns)
                        : figure_of_components(files, options.of, convention, columns);
     } catch (const TruthUnavailable& fault) {
-        return complain(fault.what());
+        return print_plot_error(fault.what());
     }
     if (options.output.empty()) {
         const int rows = figure.panels.size() > 1 ? 8 : 20;
@@ -287,7 +287,7 @@ int plot_command(const PlotOptions& options) {
     }
     const std::string terminal = options.output.substr(options.output.size() - 3);
     const GnuplotRun run = gnuplot_picture(gnuplot_script(figure, terminal, ""), terminal, std::chrono::seconds(60));
-    if (!run.fault.empty()) return complain("cannot draw the picture: " + run.fault);
+    if (!run.fault.empty()) return print_plot_error("cannot draw the picture: " + run.fault);
     write_output(options.output, run.output);
     return 0;
 }
@@ -297,10 +297,10 @@ int plot_command(const PlotOptions& options) {
 void add_plot(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "plot", "Plots trajectory files, or with --scene their errors, on the terminal or as SVG or PDF.");
-    tell_columns(*command,
-                 "Examples:\n"
-                 "  polhode plot mine.csv --of omega\n"
-                 "  polhode plot a.csv b.csv --scene lagrange_top --output errors.svg\n");
+    describe_columns(*command,
+                     "Examples:\n"
+                     "  polhode plot mine.csv --of omega\n"
+                     "  polhode plot a.csv b.csv --scene lagrange_top --output errors.svg\n");
     const auto options = std::make_shared<PlotOptions>();
     command
         ->add_option("TRAJECTORY", options->files,
@@ -320,7 +320,7 @@ void add_plot(CLI::App& program, int& exit_code) {
                         "Output file F.svg or F.pdf, drawn by gnuplot (default: characters on stdout)");
     command->add_option("--width", options->width,
                         "Width of the character plot, 40 to 1000 columns (default: the terminal's, or 100)");
-    outside_option(*command);
+    add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = plot_command(*options); });
 }
 

@@ -24,7 +24,7 @@ double rotational_energy(const V& moments, const V& w) {
     return (moments[0] * w[0] * w[0] + moments[1] * w[1] * w[1] + moments[2] * w[2] * w[2]) / 2;
 }
 
-bool struck_later(const Problem& problem) {
+bool has_later_impulse(const Problem& problem) {
     if (!problem.scene.planes.empty()) return true;
     return std::any_of(problem.segments.begin() + 1, problem.segments.end(),
                        [](const Segment& segment) { return !segment.impulses.empty(); });
@@ -40,7 +40,7 @@ bool struck(const Problem& problem, const Trajectory& run, double begin, double 
 }
 
 // Returns the index at which a closed curve returns to its start after leaving it, or 0.
-std::size_t once_round(const Polyline& line, const V& scale) {
+std::size_t find_period_end(const Polyline& line, const V& scale) {
     double travelled = 0;
     bool away = false;
     for (std::size_t i = 1; i < line.size(); ++i) {
@@ -76,8 +76,8 @@ std::vector<Polyline> separatrix_of(const V& moments, const V& semi_axes) {
     return ellipses;
 }
 
-void keep(const Polyline& line, const V& scale, double tolerance, std::size_t first, std::size_t last,
-          std::vector<bool>& kept) {
+void mark_vertices(const Polyline& line, const V& scale, double tolerance, std::size_t first, std::size_t last,
+                   std::vector<bool>& is_vertex) {
     const V start = quotient(line[first], scale), along = quotient(line[last], scale) - start;
     const double squared = dot(along, along);
     double farthest = 0;
@@ -89,21 +89,21 @@ void keep(const Polyline& line, const V& scale, double tolerance, std::size_t fi
         if (distance > farthest) farthest = distance, at = i;
     }
     if (farthest <= tolerance) return;
-    kept[at] = true;
-    keep(line, scale, tolerance, first, at, kept);
-    keep(line, scale, tolerance, at, last, kept);
+    is_vertex[at] = true;
+    mark_vertices(line, scale, tolerance, first, at, is_vertex);
+    mark_vertices(line, scale, tolerance, at, last, is_vertex);
 }
 
 }  // namespace
 
-Polyline simplified(const Polyline& line, const Vector3<double>& scale, double tolerance) {
+Polyline simplify(const Polyline& line, const Vector3<double>& scale, double tolerance) {
     if (line.size() < 3) return line;
-    std::vector<bool> kept(line.size(), false);
-    kept.front() = kept.back() = true;
-    keep(line, scale, tolerance, 0, line.size() - 1, kept);
+    std::vector<bool> is_vertex(line.size(), false);
+    is_vertex.front() = is_vertex.back() = true;
+    mark_vertices(line, scale, tolerance, 0, line.size() - 1, is_vertex);
     Polyline result;
     for (std::size_t i = 0; i < line.size(); ++i)
-        if (kept[i]) result.push_back(line[i]);
+        if (is_vertex[i]) result.push_back(line[i]);
     return result;
 }
 
@@ -123,7 +123,7 @@ PolhodeCurve polhode_curve(const Problem& problem) {
     const V& moments = polhode.moments = problem.body.principal.moments;
     const Quaternion<double>& q_BP = problem.body.principal.q_BP;
     polhode.body_axes = q_BP == Quaternion<double>{};
-    polhode.free = problem.needs.torque_free && !struck_later(problem);
+    polhode.free = problem.needs.torque_free && !has_later_impulse(problem);
 
     polhode.curve.emplace_back();
     double largest_energy = 0;
@@ -142,7 +142,7 @@ PolhodeCurve polhode_curve(const Problem& problem) {
 
     if (polhode.free) {
         Polyline& line = polhode.curve.front();
-        if (const std::size_t end = once_round(line, polhode.semi_axes); end > 0) {
+        if (const std::size_t end = find_period_end(line, polhode.semi_axes); end > 0) {
             polhode.until = run.samples[end].t;
             line.resize(end);
             line.push_back(line.front());
@@ -151,7 +151,7 @@ PolhodeCurve polhode_curve(const Problem& problem) {
         if (problem.needs.symmetry == Symmetry::asymmetric)
             polhode.separatrix = separatrix_of(moments, polhode.semi_axes);
     }
-    for (Polyline& line : polhode.curve) line = simplified(line, polhode.semi_axes, resolution);
+    for (Polyline& line : polhode.curve) line = simplify(line, polhode.semi_axes, resolution);
     return polhode;
 }
 

@@ -38,6 +38,6 @@ PolhodeCurve polhode_curve(const Problem& problem);
 
 /// Simplifies a polyline (Ramer, Douglas and Peucker): omitted points are within `tolerance` of the result. Lengths are
 /// measured in units of `scale` along each axis.
-Polyline simplified(const Polyline& line, const Vector3<double>& scale, double tolerance);
+Polyline simplify(const Polyline& line, const Vector3<double>& scale, double tolerance);
 
 }  // namespace polhode

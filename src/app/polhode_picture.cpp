@@ -122,10 +122,10 @@ class Script {
         data_ += "END\n";
         element(fmt::format("$data{} using 1:2 with lines {}", count_++, pen(style)));
     }
-    SeenLine seen(const std::vector<Polyline>& polylines) const {
-        SeenLine all;
+    VisibleLine seen(const std::vector<Polyline>& polylines) const {
+        VisibleLine all;
         for (const Polyline& line : polylines) {
-            SeenLine one = view_.seen(simplified(line, polhode_.semi_axes, 2e-3));
+            VisibleLine one = view_.seen(simplify(line, polhode_.semi_axes, 2e-3));
             std::move(one.front.begin(), one.front.end(), std::back_inserter(all.front));
             std::move(one.behind.begin(), one.behind.end(), std::back_inserter(all.behind));
         }
@@ -134,8 +134,8 @@ class Script {
 
     // Draws from back to front.
     void layers() {
-        const SeenLine wires = seen(view_.wires()), separatrix = seen(polhode_.separatrix),
-                       curve = seen(polhode_.curve);
+        const VisibleLine wires = seen(view_.wires()), separatrix = seen(polhode_.separatrix),
+                          curve = seen(polhode_.curve);
         lines(wires.behind, wire_behind);
         lines(separatrix.behind, separatrix_behind);
         lines(curve.behind, curve_behind);

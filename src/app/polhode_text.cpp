@@ -92,7 +92,7 @@ Raster view_along(const PolhodeCurve& polhode, int along) {
     Raster raster(reach);
     raster.line(outline, 4);
     for (const Polyline& line : polhode.curve) {
-        const SeenLine seen = view.seen(line);
+        const VisibleLine seen = view.seen(line);
         for (const auto& part : seen.behind) raster.line(part, 2);
         for (const auto& part : seen.front) raster.line(part, 1);
     }

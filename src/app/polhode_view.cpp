@@ -52,8 +52,8 @@ bool PolhodeView::hidden(const V& rate) const {
     return ss - sm * sm / mm < 1 - grain;
 }
 
-SeenLine PolhodeView::seen(const Polyline& line) const {
-    SeenLine seen;
+VisibleLine PolhodeView::seen(const Polyline& line) const {
+    VisibleLine seen;
     if (line.empty()) return seen;
     bool behind = hidden(line[0]);
     std::vector<PagePoint> part{at(line[0])};

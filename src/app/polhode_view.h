@@ -12,7 +12,7 @@ struct PagePoint {
 };
 
 /// Parts of a line in front of or on the ellipsoid, and parts behind or inside it.
-struct SeenLine {
+struct VisibleLine {
     std::vector<std::vector<PagePoint>> front, behind;
 };
 
@@ -29,7 +29,7 @@ class PolhodeView {
     /// Projects an angular velocity (rad/s, principal axes) to the page.
     PagePoint at(const Vector3<double>& rate) const;
     bool hidden(const Vector3<double>& rate) const;
-    SeenLine seen(const Polyline& line) const;
+    VisibleLine seen(const Polyline& line) const;
     /// Returns the closed outline of the ellipsoid on the page.
     std::vector<PagePoint> outline() const;
     /// Returns parallels and meridians about axis 3 and the principal sections, as angular velocities.

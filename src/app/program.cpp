@@ -22,13 +22,13 @@ namespace {
 
 constexpr int bad_usage = 2, failed = 1;
 
-int complain(int exit_code, std::string_view message) {
+int print_error(int exit_code, std::string_view message) {
     std::fputs(("polhode: " + one_line(message, 1500) + "\n").c_str(), stderr);
     return exit_code;
 }
 
 // Does not allocate memory.
-int complain_of_memory() {
+int print_memory_error() {
     std::fputs("polhode: out of memory\n", stderr);
     return failed;
 }
@@ -66,14 +66,14 @@ void write_trajectory_output(const std::string& path, std::string text) {
     write_output(path, text);
 }
 
-void tell_columns(CLI::App& command, std::string_view further) {
+void describe_columns(CLI::App& command, std::string_view further) {
     std::string text = "Columns:\n";
     for (const TrajectoryColumns& c : trajectory_columns())
         text += fmt::format("  {:<12} {}{}{}\n", c.names, c.unit, c.unit.empty() ? "" : ": ", c.meaning);
     command.footer(text.append("\n").append(further));
 }
 
-Convention convention_option(const std::string& words) {
+Convention parse_convention_option(const std::string& words) {
     if (words.empty()) return {};
     return as_usage([&] { return parse_convention(words); }, "--convention: ");
 }
@@ -119,7 +119,7 @@ int print_help(const CLI::App& program, const CLI::ParseError& request) {
     try {
         write_output("", text.str());
     } catch (const std::runtime_error& error) {
-        return complain(failed, error.what());
+        return print_error(failed, error.what());
     }
     return exit_code;
 }
@@ -149,15 +149,15 @@ int run_command(int argc, const char* const* argv, std::span<const AddCommand> c
         return exit_code;
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return print_help(program, error);
-        return complain(bad_usage, fmt::format("{}; see polhode --help", error.what()));
+        return print_error(bad_usage, fmt::format("{}; see polhode --help", error.what()));
     } catch (const UsageError& error) {
-        return complain(bad_usage, error.what());
+        return print_error(bad_usage, error.what());
     } catch (const InputError& error) {
-        return complain(bad_usage, error.what());
+        return print_error(bad_usage, error.what());
     } catch (const std::bad_alloc&) {
-        return complain_of_memory();
+        return print_memory_error();
     } catch (const std::exception& error) {
-        return complain(failed, error.what());
+        return print_error(failed, error.what());
     }
 }
 
@@ -168,7 +168,7 @@ int run_program(int argc, const char* const* argv, std::span<const AddCommand> c
     try {
         return run_command(argc, argv, commands);
     } catch (const std::bad_alloc&) {
-        return complain_of_memory();
+        return print_memory_error();
     } catch (const std::exception& error) {
         std::fprintf(stderr, "polhode: %s\n", error.what());
         return failed;

@@ -23,7 +23,7 @@ struct ReportOptions {
 
 int report_command(ReportOptions options) {
     ReportRequest& request = options.request;
-    request.convention = convention_option(options.convention);
+    request.convention = parse_convention_option(options.convention);
     if (request.trajectories.empty() && !(request.scene.empty() && options.convention.empty()))
         throw UsageError("--scene and --convention require --trajectory; give --trajectory FILE.csv");
     if (!request.output.empty() && !request.output.ends_with(".html"))
@@ -34,7 +34,7 @@ int report_command(ReportOptions options) {
     if (request.jobs == 0) request.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     request.motions = !options.without_motions;
     try {
-        const ReportMade made = write_report_page(request);
+        const ReportSummary made = write_report_page(request);
         if (!options.quiet) {
             for (const std::string& remark : made.remarks) fmt::print(stderr, "{}\n", one_line(remark, 500));
             fmt::print(stderr, "{}: {:.1f} MB\n", one_line(made.path, 300), static_cast<double>(made.bytes) / 1e6);
@@ -60,8 +60,8 @@ void add_report(CLI::App& program, int& exit_code) {
         "  polhode report build/results --trajectory mine.csv --scene lagrange_top\n");
     const auto options = std::make_shared<ReportOptions>();
     command->add_option("DIR", options->request.directory, "Result directory written by polhode run")->required();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command->add_option("--output", options->request.output, "Output file F.html (default: report.html in DIR)");
     command->add_option("--against", options->request.against,
                         "Second result directory of the same experiments, from another machine or version, to compare "

@@ -102,7 +102,7 @@ void list_pending(const Plan& plan, const RunOptions& options) {
     const std::vector<PendingCase> pending = pending_work(plan, options);
     for (const PendingCase& one : pending) {
         if (one.seconds_before) total += *one.seconds_before, ++known;
-        list += fmt::format("{}{}\n", one.words,
+        list += fmt::format("{}{}\n", one.description,
                             one.seconds_before ? fmt::format("  {:.3g} s in the last run", *one.seconds_before) : "");
     }
     write_output("", list);
@@ -111,7 +111,7 @@ void list_pending(const Plan& plan, const RunOptions& options) {
                    plan.experiment.name, pending.size(), known, total);
 }
 
-void tell_costs(const Table& costs, const std::string& path) {
+void print_costs(const Table& costs, const std::string& path) {
     double total = 0;
     std::size_t measured = 0;
     for (const std::vector<Cell>& row : costs.rows) {
@@ -134,9 +134,9 @@ int run_command(const RunCommandOptions& options) {
         const std::string& measured = options.measured.empty() ? checked_options.directory : options.measured;
         Table costs{Costs::columns(), {}};
         for (const Plan& plan : plans)
-            for (std::vector<Cell>& row : costs_of_work(plan, measured).rows) costs.rows.push_back(std::move(row));
+            for (std::vector<Cell>& row : work_cost_table(plan, measured).rows) costs.rows.push_back(std::move(row));
         write_output(options.plan, csv(costs));
-        if (!options.quiet) tell_costs(costs, options.plan);
+        if (!options.quiet) print_costs(costs, options.plan);
         return 0;
     }
     for (const Plan& plan : plans) {
@@ -163,8 +163,8 @@ void add_run(CLI::App& program, int& exit_code) {
         ->add_option("EXPERIMENT", options->experiments,
                      "Experiments: built-in names (see polhode list experiments) or files")
         ->required();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command->add_option("--filter", options->filter,
                         "Run only cases whose SCENE/METHOD matches this POSIX extended regular expression");
     command->add_option("--output", options->output,

@@ -56,7 +56,7 @@ std::string loads_of(const Scene& scene) {
     return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-Table rows_of(const std::vector<std::string>& names) {
+Table make_scene_table(const std::vector<std::string>& names) {
     Table table{{"name", "about", "duration (s)", "principal moments (kg m^2)", "about point", "loads", "system posed",
                  "variables", "truth", "source"},
                 {}};
@@ -121,14 +121,14 @@ std::string scene_index() {
         else
             families[member.folder].insert(member.family);
     }
-    std::string page = markdown(rows_of(plain));
+    std::string page = markdown(make_scene_table(plain));
     for (const auto& [folder, names] : mechanisms)
         page += fmt::format("\n## {}\n\n{}", folder.empty() ? "several bodies" : folder,
                             markdown(mechanism_rows_of(names)));
     for (const auto& [folder, names] : families) {
         page += fmt::format("\n## {}\n", folder);
         for (const std::string& family : names)
-            page += fmt::format("\n### {}\n\n{}", family, markdown(rows_of(scene_family(folder, family))));
+            page += fmt::format("\n### {}\n\n{}", family, markdown(make_scene_table(scene_family(folder, family))));
     }
     return page;
 }

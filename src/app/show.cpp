@@ -16,7 +16,7 @@ void add_show(CLI::App& program, int& exit_code) {
         "  polhode show lagrange_top > mine.json\n");
     const auto scene = std::make_shared<std::string>();
     command->add_option("SCENE", *scene, "A built-in scene (polhode list scenes) or a scene file")->required();
-    outside_option(*command);
+    add_outside_option(*command);
     command->callback([scene, &exit_code] {
         // throws if the file is not a valid scene
         find_scene(*scene);

@@ -151,11 +151,11 @@ int solve_command(const SolveOptions& options) {
 void add_solve(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "solve", "Solves a scene: writes one trajectory (CSV) to stdout or a file, and a summary to stderr.");
-    tell_columns(*command,
-                 "Examples:\n"
-                 "  polhode solve lagrange_top --method cvode_adams --tolerance 1e-10 --output top.csv\n"
-                 "  polhode solve t_handle --method odeint_rk4 --step 0.001 --samples 500\n"
-                 "  polhode solve mechanisms/four_bar --reactions forces.csv --output motion.csv\n");
+    describe_columns(*command,
+                     "Examples:\n"
+                     "  polhode solve lagrange_top --method cvode_adams --tolerance 1e-10 --output top.csv\n"
+                     "  polhode solve t_handle --method odeint_rk4 --step 0.001 --samples 500\n"
+                     "  polhode solve mechanisms/four_bar --reactions forces.csv --output motion.csv\n");
     const auto options = std::make_shared<SolveOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command
@@ -181,8 +181,8 @@ void add_solve(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command->add_option("--max-seconds", options->max_seconds, "Fail after this CPU time of the thread, in s")
         ->capture_default_str();
-    engines_option(*command);
-    outside_option(*command);
+    add_engines_option(*command);
+    add_outside_option(*command);
     command->add_option("--output", options->output, "Output file (default: stdout)");
     command->add_option("--reactions", options->reactions,
                         "CSV file for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "

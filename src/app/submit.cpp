@@ -32,24 +32,24 @@ struct SubmitOptions {
 
 std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
 
-std::string own_path() {
+std::string program_path() {
     std::error_code none;
     const fs::path path = fs::read_symlink("/proc/self/exe", none);
     return none ? "polhode" : path.string();
 }
 
 // Returns the expected time of the longest shard, s.
-double dearest_shard(const Plan& plan, const Costs& costs, int shards) {
+double longest_shard_seconds(const Plan& plan, const Costs& costs, int shards) {
     std::vector<double> seconds(static_cast<std::size_t>(shards), 0.0);
-    const std::vector<std::vector<int>> dealt = deal_out(plan, costs, shards);
-    for (std::size_t s = 0; s < dealt.size(); ++s) {
+    const std::vector<std::vector<int>> shards = assign_shards(plan, costs, shards);
+    for (std::size_t s = 0; s < shards.size(); ++s) {
         std::vector<int> with_truth;
-        for (std::size_t c = 0; c < dealt[s].size(); ++c) {
-            const int shard = dealt[s][c];
-            seconds[static_cast<std::size_t>(shard)] += costs.of_curve(plan, plan.scenes[s], plan.curves[c]);
+        for (std::size_t c = 0; c < shards[s].size(); ++c) {
+            const int shard = shards[s][c];
+            seconds[static_cast<std::size_t>(shard)] += costs.curve_seconds(plan, plan.scenes[s], plan.curves[c]);
             if (std::find(with_truth.begin(), with_truth.end(), shard) != with_truth.end()) continue;
             with_truth.push_back(shard);
-            seconds[static_cast<std::size_t>(shard)] += costs.of_truth(plan, plan.scenes[s]);
+            seconds[static_cast<std::size_t>(shard)] += costs.truth_seconds(plan, plan.scenes[s]);
         }
     }
     return *std::max_element(seconds.begin(), seconds.end());
@@ -69,7 +69,7 @@ int submit_command(const SubmitOptions& options) {
     std::error_code none;
     Submission submission;
     submission.name = plan.experiment.name;
-    submission.program = options.program.empty() ? own_path() : options.program;
+    submission.program = options.program.empty() ? program_path() : options.program;
     submission.experiment = fs::exists(options.experiment, none) ? absolute(options.experiment) : options.experiment;
     submission.output = output;
     submission.plan = (fs::path(output) / (submission.name + ".plan.csv")).string();
@@ -80,12 +80,12 @@ int submit_command(const SubmitOptions& options) {
     for (std::vector<std::string>* list : {&submission.options, &submission.merge_options})
         if (options.allow_outside) list->emplace_back("--allow-outside");
     submission.shards = options.shards, submission.jobs = options.jobs;
-    const Table costs = costs_of_work(plan, options.measured.empty() ? output : options.measured);
+    const Table costs = work_cost_table(plan, options.measured.empty() ? output : options.measured);
     double whole = 0;
     // an experiment that is computed as a whole runs in the first shard
     if (costs.rows.size() == 1) whole = std::get<double>(costs.rows.front()[costs.rows.front().size() - 2]);
     const double dearest =
-        std::max(whole, dearest_shard(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
+        std::max(whole, longest_shard_seconds(plan, Costs(parse_csv(csv(costs)), submission.plan), options.shards));
     submission.seconds = std::lround(std::min(1e8, std::ceil(3 * dearest + 600)));
     const std::string path = (fs::path(output) / script_name(options.engine, submission)).string();
     fs::create_directories(output);

@@ -214,10 +214,10 @@ void add_truth(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand(
         "truth",
         "Computes the reference trajectory of a scene (the truth) in decimals. Prints its error bound and method.");
-    tell_columns(*command,
-                 "Examples:\n"
-                 "  polhode truth lagrange_top --digits 30 --output top.csv\n"
-                 "  polhode truth free_asymmetric --certified --digits 40 --samples 10 --format json\n");
+    describe_columns(*command,
+                     "Examples:\n"
+                     "  polhode truth lagrange_top --digits 30 --output top.csv\n"
+                     "  polhode truth free_asymmetric --certified --digits 40 --samples 10 --format json\n");
     const auto options = std::make_shared<TruthOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--samples", options->samples, "Number of sample intervals N: samples at k T/N, k = 0..N")
@@ -244,7 +244,7 @@ void add_truth(CLI::App& program, int& exit_code) {
                         "File for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "
                         "Force in N and torque in N m by the parent on the child, world axes, about the child's point");
     command->add_option("--output", options->output, "Output file (default: stdout)");
-    outside_option(*command);
+    add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = truth_command(*options); });
 }
 

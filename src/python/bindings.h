@@ -86,7 +86,7 @@ inline Sample sample_of(double t, const double* row) {
 }
 
 /// Returns a Python function that any thread may copy, call and release.
-inline std::shared_ptr<py::function> kept(const py::function& function) {
+inline std::shared_ptr<py::function> share_function(const py::function& function) {
     return {new py::function(function), [](py::function* f) {
                 const py::gil_scoped_acquire gil;
                 delete f;
@@ -123,7 +123,7 @@ auto call(F&& f) {
 /// Calls f without the GIL in a separate thread, for functions that use several threads. This thread waits and checks
 /// for Python signals. `stop` is also called if a signal ends the call.
 template <class F>
-auto call_aside(F&& f, const std::function<void()>& stop = {}) {
+auto call_in_thread(F&& f, const std::function<void()>& stop = {}) {
     std::atomic<bool> stopped = false;
     std::optional<py::error_already_set> thrown;
     auto running = std::async(std::launch::async, [&] {
@@ -163,7 +163,7 @@ void bind_scenes(py::module_& module);
 void bind_solving(py::module_& module);
 void bind_truth(py::module_& module);
 void bind_ensembles(py::module_& module);
-void bind_own_methods(py::module_& module);
+void bind_user_methods(py::module_& module);
 void bind_experiments(py::module_& module);
 void bind_measuring(py::module_& module);
 

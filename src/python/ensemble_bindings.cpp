@@ -40,7 +40,7 @@ std::shared_ptr<SolvedBodies> solve_bodies(const ReadScene& read, std::size_t co
     const double *inertia = data(columns.inertia), *mass = data(columns.mass);
     const bool tensors = columns.inertia && columns.inertia->ndim() == 3;
     auto solved = std::make_shared<SolvedBodies>();
-    call_aside([&] {
+    call_in_thread([&] {
         const Stopwatch stopwatch;
         solved->rows.resize(count);
         const EnsembleBody alike = ensemble_body(read.scene());
@@ -80,7 +80,7 @@ py::tuple solve_mechanisms(const ReadScene& read, const std::string& table_text,
                            const EnsembleSettings& settings) {
     std::vector<MechanismRow> rows;
     EnsembleTable table;
-    call_aside([&] {
+    call_in_thread([&] {
         table = parse_ensemble(table_text, "the arrays", read.scene(), BadRows::pass_over);
         rows = solve_mechanism_ensemble(read.scene(), table.mechanisms, samples, settings);
         return true;

@@ -15,7 +15,7 @@ bool run_text(const std::string& text, const std::string& file, const std::strin
     RunOptions options;
     options.directory = directory, options.filter = filter, options.quick = quick, options.quiet = quiet;
     options.jobs = jobs > 0 ? jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    return call_aside(
+    return call_in_thread(
         [&] {
             const std::lock_guard lock(one_at_a_time);
             allow_sweeps();

@@ -38,7 +38,7 @@ PYBIND11_MODULE(_polhode, module) {
     bind_solving(module);
     bind_truth(module);
     bind_ensembles(module);
-    bind_own_methods(module);
+    bind_user_methods(module);
     bind_experiments(module);
     bind_measuring(module);
 }

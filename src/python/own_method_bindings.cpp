@@ -159,9 +159,9 @@ class Thrown {
     static inline thread_local bool raises = false;
 };
 
-void add_own_method(const std::string& name, const std::string& documentation, const std::string& source, int order,
-                    const std::string& conserves, const std::string& control, const std::string& identity,
-                    const std::optional<py::function>& step, const std::optional<py::function>& solve) {
+void add_user_method(const std::string& name, const std::string& documentation, const std::string& source, int order,
+                     const std::string& conserves, const std::string& control, const std::string& identity,
+                     const std::optional<py::function>& step, const std::optional<py::function>& solve) {
     Method description;
     description.name = name, description.documentation = documentation, description.source = source;
     description.order = order, description.conserves = conserves, description.identity = identity;
@@ -170,7 +170,7 @@ void add_own_method(const std::string& name, const std::string& documentation, c
                           : control == "tolerance" ? Control::tolerance
                           : control == "none"      ? Control::none
                                                    : Control::fixed_step_or_tolerance;
-    const std::shared_ptr<py::function> function = kept(step ? *step : *solve);
+    const std::shared_ptr<py::function> function = share_function(step ? *step : *solve);
     const bool steps = step.has_value();
     add_method(make_method(description, [function, steps](const Problem& problem, const Settings& settings) {
         return Thrown::solve(
@@ -203,10 +203,10 @@ py::dict entry_of(const Method& method) {
 RaisingHere::RaisingHere() { Thrown::raises = true; }
 RaisingHere::~RaisingHere() { Thrown::raises = false; }
 
-void bind_own_methods(py::module_& module) {
+void bind_user_methods(py::module_& module) {
     py::class_<RightHandSide>(module, "RightHandSide", "The right-hand side of the system of a scene.")
         .def("__call__", &RightHandSide::operator(), py::arg("t"), py::arg("y"), "dy/dt at time t (s) and state y.");
-    module.def("add_method", &add_own_method, py::arg("name"), py::arg("documentation"), py::arg("source"),
+    module.def("add_method", &add_user_method, py::arg("name"), py::arg("documentation"), py::arg("source"),
                py::arg("order"), py::arg("conserves"), py::arg("control"), py::arg("identity"), py::kw_only(),
                py::arg("step"), py::arg("solve"));
     module.def("plain_colors", [] {

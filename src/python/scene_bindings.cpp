@@ -19,7 +19,7 @@ py::array_t<double> array_of(const Vector3<double>& v) { return py::array_t<doub
 
 // Wraps a Python function as a torque that any thread may call, copy and destroy without holding the GIL.
 std::function<Vector3<double>(const LoadState&)> torque_of(const py::function& function) {
-    return [torque = kept(function)](const LoadState& now) {
+    return [torque = share_function(function)](const LoadState& now) {
         const py::gil_scoped_acquire gil;
         const py::object given = (*torque)(now);
         const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);

@@ -19,14 +19,14 @@ struct SampleTimes {
 };
 
 DecimalReference decimals_of(const ReadScene& scene, const SampleTimes& at, int digits, double max_seconds) {
-    return call_aside([&] {
+    return call_in_thread([&] {
         return at.times.empty() ? decimal_reference(scene.scene(), at.samples, digits, max_seconds)
                                 : decimal_reference(scene.scene(), at.times, digits, max_seconds);
     });
 }
 
 CertifiedReference certified_of(const ReadScene& scene, const SampleTimes& at, int digits, double max_seconds) {
-    return call_aside([&] {
+    return call_in_thread([&] {
         return at.times.empty() ? certified_reference(scene.scene(), at.samples, digits, max_seconds)
                                 : certified_reference(scene.scene(), at.times, digits, max_seconds);
     });
@@ -42,7 +42,7 @@ py::dict errors_of(const SolvedScene& solved, int digits, double max_seconds) {
     ErrorSeries series;
     Errors run;
     Reference truth;
-    call_aside([&] {
+    call_in_thread([&] {
         std::vector<double> times;
         const Trajectory& trajectory = solved.trajectory;
         for (std::size_t k = 0; k < trajectory.moments(); ++k)
@@ -82,7 +82,7 @@ std::tuple<bool, std::string, std::string, std::string> check_texts(
     std::vector<NamedText> files;
     for (const auto& [name, text] : tables) files.push_back({name, text});
     const std::vector<CheckedFile> checked =
-        call_aside([&] { return check_files(scene.scene(), files, read, {}, allowed, explain); });
+        call_in_thread([&] { return check_files(scene.scene(), files, read, {}, allowed, explain); });
     bool passed = true;
     for (const CheckedFile& file : checked)
         for (const BlockVerdict& verdict : allowed.verdicts(file.file_errors)) passed = passed && !verdict.failed;

@@ -87,9 +87,9 @@ Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene
                                   {"passed", verdict.error ? Json(!verdict.failed) : Json()},
                                   {"at", summary ? number_json(summary->max_time, 6) : Json()}});
     }
-    CheckedFile told = checked;
-    told.path = json["file"].get<std::string>();
-    std::istringstream lines(check_text(limits, {told}));
+    CheckedFile checked_copy = checked;
+    checked_copy.path = json["file"].get<std::string>();
+    std::istringstream lines(check_text(limits, {checked_copy}));
     for (std::string line; std::getline(lines, line);) json["lines"].push_back(line);
     for (const Diagnosis& fault : checked.diagnosis.faults) json["diagnoses"].push_back(fault.message);
     if (checked.diagnosis.update) json["diagnoses"].push_back(checked.diagnosis.update->message);

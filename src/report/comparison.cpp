@@ -53,7 +53,7 @@ RatioInterval ratio_interval(const std::vector<std::vector<double>>& groups) {
     return interval;
 }
 
-FolderComparison compared(const ResultFolder& here, const ResultFolder& there) {
+FolderComparison compare_folders(const ResultFolder& here, const ResultFolder& there) {
     std::map<Key, std::size_t> others;
     for (std::size_t r = 0; r < there.rows.size(); ++r) others.try_emplace(key_of(there, there.rows[r]), r);
     FolderComparison comparison;
@@ -87,7 +87,7 @@ FolderComparison compared(const ResultFolder& here, const ResultFolder& there) {
         return list;
     };
     for (const auto& [method, scenes] : by_method) {
-        FolderComparison::OfMethod one{method, pairs[method], ratio_interval(groups(scenes)), {}};
+        FolderComparison::MethodComparison one{method, pairs[method], ratio_interval(groups(scenes)), {}};
         if (!errors[method].empty()) one.errors = std::exp(mean(errors[method]));
         comparison.methods.push_back(one);
     }

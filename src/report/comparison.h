@@ -31,17 +31,17 @@ struct FolderComparison {
     std::vector<MatchedPair> pairs;
     std::size_t only_here = 0, only_there = 0;
     std::size_t same_bits = 0;  ///< pairs whose largest attitude errors are equal, or absent in both
-    struct OfMethod {
+    struct MethodComparison {
         int method = 0;
         std::size_t pairs = 0;
         RatioInterval seconds;         ///< run time in the other directory over that in this one
         std::optional<double> errors;  ///< geometric mean of the ratios of attitude errors
     };
-    std::vector<OfMethod> methods;  ///< methods with at least one timed pair, by index
-    RatioInterval all;              ///< over all methods, one group per scene
+    std::vector<MethodComparison> methods;  ///< methods with at least one timed pair, by index
+    RatioInterval all;                      ///< over all methods, one group per scene
 };
 
 /// Compares two directories row by row.
-FolderComparison compared(const ResultFolder& here, const ResultFolder& there);
+FolderComparison compare_folders(const ResultFolder& here, const ResultFolder& there);
 
 }  // namespace polhode

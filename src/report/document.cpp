@@ -77,7 +77,7 @@ class DocumentWriter {
                   {"checks", content_.checks},
                   {"motions", motions_json()}};
         remarks_.insert(remarks_.end(), folder_.remarks.begin(), folder_.remarks.end());
-        remarks_.insert(remarks_.end(), content_.motions.left_out.begin(), content_.motions.left_out.end());
+        remarks_.insert(remarks_.end(), content_.motions.omissions.begin(), content_.motions.omissions.end());
         json["remarks"] = remarks_;
         return json;
     }
@@ -105,18 +105,19 @@ class DocumentWriter {
         const std::size_t total = folder_.rows.size();
         const std::size_t stride = (total + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows);
         std::map<FolderRow::Curve, std::size_t> counts;
-        std::vector<std::size_t> kept;
+        std::vector<std::size_t> selected;
         for (std::size_t r = 0; r < total; ++r) {
-            if (stride <= 1 || counts[folder_.rows[r].curve()]++ % stride == 0 || needed.contains(r)) kept.push_back(r);
+            if (stride <= 1 || counts[folder_.rows[r].curve()]++ % stride == 0 || needed.contains(r))
+                selected.push_back(r);
         }
         // many curves of a single row: keep only some of them
-        const std::size_t again = 2 * kept.size() > 3 * detail_.rows
-                                      ? (kept.size() + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows)
+        const std::size_t again = 2 * selected.size() > 3 * detail_.rows
+                                      ? (selected.size() + detail_.rows - 1) / std::max<std::size_t>(1, detail_.rows)
                                       : 1;
-        for (std::size_t i = 0; i < kept.size(); ++i)
-            if (again <= 1 || i % again == 0 || needed.contains(kept[i])) {
-                place_[kept[i]] = static_cast<int>(shown_.size());
-                shown_.push_back(kept[i]);
+        for (std::size_t i = 0; i < selected.size(); ++i)
+            if (again <= 1 || i % again == 0 || needed.contains(selected[i])) {
+                place_[selected[i]] = static_cast<int>(shown_.size());
+                shown_.push_back(selected[i]);
             }
         if (shown_.size() < total)
             remarks_.push_back(
@@ -218,7 +219,7 @@ class DocumentWriter {
 
     Json findings_json() const {
         Json list = Json::array();
-        for (const Finding& f : findings_of(folder_))
+        for (const Finding& f : make_findings(folder_))
             list.push_back({{"title", f.title}, {"text", f.text}, {"link", f.link}});
         return list;
     }
@@ -250,7 +251,7 @@ class DocumentWriter {
 
     Json orders_json() const {
         Json list = Json::array();
-        for (const FittedOrder& o : orders_of(folder_))
+        for (const FittedOrder& o : fit_orders(folder_))
             list.push_back({{"experiment", o.experiment},
                             {"scene", o.scene},
                             {"method", o.method},
@@ -271,10 +272,10 @@ class DocumentWriter {
                                                detail_.series, folder_.series.size()));
                 break;
             }
-            const std::vector<std::size_t> kept = spread(series.t.size(), detail_.series_points);
+            const std::vector<std::size_t> selected = spread_indices(series.t.size(), detail_.series_points);
             const auto thin = [&](const std::vector<double>& values, int digits) {
                 Json numbers = Json::array();
-                for (const std::size_t k : kept) numbers.push_back(number_json(values[k], digits));
+                for (const std::size_t k : selected) numbers.push_back(number_json(values[k], digits));
                 return numbers;
             };
             Json json{{"experiment", series.experiment},
@@ -283,7 +284,7 @@ class DocumentWriter {
                       {"setting", number(series.setting)},
                       {"t", thin(series.t, 6)}};
             Json growth = Json::object();
-            const auto fits = growth_of(series);
+            const auto fits = fit_growth(series);
             for (std::size_t i = 0; i < drift_measures.size(); ++i) {
                 json[std::string(drift_measures[i])] = thin(series.errors[i], 3);
                 if (fits[i])
@@ -291,7 +292,7 @@ class DocumentWriter {
                         Json::array({number_json(fits[i]->first, 3), number_json(fits[i]->second, 2)});
             }
             json["growth"] = std::move(growth);
-            json["thinned"] = kept.size() < series.t.size();
+            json["thinned"] = selected.size() < series.t.size();
             list.push_back(std::move(json));
         }
         return list;
@@ -393,7 +394,7 @@ class DocumentWriter {
                   {"same_bits", c.same_bits},       {"matched", c.pairs.size()},
                   {"only_here", c.only_here},       {"only_there", c.only_there},
                   {"methods", Json::array()},       {"pairs", Json::array()}};
-        for (const FolderComparison::OfMethod& m : c.methods)
+        for (const FolderComparison::MethodComparison& m : c.methods)
             json["methods"].push_back({{"method", m.method},
                                        {"scenes", m.seconds.groups},
                                        {"pairs", m.pairs},

@@ -1,5 +1,6 @@
 // Findings of a result directory. Each function .._finding computes one finding from the rows, series or tables, or
-// returns nullopt if they do not contain the data. findings_of() takes the first three in a fixed order of importance.
+// returns nullopt if they do not contain the data. make_findings() takes the first three in a fixed order of
+// importance.
 #include "report/findings.h"
 
 #include <fmt/format.h>
@@ -153,7 +154,7 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
     const FolderSeries* example = nullptr;
     double longest = 0;
     for (const FolderSeries& series : folder.series) {
-        const auto growth = growth_of(series)[energy];
+        const auto growth = fit_growth(series)[energy];
         if (!growth) continue;
         const std::string& name = folder.methods[series.method];
         if (growth->first < 0.2) bounded.insert(name);
@@ -173,20 +174,21 @@ std::optional<Finding> growth_finding(const ResultFolder& folder) {
 }
 
 std::optional<Finding> order_finding(const ResultFolder& folder) {
-    std::size_t told = 0, off = 0;
+    std::size_t observed = 0, off = 0;
     const FittedOrder* worst = nullptr;
-    const std::vector<FittedOrder> orders = orders_of(folder);
+    const std::vector<FittedOrder> orders = fit_orders(folder);
     for (const FittedOrder& order : orders) {
         if (order.kind != SettingKind::step || order.claimed == 0 || !order.observed) continue;
-        ++told;
+        ++observed;
         const double difference = std::abs(*order.observed - order.claimed);
         if (difference > 0.2) ++off;
         if (!worst || difference > std::abs(*worst->observed - worst->claimed)) worst = &order;
     }
-    if (told < 3) return std::nullopt;
+    if (observed < 3) return std::nullopt;
     const std::string& scene = folder.scenes[worst->scene];
-    return Finding{off == 0 ? fmt::format("All {} observed orders match the claimed orders", told)
-                            : fmt::format("{} of {} observed orders match the claimed orders", told - off, told),
+    return Finding{off == 0
+                       ? fmt::format("All {} observed orders match the claimed orders", observed)
+                       : fmt::format("{} of {} observed orders match the claimed orders", observed - off, observed),
                    fmt::format("Matches are within 0.2. Largest difference: {} on {}, {:.2f} observed, {} claimed.",
                                shown(folder.methods[worst->method]), shown(scene), *worst->observed, worst->claimed),
                    "#section=convergence&scene=" + in_fragment(scene)};
@@ -290,7 +292,7 @@ Fastest fastest_within(const ResultFolder& folder, const std::vector<std::size_t
     return best;
 }
 
-std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeries& series) {
+std::vector<std::optional<std::pair<double, double>>> fit_growth(const FolderSeries& series) {
     std::vector<std::optional<std::pair<double, double>>> all;
     for (std::size_t i = 0; i < drift_measures.size(); ++i) {
         all.emplace_back();
@@ -304,7 +306,7 @@ std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeri
     return all;
 }
 
-std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
+std::vector<FittedOrder> fit_orders(const ResultFolder& folder) {
     const bool some =
         std::ranges::any_of(folder.experiments, [](const FolderExperiment& e) { return e.kind == "convergence"; });
     struct Points {
@@ -336,7 +338,7 @@ std::vector<FittedOrder> orders_of(const ResultFolder& folder) {
     return orders;
 }
 
-std::vector<Finding> findings_of(const ResultFolder& folder) {
+std::vector<Finding> make_findings(const ResultFolder& folder) {
     std::vector<Finding> findings;
     for (const auto find : {fastest_finding, hidden_finding, growth_finding, order_finding, failure_finding,
                             floor_finding, gain_finding}) {

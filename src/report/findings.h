@@ -31,10 +31,10 @@ std::vector<std::vector<std::size_t>> rows_by_scene(const ResultFolder& folder);
 /// The first three of: the fastest method; lost attitudes that the energy error hides; growth of energy errors; orders
 /// that differ from the claimed ones; failed runs; methods that reach the rounding floor; the gain of the reduced
 /// formulation. Findings without data are omitted.
-std::vector<Finding> findings_of(const ResultFolder& folder);
+std::vector<Finding> make_findings(const ResultFolder& folder);
 
 /// Growth exponent and its uncertainty for each of drift_measures; nullopt if no power law fits.
-std::vector<std::optional<std::pair<double, double>>> growth_of(const FolderSeries& series);
+std::vector<std::optional<std::pair<double, double>>> fit_growth(const FolderSeries& series);
 
 /// Order of convergence fitted to one curve.
 struct FittedOrder {
@@ -48,6 +48,6 @@ struct FittedOrder {
 
 /// Fits orders to all curves that have at least four successful runs with an error above 100 times the rounding floor.
 /// Uses the experiments of kind `convergence`, or all experiments if there are none.
-std::vector<FittedOrder> orders_of(const ResultFolder& folder);
+std::vector<FittedOrder> fit_orders(const ResultFolder& folder);
 
 }  // namespace polhode

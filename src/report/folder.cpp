@@ -282,7 +282,7 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows) {
     return folder;
 }
 
-std::map<std::string, Scene> scenes_of(const ResultFolder& folder) {
+std::map<std::string, Scene> read_scenes(const ResultFolder& folder) {
     std::map<std::string, Scene> scenes;
     const std::vector<std::string>& wanted = folder.scenes.names();
     const auto missing = [&] {

@@ -109,6 +109,6 @@ ResultFolder read_folder(const std::string& directory, std::size_t most_rows);
 
 /// The scenes of the rows by name, as far as they are available: from scenes.json, else from the built-in experiments
 /// of the directory, else from the built-in scenes.
-std::map<std::string, Scene> scenes_of(const ResultFolder& folder);
+std::map<std::string, Scene> read_scenes(const ResultFolder& folder);
 
 }  // namespace polhode

@@ -23,7 +23,7 @@ Json numbers_json(const std::vector<double>& values, int digits) {
     return list;
 }
 
-std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
+std::vector<std::size_t> spread_indices(std::size_t count, std::size_t most) {
     std::vector<std::size_t> places;
     const std::size_t shown = std::min(count, most);
     for (std::size_t i = 0; i < shown; ++i) places.push_back(shown > 1 ? i * (count - 1) / (shown - 1) : 0);

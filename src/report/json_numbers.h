@@ -19,7 +19,7 @@ Json number_json(double value, int digits);
 Json numbers_json(const std::vector<double>& values, int digits);
 
 /// At most `most` evenly spaced indices into a list of `count` entries, including the first and, if most > 1, the last.
-std::vector<std::size_t> spread(std::size_t count, std::size_t most);
+std::vector<std::size_t> spread_indices(std::size_t count, std::size_t most);
 
 /// The vector as three numbers with six digits.
 Json vector_json(const Vector3<double>& v);

@@ -109,7 +109,7 @@ SampledMotion sampled_motion(const Trajectory& trajectory) {
     return motion;
 }
 
-Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool checked) {
+Keyframes select_keyframes(const SampledMotion& motion, const Tolerance& tolerance, bool checked) {
     Keyframes keyframes;
     if (motion.t.empty()) return keyframes;
     std::vector<Grid> grids;

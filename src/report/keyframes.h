@@ -44,7 +44,7 @@ struct Keyframes {
 /// are interpolated by the cubic Hermite polynomial of the quaternion components with q' = q (0, w_B) / 2 at both ends,
 /// then normalised; centres of mass by that of p and v. The interpolation uses the rounded values of the document. If
 /// `checked`, only every other sample can become a keyframe, so that every interval contains a sample to check.
-Keyframes thinned(const SampledMotion& motion, const Tolerance& tolerance, bool checked);
+Keyframes select_keyframes(const SampledMotion& motion, const Tolerance& tolerance, bool checked);
 
 /// The keyframes as Track of src/report/page/source/data.ts.
 Json track_json(const SampledMotion& motion, const Keyframes& keyframes);

@@ -36,8 +36,8 @@ constexpr double most_revolutions = 15;
 constexpr double turn_per_sample = 0.1;
 constexpr long least_samples = 200, most_samples = 2000;
 // if the truth is computed separately for each time
-constexpr long dear_samples = 400;
-constexpr std::size_t judged_samples = 400, error_points = 100, fewer_error_points = 30;
+constexpr long slow_truth_samples = 400;
+constexpr std::size_t error_samples = 400, error_points = 100, fewer_error_points = 30;
 // rad, invisible in a picture of a few hundred pixels, where a degree is one or two pixels
 constexpr double visible_angle = 1e-2;
 constexpr double truth_limit = 5, run_limit = 0.5;  // s
@@ -53,16 +53,16 @@ struct DrawnRun {
 };
 
 // Whether run a is preferred over run b; `step` (s) is the step of common use.
-bool goes_before(const DrawnRun& a, const DrawnRun& b, double step) {
+bool precedes(const DrawnRun& a, const DrawnRun& b, double step) {
     if (a.kind != b.kind) return a.kind == SettingKind::step;
     const double wanted = a.kind == SettingKind::step ? step : drawn_tolerance;
     return std::abs(std::log(a.setting / wanted)) < std::abs(std::log(b.setting / wanted));
 }
 
 // The truth at arbitrary times, with a cache for scenes without dense output.
-class TruthOf {
+class SceneTruth {
   public:
-    explicit TruthOf(const Scene& scene) : scene_(scene) {
+    explicit SceneTruth(const Scene& scene) : scene_(scene) {
         if (!is_mechanism(scene)) dense_ = dense_reference(scene, scene.duration);
     }
 
@@ -149,11 +149,11 @@ class MotionWriter {
         const double whole = scene_.duration;
         const Problem problem = pose(scene_);
         window(problem);
-        TruthOf truth(scene_);
+        SceneTruth truth(scene_);
         const double rate = problem.scales.angular_velocity;
         dense_ = truth.is_dense();
         samples_ = std::clamp(static_cast<long>(std::ceil(scene_.duration * rate / turn_per_sample)), least_samples,
-                              dense_ ? most_samples : dear_samples) /
+                              dense_ ? most_samples : slow_truth_samples) /
                    2 * 2;
         const Reference reference = truth.at(sample_times(scene_.duration, samples_));
         if (!reference.available) {
@@ -174,7 +174,7 @@ class MotionWriter {
             for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
         if (size == 0) size = 1;
         tolerance_ = {visible_angle, 2e-3 * size};
-        const Keyframes keyframes = thinned(motion, tolerance_, true);
+        const Keyframes keyframes = select_keyframes(motion, tolerance_, true);
         worst_ = keyframes.off;
         Json json{{"scene", place},
                   {"duration", number_json(scene_.duration, 7)},
@@ -241,7 +241,7 @@ class MotionWriter {
         return settings;
     }
 
-    Json run_json(const DrawnRun& run, const std::string& name, TruthOf& truth) {
+    Json run_json(const DrawnRun& run, const std::string& name, SceneTruth& truth) {
         Json json{{"method", run.method},
                   {"label", name},
                   {"setting_kind", static_cast<int>(run.kind)},
@@ -272,7 +272,7 @@ class MotionWriter {
         return json;
     }
 
-    Json file_json(const DrawnFile& file, TruthOf& truth) {
+    Json file_json(const DrawnFile& file, SceneTruth& truth) {
         Trajectory trajectory;
         trajectory.bodies = file.bodies;
         const std::size_t bodies = static_cast<std::size_t>(file.bodies);
@@ -285,7 +285,7 @@ class MotionWriter {
     }
 
     // Adds status, errors and, if visibly different from the truth, keyframes. Returns whether keyframes were added.
-    bool add(Json& json, const Trajectory& trajectory, const std::string& message, TruthOf& truth) {
+    bool add(Json& json, const Trajectory& trajectory, const std::string& message, SceneTruth& truth) {
         json["status"] = static_cast<int>(trajectory.status);
         json["message"] = message;
         json["track"] = json["difference"] = nullptr;
@@ -293,31 +293,33 @@ class MotionWriter {
         if (trajectory.moments() == 0) return false;
         // differences from the truth are computed in 128 bits, which is slow: only at a few hundred times
         const std::size_t bodies = static_cast<std::size_t>(trajectory.bodies);
-        Trajectory judged = trajectory;
-        judged.samples.clear(), judged.orthogonality_defect.clear(), judged.reactions.clear();
+        Trajectory error_indices = trajectory;
+        error_indices.samples.clear(), error_indices.orthogonality_defect.clear(), error_indices.reactions.clear();
         std::vector<double> times;
-        for (const std::size_t k : spread(trajectory.moments(), dense_ ? judged_samples : trajectory.moments())) {
+        for (const std::size_t k :
+             spread_indices(trajectory.moments(), dense_ ? error_samples : trajectory.moments())) {
             const auto first = trajectory.samples.begin() + static_cast<std::ptrdiff_t>(k * bodies);
             if (!std::all_of(first, first + static_cast<std::ptrdiff_t>(bodies), is_drawable)) break;
             times.push_back(first->t);
-            judged.samples.insert(judged.samples.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
+            error_indices.samples.insert(error_indices.samples.end(), first,
+                                         first + static_cast<std::ptrdiff_t>(bodies));
         }
         if (times.empty() || times.back() == 0) return false;
         const Reference reference = truth.begin_of(times);
         if (!reference.available) return false;
-        const std::vector<double> errors = error_series(scene_, judged, reference)["attitude"];
+        const std::vector<double> errors = error_series(scene_, error_indices, reference)["attitude"];
         const double largest = std::ranges::max(errors, {}, [](double e) { return std::isfinite(e) ? e : -1; });
         json["difference"] = number_json(largest, 3);
         const bool as_truth =
-            trajectory.status == Status::ok && largest <= visible_angle && moves_alike(judged, reference);
-        for (const std::size_t k : spread(errors.size(), as_truth ? fewer_error_points : error_points)) {
+            trajectory.status == Status::ok && largest <= visible_angle && moves_alike(error_indices, reference);
+        for (const std::size_t k : spread_indices(errors.size(), as_truth ? fewer_error_points : error_points)) {
             json["t"].push_back(number_json(times[k], 5));
             json["attitude"].push_back(number_json(errors[k], 3));
         }
         if (as_truth) return false;
         const SampledMotion motion = sampled_motion(trajectory);
         if (motion.t.size() < 2) return false;
-        const Keyframes keyframes = thinned(motion, tolerance_, false);
+        const Keyframes keyframes = select_keyframes(motion, tolerance_, false);
         worst_.angle = std::max(worst_.angle, keyframes.off.angle);
         worst_.length = std::max(worst_.length, keyframes.off.length);
         json["track"] = track_json(motion, keyframes);
@@ -375,7 +377,7 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
         if (row.kind != SettingKind::none && !(setting > 0)) continue;
         const DrawnRun run{row.method, row.kind, setting};
         const auto [at, is_new] = found->second->runs.try_emplace(row.method, run);
-        if (!is_new && goes_before(run, at->second, found->second->step)) at->second = run;
+        if (!is_new && precedes(run, at->second, found->second->step)) at->second = run;
     }
     std::vector<Task*> order;
     for (auto& [key, task] : tasks) order.push_back(&task);
@@ -399,9 +401,9 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
     motions.of_file.assign(files.size(), -1);
     for (Task* task : order) {
         if (task->json.is_null()) {
-            motions.left_out.push_back(fmt::format("{} is not drawn: {}.",
-                                                   one_line(folder.scenes[std::ranges::min(task->places)], 100),
-                                                   one_line(task->fault, 300)));
+            motions.omissions.push_back(fmt::format("{} is not drawn: {}.",
+                                                    one_line(folder.scenes[std::ranges::min(task->places)], 100),
+                                                    one_line(task->fault, 300)));
             continue;
         }
         const int place = static_cast<int>(motions.list.size());

@@ -22,10 +22,10 @@ struct DrawnFile {
 
 /// Result of make_motions().
 struct Motions {
-    Json list = Json::array();          ///< Motion[] of src/report/page/source/data.ts
-    std::map<int, int> of_scene;        ///< index in the list, by index of the scene
-    std::vector<int> of_file;           ///< index of each file in the `methods` of its scene's motion, or -1
-    std::vector<std::string> left_out;  ///< one sentence per scene without a motion, with the reason
+    Json list = Json::array();           ///< Motion[] of src/report/page/source/data.ts
+    std::map<int, int> of_scene;         ///< index in the list, by index of the scene
+    std::vector<int> of_file;            ///< index of each file in the `methods` of its scene's motion, or -1
+    std::vector<std::string> omissions;  ///< one sentence per scene without a motion, with the reason
 };
 
 /// Solves each scene with every method that has rows for it in the directory, over at most about 15 revolutions, and

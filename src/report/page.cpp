@@ -89,7 +89,7 @@ std::string page_template_path() {
         "package, which contains it");
 }
 
-std::string filled_page(std::string_view page_template, std::string_view title, std::string_view document) {
+std::string fill_page(std::string_view page_template, std::string_view title, std::string_view document) {
     std::string page(page_template);
     replace_once(page, "<!--polhode:data-->", base64(gzip(document)));
     replace_once(page, "<!--polhode:title-->", escaped(title));

@@ -13,6 +13,6 @@ std::string page_template_path();
 
 /// Inserts a title and a document, as gzip in base64, into the front-end. Throws std::runtime_error if the template
 /// does not contain each placeholder exactly once.
-std::string filled_page(std::string_view page_template, std::string_view title, std::string_view document);
+std::string fill_page(std::string_view page_template, std::string_view title, std::string_view document);
 
 }  // namespace polhode

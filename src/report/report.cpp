@@ -59,15 +59,15 @@ std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, s
 
 }  // namespace
 
-ReportMade write_report_page(const ReportRequest& request) {
+ReportSummary write_report_page(const ReportRequest& request) {
     ResultFolder folder = read_folder(request.directory, most_table_rows);
-    std::map<std::string, Scene> scenes = scenes_of(folder);
+    std::map<std::string, Scene> scenes = read_scenes(folder);
     const std::string scene = scene_of_files(request, folder, scenes);
     std::optional<ResultFolder> other;
     std::optional<FolderComparison> comparison;
     if (!request.against.empty()) {
         other = read_folder(request.against, most_table_rows);
-        comparison = compared(folder, *other);
+        comparison = compare_folders(folder, *other);
     }
     const std::string path = page_template_path();
     std::ifstream file(path, std::ios::binary);
@@ -82,7 +82,7 @@ ReportMade write_report_page(const ReportRequest& request) {
     for (std::size_t i = 0; i < motions.of_file.size(); ++i)
         checked.list[i]["motion_method"] = motions.of_file[i] < 0 ? Json() : Json(motions.of_file[i]);
 
-    ReportMade made;
+    ReportSummary made;
     made.path = request.output.empty() ? (fs::path(request.directory) / "report.html").string() : request.output;
     const std::string made_in = fs::path(made.path).parent_path().string();
     remove_abandoned(made_in.empty() ? "." : made_in);
@@ -91,7 +91,7 @@ ReportMade write_report_page(const ReportRequest& request) {
     for (const Detail& detail : details) {
         const Json document = report_document(content, detail);
         const std::string page =
-            filled_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
+            fill_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
         if (page.size() > largest_page && &detail != &details[std::size(details) - 1]) continue;
         if (page.size() > largest_page)
             throw std::runtime_error(

@@ -22,7 +22,7 @@ struct ReportRequest {
 };
 
 /// The written page.
-struct ReportMade {
+struct ReportSummary {
     std::string path;
     std::size_t bytes = 0;
     std::vector<std::string> remarks;  ///< one sentence per omission
@@ -33,6 +33,6 @@ inline constexpr std::size_t largest_page = 5'000'000;
 
 /// Writes the page. Throws InputError if a directory, scene or trajectory is invalid, and std::runtime_error if the
 /// page cannot be created or written.
-ReportMade write_report_page(const ReportRequest& request);
+ReportSummary write_report_page(const ReportRequest& request);
 
 }  // namespace polhode

@@ -88,7 +88,7 @@ TEST_F(Check, AFileOfTheTruthIsExactToRounding) {
         EXPECT_LT(report[name], 1e-15) << name;
 }
 
-TEST_F(Check, JudgesOnlyWhatTheColumnsTell) {
+TEST_F(Check, ComparesOnlyBlocksInTheFile) {
     TrajectoryFile file = motion(odd_times);
     file.has_angular_velocity = file.has_position = file.has_velocity = false;
     const auto bare = checked(file);
@@ -126,7 +126,7 @@ TEST_F(Check, ALimitDecidesTheExitCode) {
 }
 
 // Each block in the file is compared: a file with a correct attitude fails because of its other blocks.
-TEST_F(Check, EveryBlockIsJudged) {
+TEST_F(Check, EveryBlockIsCompared) {
     write("thrown.json", R"({"name": "thrown", "duration": 2, "body": {"mass": 2, "inertia": [0.4, 0.7, 1]},
         "initial": {"orientation": [0.8, 0.48, 0, 0.36], "angular_velocity": [1.1, 2.3, 0.7], "velocity": [3, -1, 6],
         "position": [0.5, 0.2, 1]}, "loads": [{"type": "gravity", "acceleration": [0, 0, -9.81]}]})");
@@ -166,7 +166,7 @@ TEST_F(Check, EveryBlockIsJudged) {
     EXPECT_NE(part.out.find("not in the file and not evaluated: position; velocity"), std::string::npos) << part.out;
 }
 
-TEST_F(Check, AFolderIsAllItsFiles) {
+TEST_F(Check, ChecksAllFilesOfADirectory) {
     std::filesystem::create_directory(directory / "runs");
     for (int i = 0; i < 3; ++i)
         write("runs/" + std::to_string(i) + ".csv", write_trajectory(motion(odd_times, i == 1 ? 0.2 : 0)));
@@ -217,7 +217,7 @@ std::string in_one_line(const std::string& text) {
 }
 
 // The sessions in experiments/debug_your_engine/README.md are the output of these commands.
-TEST_F(Check, TheWorkedExampleIsToldAsPrinted) {
+TEST_F(Check, PrintsTheOutputOfTheWorkedExample) {
     fs::create_directory_symlink(source_dir() + "/experiments", directory / "experiments");
     const std::string path = "PATH=" + fs::path(program_path()).parent_path().string() + ":$PATH; ";
     const auto succeeds = [](const char* command) { return std::system(command) == 0; };
@@ -369,7 +369,7 @@ TrajectoryFile without_gyroscopic_term(int rows, double duration) {
     return file;
 }
 
-TEST_F(Check, TellsWhatIsWrongAndWhen) {
+TEST_F(Check, ReportsTheFaultAndItsTime) {
     write("run.csv", write_trajectory(without_gyroscopic_term(200, 10)));
     const Outcome outcome = run({"check", "free_asymmetric", "run.csv", "--max-attitude", "0.1"});
     EXPECT_EQ(outcome.exit_code, 1);
@@ -389,7 +389,7 @@ TEST_F(Check, TellsWhatIsWrongAndWhen) {
     EXPECT_NE(junit.find("the gyroscopic term is missing"), std::string::npos) << junit;
 }
 
-TEST_F(Check, SaysWhenAFloatEngineCannotBeBetter) {
+TEST_F(Check, ReportsWhenFloatIsTheLimit) {
     ASSERT_EQ(run({"truth", "free_asymmetric", "--samples", "50", "--output", "true.csv"}).exit_code, 0);
     TrajectoryFile file = read_trajectory((directory / "true.csv").string());
     // an error of half of that caused by rounding the initial state to binary32
@@ -438,7 +438,7 @@ TEST_F(Check, TakesABinary32Clock) {
         << report["remarks"][0];
 }
 
-TEST_F(Check, ManyRowsAreJudgedLikeFew) {
+TEST_F(Check, ManyRowsGiveTheSameResultAsFew) {
     const TrajectoryFile many = without_gyroscopic_term(100000, 10);
     TrajectoryFile few = many;
     few.rows.clear();

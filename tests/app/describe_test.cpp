@@ -33,7 +33,7 @@ class Describe : public Program {
     void write(const std::string& name, const std::string& text) const { std::ofstream(directory / name) << text; }
 };
 
-TEST_F(Describe, TellsKappaAndTheFloors) {
+TEST_F(Describe, PrintsKappaAndTheFloors) {
     const Conditioning c = conditioning(find_scene("near_separatrix"), {60});
     const std::string text = described("near_separatrix");
     EXPECT_NEAR(std::stod(said(text, "kappa(T)")) / c.state[0], 1, 1e-3);
@@ -44,7 +44,7 @@ TEST_F(Describe, TellsKappaAndTheFloors) {
 }
 
 // The floor of a sphere at binary32 is 2^-24 sqrt(1 + (w t)^2): beyond 10^-5 rad at t = 167.8 s for w = 1.
-TEST_F(Describe, TellsUntilWhenAFloatEngineCanBeJudged) {
+TEST_F(Describe, PrintsUntilWhenFloatErrorsAreMeaningful) {
     const std::string sphere =
         R"("body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]})";
     write("tight.json", R"({"name": "s", "duration": 400, "tolerated": {"attitude": 1e-5}, )" + sphere + "}");
@@ -93,7 +93,7 @@ TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
 }
 
 // 10^7 s on a spring take too long for a description: it reports the time reached and the results up to it.
-TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
+TEST_F(Describe, ReportsThatConditioningStoppedEarly) {
     write("long.json", R"({"name": "long", "duration": 1e7, "tolerated": {"attitude": 1e-5},
                            "loads": [{"type": "spring", "stiffness": 1}],
                            "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
@@ -106,7 +106,7 @@ TEST_F(Describe, EndsItsWorkEarlyAndSaysSo) {
 }
 
 // The closed form of a free body covers all of 10^7 s: the phase drifts by t times the derivative of its rate by w.
-TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
+TEST_F(Describe, CoversALongFreeMotion) {
     write("long.json", R"({"name": "long", "duration": 1e7,
                            "body": {"mass": 1, "inertia": [2, 2, 2]}, "initial": {"angular_velocity": [0, 0, 1]}})");
     // d attitude = t dw, dw in units of w = 1
@@ -115,7 +115,7 @@ TEST_F(Describe, SeesTheWholeOfALongFreeMotion) {
     EXPECT_NE(said(text, "computed by").find("closed form"), std::string::npos);
 }
 
-TEST_F(Describe, TellsTheFaultOfAFileAsSolveDoes) {
+TEST_F(Describe, ReportsAFaultyFileLikeSolve) {
     write("radau.json", "{\"name\": \"a\", }");
     write("exact.json", R"({"name": "a", "duration": -1, "body": {"mass": 1, "inertia": [1, 1, 1]}})");
     for (const char* file : {"radau.json", "exact.json", "none.json"}) {
@@ -125,7 +125,7 @@ TEST_F(Describe, TellsTheFaultOfAFileAsSolveDoes) {
     }
 }
 
-TEST_F(Describe, TellsWhatAnExperimentWillRun) {
+TEST_F(Describe, PrintsWhatAnExperimentRuns) {
     write("mine.json", R"({"name": "mine", "about": "Two by two", "scenes": ["lagrange_top", "t_handle"],
         "methods": ["exact", "cvode_adams", "gyroscopic_explicit"],
         "settings": {"steps": [0.1, 0.01, 0.001], "tolerances": [1e-4, 1e-8]}})");

@@ -56,7 +56,7 @@ class Engines : public Program {
     }
 };
 
-TEST_F(Engines, AreARowEachWhateverTheyDo) {
+TEST_F(Engines, EveryEngineHasARow) {
     const Outcome outcome = run({"run", "few.json", "--engines", "mine.json", "--output", "one"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
 

@@ -56,7 +56,7 @@ std::vector<std::vector<std::string>> cells_of(const std::string& text) {
     return all;
 }
 
-TEST_F(EnsembleCommand, ARowEach) {
+TEST_F(EnsembleCommand, WritesOneRowPerBody) {
     const std::string table = write("t.csv", "id,wx,wy,wz,mass\na,0.3,1,2,2\nb,0,0,0,1\n");
     const Outcome outcome = run({"ensemble", scene(), "--initial", table});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -97,7 +97,7 @@ TEST_F(EnsembleCommand, OptionsAndFile) {
     EXPECT_EQ(rows[1][2], "0.5");
 }
 
-TEST_F(EnsembleCommand, ARowWhoseMotionFailsIsARow) {
+TEST_F(EnsembleCommand, AFailedMotionHasARow) {
     const std::string table = write("t.csv", "wx,wy,wz\n0.1,0,1\n1e5,1e6,0\n0.2,0,1\n");
     const std::string top = write("top.json", R"({"name": "top", "duration": 1,
         "body": {"mass": 1, "inertia": [0.75, 0.7, 0.5], "center_of_mass": [0, 0, 0.5]}, "pivot": [0, 0, 0],
@@ -113,7 +113,7 @@ TEST_F(EnsembleCommand, ARowWhoseMotionFailsIsARow) {
     EXPECT_NE(outcome.err.find("row 2"), std::string::npos) << outcome.err;
 }
 
-TEST_F(EnsembleCommand, BadRowsAreToldAndTheGoodOnesSolved) {
+TEST_F(EnsembleCommand, ReportsBadRowsAndSolvesTheOthers) {
     const std::string table = write("t.csv", "id,mass\na,-1\nb,2\nc,x\nd,1\ne,1,1\n");
     const Outcome outcome = run({"ensemble", scene(), "--initial", table});
     EXPECT_EQ(outcome.exit_code, 1);
@@ -181,7 +181,7 @@ TEST_F(EnsembleCommand, TheSameBytesInPiecesOfAnySizeByAnyThreads) {
     EXPECT_EQ(without_faults(piped.out), without_faults(whole));
 }
 
-TEST_F(EnsembleCommand, AFaultFarBehindLeavesNothing) {
+TEST_F(EnsembleCommand, ALateErrorLeavesNoOutput) {
     const std::string table = write("t.csv", many_rows() + "\nb1,0,0,1,1,1,1\n");
     for (const char* rows : {"100", "100000"})
         expect_refused({"ensemble", scene(), "--initial", table, "--output", "out.csv", "--rows-at-once", rows},

@@ -72,7 +72,7 @@ TEST(Shards, FollowEachOther) {
         for (const std::size_t parts : {1u, 2u, 3u, 7u, 1'000'000u}) {
             std::size_t end = 0;
             for (std::size_t part = 1; part <= parts; part += part < 10 ? 1 : parts / 7 + 1) {
-                const auto [first, last] = rows_of_shard(rows, {part, parts});
+                const auto [first, last] = shard_rows(rows, {part, parts});
                 if (part <= 10) {
                     ASSERT_EQ(first, end);
                 }
@@ -80,7 +80,7 @@ TEST(Shards, FollowEachOther) {
                 ASSERT_LE(last - first - rows / parts, 1u);
                 end = last;
             }
-            ASSERT_EQ(rows_of_shard(rows, {parts, parts}).second, rows);
+            ASSERT_EQ(shard_rows(rows, {parts, parts}).second, rows);
         }
     EXPECT_EQ(part_path("some/out.npy", {3, 200}), "some/out.part-0003-of-0200.npy");
     EXPECT_EQ(part_path("out", {1, 12345}), "out.part-00001-of-12345");
@@ -89,7 +89,7 @@ TEST(Shards, FollowEachOther) {
     EXPECT_EQ(parse_shard("3/200").part, 3u);
 }
 
-TEST_F(EnsembleParts, AreTheWhole) {
+TEST_F(EnsembleParts, MergedPartsEqualTheWholeRun) {
     for (const std::string ending : {"csv", "npy"}) {
         SCOPED_TRACE(ending);
         const std::string out = "out." + ending;
@@ -128,7 +128,7 @@ TEST_F(EnsembleParts, MorePartsThanRows) {
     expect_fault({"q"}, "none.csv", "has no solved row");
 }
 
-TEST_F(EnsembleParts, FaultsAreTold) {
+TEST_F(EnsembleParts, ReportsFaults) {
     expect_fault({"none"}, "m.csv", "none: cannot be read: No such file or directory");
     fs::create_directory(directory / "empty");
     expect_fault({"empty"}, "m.csv", "contains no part of an ensemble");
@@ -181,7 +181,7 @@ TEST_F(EnsembleParts, FaultsAreTold) {
     expect_fault({"a", "table"}, "m.csv", "has table hash");
 }
 
-TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
+TEST_F(EnsembleParts, DistinguishesLongTablesByBlocks) {
     // 70 MiB of zeros in a sparse file
     constexpr std::uint64_t many = 3'000'000;
     const std::string header = write_npy_header({{"wx", "<f8"}, {"wy", "<f8"}, {"wz", "<f8"}}, many);
@@ -190,19 +190,19 @@ TEST_F(EnsembleParts, LongTablesAreToldApartByBlocks) {
     const std::uint64_t bytes = header.size() + 24 * many;
     fs::resize_file(table, bytes);
     const Scene scene = read_scene(path("flight.json"));
-    const TableIdentity identity = identity_of(table, scene);
+    const TableIdentity identity = compute_identity(table, scene);
     EXPECT_EQ(identity.rows, many);
     EXPECT_EQ(identity.bytes, bytes);
-    EXPECT_EQ(identity_of(table, scene).hash, identity.hash);
+    EXPECT_EQ(compute_identity(table, scene).hash, identity.hash);
     // the blocks that are read include the first rows, the last rows and rows throughout the table
     for (const std::uint64_t at : {std::uint64_t{header.size()}, bytes / 1023 * 500, bytes - 8}) {
         std::fstream file(table, std::ios::binary | std::ios::in | std::ios::out);
         file.seekp(static_cast<std::streamoff>(at));
         file.put('\1').flush();
-        EXPECT_NE(identity_of(table, scene).hash, identity.hash) << at;
+        EXPECT_NE(compute_identity(table, scene).hash, identity.hash) << at;
         file.seekp(static_cast<std::streamoff>(at));
         file.put('\0').flush();
-        EXPECT_EQ(identity_of(table, scene).hash, identity.hash) << at;
+        EXPECT_EQ(compute_identity(table, scene).hash, identity.hash) << at;
     }
 }
 

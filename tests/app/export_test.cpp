@@ -36,7 +36,7 @@ class Export : public Program {
     }
 };
 
-TEST_F(Export, JsonHoldsAllThatATestNeeds) {
+TEST_F(Export, JsonContainsAllInputsOfATest) {
     const nlohmann::json data = exported_json();
     ASSERT_FALSE(data.is_discarded());
     EXPECT_EQ(data["body"]["mass"], 2);
@@ -224,7 +224,7 @@ TEST_F(Export, TheComparisonNamesTheBlock) {
     EXPECT_EQ(read(directory / "cs.txt").find("velocity error 3 at t = 4 s"), 0u) << read(directory / "cs.txt");
 }
 
-TEST_F(Export, HoldsWhatABodyMeets) {
+TEST_F(Export, ContainsAllInputsOfABody) {
     const Outcome outcome = run({"export", "tumbling_box_bounce", "--samples", "5", "--format", "json", "--convention",
                                  "unity", "--duration", "1"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -234,7 +234,7 @@ TEST_F(Export, HoldsWhatABodyMeets) {
     EXPECT_GT(data["float32_floor"], 0);
 }
 
-TEST_F(Export, ToleranceIsWhatAFloatEngineCanHold) {
+TEST_F(Export, ToleranceIsReachableInFloat) {
     // without "tolerated": the default of check, or ten times the error caused by rounding the initial state
     const auto tolerance = [&](const char* scene) {
         const Outcome outcome = run({"export", scene, "--samples", "2", "--format", "json"});

@@ -161,7 +161,7 @@ TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
     expect_refused({"solve", free_body, "--reactions", "r.csv"}, "neither joints nor loops");
 }
 
-TEST_F(Mechanisms, MethodsOfOneBodySaySo) {
+TEST_F(Mechanisms, OneBodyMethodsReportUnsupported) {
     const Outcome outcome = run({"solve", resting, "--method", "splitting4"});
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_NE(outcome.err.find("unsupported: splitting4 supports only scenes of one body"), std::string::npos)
@@ -193,7 +193,7 @@ TEST_F(Mechanisms, CertifiedDigitsHaveALineForEachBody) {
     EXPECT_EQ(told["samples"][1].size(), told["columns"].size());
 }
 
-TEST_F(Mechanisms, WhatIsOfOneBodyIsRefused) {
+TEST_F(Mechanisms, RefusesOneBodyOptions) {
     expect_refused({"describe", resting, "--picture", "p.svg"}, "a polhode is drawn for one body");
     expect_refused({"solve", resting, "--full"}, "--full: the full formulation supports one body");
     expect_refused({"truth", resting, "--certified", "--reactions", "r.csv"},
@@ -217,7 +217,7 @@ TEST_F(Mechanisms, DescribeDrawsTheTree) {
     EXPECT_EQ(text.find("angular momentum"), std::string::npos) << text;
 }
 
-TEST_F(Mechanisms, DescribeTellsWhatIsKept) {
+TEST_F(Mechanisms, DescribePrintsInvariants) {
     // a hinge along gravity through the origin conserves L about it; a damper conserves neither L nor the energy
     const auto table = [&](const std::string& more) {
         const std::string scene = write("table.json", R"({"name": "table", "duration": 1,
@@ -472,7 +472,7 @@ TEST_F(Mechanisms, EnsembleRefusesOtherColumns) {
     expect_refused({"ensemble", swinging, "--initial", write("t.csv", "shoulder.angle\n")}, "has a header but no rows");
 }
 
-TEST_F(Mechanisms, EnsembleTellsWhichLoopsDoNotClose) {
+TEST_F(Mechanisms, EnsembleReportsOpenLoops) {
     const Outcome outcome = run({"ensemble", "mechanisms/four_bar", "--initial",
                                  write("t.csv", "main_bearing.angle\n0\n0.5\n"), "--duration", "0.5"});
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;

@@ -48,7 +48,7 @@ TEST_F(Plot, DrawsErrorsOfSeveralFilesInCharacters) {
         EXPECT_EQ(run({"plot", "a.csv", "--scene", "free_asymmetric", "--of", quantity}).exit_code, 0) << quantity;
 }
 
-TEST_F(Plot, DrawsWhatFilesSayWithoutAScene) {
+TEST_F(Plot, DrawsFilesWithoutAScene) {
     const Outcome attitude = run({"plot", "a.csv", "--width", "60"});
     ASSERT_EQ(attitude.exit_code, 0) << attitude.err;
     for (const char* part : {"qw", "qx", "qy", "qz"}) EXPECT_NE(attitude.out.find(part), std::string::npos) << part;

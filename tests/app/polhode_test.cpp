@@ -93,7 +93,7 @@ RC_GTEST_PROP(Simplified, KeepsEndsAndLeavesOutOnlyWhatIsClose, (std::uint64_t s
     for (int i = 0; i < count; ++i) line.push_back(line.back() + 0.2 * V(random(), random(), random()));
     const V scale(1, 2, 0.5);
     const double tolerance = 0.1;
-    const Polyline kept = simplified(line, scale, tolerance);
+    const Polyline kept = simplify(line, scale, tolerance);
     RC_ASSERT(kept.front() == line.front());
     RC_ASSERT(kept.back() == line.back());
     // every point is within the tolerance of the segment that replaced it
@@ -118,7 +118,7 @@ PolhodeCurve ellipsoid(const V& semi_axes) {
     return polhode;
 }
 
-TEST(PolhodeView, TellsFrontFromBehind) {
+TEST(PolhodeView, DistinguishesFrontAndBack) {
     const PolhodeView view(ellipsoid({3, 2, 1.5}), {0, 0, 1}, {1, 0, 0});
     EXPECT_FALSE(view.hidden({0, 0, 1.5}));
     EXPECT_TRUE(view.hidden({0, 0, -1.5}));
@@ -143,7 +143,7 @@ TEST(PolhodeView, SplitsAnEquatorInHalves) {
     Polyline equator;
     for (int k = 0; k <= 360; ++k)
         equator.push_back({std::cos(k * std::numbers::pi / 180), std::sin(k * std::numbers::pi / 180), 0});
-    const SeenLine seen = view.seen(equator);
+    const VisibleLine seen = view.seen(equator);
     std::size_t front = 0, behind = 0;
     for (const auto& part : seen.front) front += part.size();
     for (const auto& part : seen.behind) behind += part.size();

@@ -145,7 +145,7 @@ TEST_F(Program, StopsAtTheLimitsThatItIsGiven) {
     }
 }
 
-TEST_F(Program, TellsOfAStepRoundedDown) {
+TEST_F(Program, ReportsARoundedStep) {
     const Outcome rounded = run({"solve", "free_asymmetric", "--method", "odeint_rk4", "--step", "0.03"});
     EXPECT_NE(rounded.err.find("0.029411764705882353 s, rounded down from 0.03 s"), std::string::npos) << rounded.err;
     const Outcome whole = run({"solve", "free_asymmetric", "--method", "odeint_rk4", "--step", "0.05"});
@@ -155,7 +155,7 @@ TEST_F(Program, TellsOfAStepRoundedDown) {
     EXPECT_EQ(counted.out, whole.out);
 }
 
-TEST_F(Program, ANamedFailureIsExitCode1) {
+TEST_F(Program, FailuresExitWithCode1) {
     const Outcome stopped =
         run({"solve", "free_asymmetric", "--method", "odeint_dopri5", "--tolerance", "1e-8", "--max-steps", "50"});
     EXPECT_EQ(stopped.exit_code, 1);
@@ -298,7 +298,7 @@ TEST_F(Program, EveryKeyOfTheReferenceIsRead) {
     }
 }
 
-TEST_F(Program, DrawsAPolhodeAndSaysWhyNot) {
+TEST_F(Program, DrawsAPolhodeOrReportsWhyNot) {
     const Outcome page = run({"describe", "free_asymmetric"});
     const Outcome to_file = run({"describe", "free_asymmetric", "--output", "page.txt"});
     EXPECT_EQ(to_file.exit_code, 0) << to_file.err;
@@ -346,7 +346,7 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
     }
 }
 
-TEST_F(Program, TellsWhyAMethodWasLeftOut) {
+TEST_F(Program, ReportsWhyAMethodIsOmitted) {
     const std::string list = run({"list", "methods", "--format", "markdown"}).out;
     ASSERT_FALSE(omitted_methods().empty());
     for (const OmittedMethod& method : omitted_methods()) {

@@ -41,7 +41,7 @@ class Report : public Program {
     std::string front_end;
 };
 
-TEST_F(Report, TellsWhatTheTablesTell) {
+TEST_F(Report, ShowsTheContentOfTheTables) {
     run_small("here");
     const Outcome outcome = report({"here"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -87,7 +87,7 @@ TEST_F(Report, ComparesAFolderWithItself) {
     EXPECT_EQ(page["comparison"]["all"]["ratio"], 1);
 }
 
-TEST_F(Report, JudgesAndDrawsTrajectoriesOfOnesOwn) {
+TEST_F(Report, ComparesAndDrawsUserTrajectories) {
     run_small("here");
     ASSERT_EQ(run({"solve", "free_asymmetric", "--method", "article_as_written", "--step", "0.01", "--samples", "500",
                    "--output", "free_asymmetric.csv"})
@@ -191,7 +191,7 @@ TEST_F(Report, RefusesBadInputAndWritesNothing) {
     refused({"here", "--trajectory", "mine.csv", "--scene", "t_handle", "--convention", "y-upp"}, "y-up");
 }
 
-TEST_F(Report, SaysWhatBringsAFrontEndThatIsMissing) {
+TEST_F(Report, ReportsHowToBuildAMissingFrontEnd) {
     write("here/t.csv", "experiment,scene,method,setting_kind,setting,status,attitude_error_max,message\n");
     const Outcome outcome = run({"report", "here"}, [] { ::setenv("POLHODE_REPORT_PAGE", "/nowhere/page.html", 1); });
     EXPECT_EQ(outcome.exit_code, 1);

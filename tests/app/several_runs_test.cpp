@@ -153,7 +153,7 @@ TEST_F(SeveralRuns, FilesFromTheFutureAreAsGoodAsOthers) {
     EXPECT_EQ(rows("results"), before);
 }
 
-TEST_F(SeveralRuns, ATmpdirThatIsNoneLeavesNoLockInTheWorkingDirectory) {
+TEST_F(SeveralRuns, AnInvalidTmpdirLeavesNoLockInTheWorkingDirectory) {
     EXPECT_EQ(code_of(start("results", "log1", {{"TMPDIR", "/no/such/folder"}})), 0) << log("log1");
     for (const auto& entry : fs::directory_iterator(directory))
         EXPECT_FALSE(entry.path().filename().string().starts_with("polhode-")) << entry.path();

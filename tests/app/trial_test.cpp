@@ -193,7 +193,7 @@ class SmallEngineFile : public Program {
 
 class Trial : public SmallEngineFile, public testing::WithParamInterface<std::tuple<Rate, const Break*>> {};
 
-TEST_P(Trial, IsToldItsFault) {
+TEST_P(Trial, ReportsTheFault) {
     const auto& [rate, broken] = GetParam();
     int exit_code = 0;
     const nlohmann::json report = judged(broken->scene, rate, broken, exit_code);
@@ -212,7 +212,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Trial, testing::Combine(testing::ValuesIn(rates)
                              return std::string(std::get<1>(one.param)->name) + std::get<0>(one.param).name;
                          });
 
-TEST_F(SmallEngineFile, ASoundEngineIsToldNoFault) {
+TEST_F(SmallEngineFile, ReportsNoFaultOfACorrectEngine) {
     for (const char* scene : {"t_handle", "free_asymmetric", "thrown_hammer"})
         for (const Rate& rate : rates) {
             int exit_code = 0;

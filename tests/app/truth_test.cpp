@@ -13,7 +13,7 @@ namespace {
 
 class Truth : public Program {};
 
-TEST_F(Truth, CertifiedWithoutBallsSaysWhatToInstall) {
+TEST_F(Truth, CertifiedWithoutArbNamesThePackage) {
     if (!ball_arithmetic_version().empty()) GTEST_SKIP() << "built with Arb";
     const Outcome outcome = run({"truth", "free_asymmetric", "--certified"});
     EXPECT_EQ(outcome.exit_code, 1);
@@ -32,7 +32,7 @@ TEST_F(Truth, CertifiedTableHasTheUsualColumnsAndItsBound) {
     EXPECT_NE(outcome.err.find("proven"), std::string::npos) << outcome.err;
 }
 
-TEST_F(Truth, CertifiedJsonTellsHowItWasProven) {
+TEST_F(Truth, CertifiedJsonDescribesTheProof) {
     if (ball_arithmetic_version().empty()) GTEST_SKIP() << "built without Arb";
     const Outcome outcome = run({"truth", "free_asymmetric", "--certified", "--digits", "40", "--samples", "3",
                                  "--format", "json", "--output", "truth.json"});
@@ -67,7 +67,7 @@ TEST_F(Truth, CertifiedJsonTellsHowItWasProven) {
 }
 
 // A ball dropped from 1 m above the floor: flight k lasts 2 e^k v / g, with v the speed of the first impact.
-TEST_F(Truth, TellsOfImpactsWhenTheyAre) {
+TEST_F(Truth, PrintsTheTimesOfImpacts) {
     const Outcome outcome = run({"truth", "bouncing_ball", "--samples", "2", "--format", "json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const nlohmann::json truth = nlohmann::json::parse(outcome.out);

@@ -36,7 +36,7 @@ double distance(const Matrix3<double>& a, const Matrix3<double>& b) {
     return largest;
 }
 
-TEST(Convention, UpIsUpAndTheHandIsTheHand) {
+TEST(Convention, ConvertsUpAndHandedness) {
     for (const Axes axes : all_axes) {
         const bool y_up = axes == Axes::y_up_right || axes == Axes::y_up_left;
         const bool left = axes == Axes::z_up_left || axes == Axes::y_up_left;
@@ -60,7 +60,7 @@ RC_GTEST_PROP(Convention, AgreesWithMatrices, ()) {
     RC_ASSERT(distance(rotation_matrix(quaternion_from(axes, q)), M * rotation_matrix(q) * transposed(M)) < 1e-14);
 }
 
-RC_GTEST_PROP(Convention, ThereAndBackIsNothing, ()) {
+RC_GTEST_PROP(Convention, RoundTripIsTheIdentity, ()) {
     const Axes axes = *rc::gen::element(all_axes[0], all_axes[1], all_axes[2], all_axes[3]);
     const Vector3<double> v = random_vector();
     const Quaternion<double> q = random_orientation();
@@ -104,7 +104,7 @@ TEST(Convention, WordsAreReadAndWritten) {
     }
 }
 
-TEST(Convention, ScalarLastGoesByTheColumnsAsTheyStand) {
+TEST(Convention, ScalarLastUsesTheFileOrder) {
     const Quaternion<double> expected{4, 1, 2, 3};
     const auto read = [](const char* header, QuaternionColumns columns) {
         return parse_trajectory(std::string(header) + "\n0,1,2,3,4\n", "f", columns).rows[0].q;

@@ -53,7 +53,7 @@ TrajectoryFile of_method(const Scene& scene, const char* method, double step, in
 }
 
 // A quarter of the force has the effect of four times the mass. Both are reported, the load first.
-TEST(Diagnosis, ALoadOfTheWrongSizeIsToldBeforeAMass) {
+TEST(Diagnosis, ReportsALoadFaultBeforeAMassFault) {
     for (const double factor : {0.25, 0.04, 3.7}) {
         Scene scene = plain_scene(), given;
         scene.loads.push_back(Force{{1, 0.5, 9}, Frame::body, {0.2, -0.1, 0.1}, Frame::body, {}});
@@ -87,7 +87,7 @@ TEST(Diagnosis, AForceOnABodyAtRestIsFittedToTheLastDigit) {
 }
 
 // A tensor that is not rotated equals that with exchanged moments at a rotation by 90 degrees only.
-TEST(Diagnosis, APermutationThatLaterRowsRefuteIsNotTold) {
+TEST(Diagnosis, DoesNotReportARefutedPermutation) {
     Scene scene = plain_scene();
     scene.initial.orientation = {std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
     scene.initial.angular_velocity = {0.3, 0.2, 0.5};
@@ -130,7 +130,7 @@ Scene off_centre_scene() {
     return scene;
 }
 
-TEST(Diagnosis, TermsThatTheOriginsAccelerationLacksAreTold) {
+TEST(Diagnosis, ReportsMissingTermsOfTheOriginsAcceleration) {
     const Scene scene = off_centre_scene();
     for (const EngineKind kind : {EngineKind::world_rate, EngineKind::momentum, EngineKind::midpoint})
         for (const double hertz : {60.0, 240.0})
@@ -148,7 +148,7 @@ TEST(Diagnosis, TermsThatTheOriginsAccelerationLacksAreTold) {
                 }
 }
 
-TEST(Diagnosis, VelocitiesOfTheOriginAreTold) {
+TEST(Diagnosis, ReportsVelocitiesOfTheOrigin) {
     const Scene scene = off_centre_scene();
     const V3 center = scene.body.center_of_mass;
     for (const bool has_rate : {true, false})
@@ -171,7 +171,7 @@ TEST(Diagnosis, VelocitiesOfTheOriginAreTold) {
             }
 }
 
-TEST(Diagnosis, EventsAreSaidInWords) {
+TEST(Diagnosis, DescribesEvents) {
     Scene struck = plain_scene(), given;
     struck.loads.push_back(Impulse{{1.5, -1, 2}, Frame::world, {0.3, 0.2, -0.1}, Frame::body, 0.75});
     given = struck;

@@ -42,7 +42,7 @@ std::string describe_faults(const Scene& scene, const TrajectoryFile& file) {
     return faults;
 }
 
-TEST(RowFaults, RowsBetweenStepsAreTold) {
+TEST(RowFaults, ReportsRowsBetweenSteps) {
     int seen = 0;
     for (const Scene& scene : battery::scenes()) {
         const TrajectoryFile steps = steps_of(scene, 60, 200);

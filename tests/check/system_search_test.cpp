@@ -221,7 +221,7 @@ TEST_P(SystemFault, IsNamedAtEveryRate) {
 }
 INSTANTIATE_TEST_SUITE_P(Of, SystemFault, ::testing::Range(std::size_t{0}, cases.size()));
 
-TEST(SystemSearch, ASoundEngineIsToldNothing) {
+TEST(SystemSearch, ReportsNoFaultOfACorrectEngine) {
     const Scene scene = double_pendulum();
     for (const double hertz : {30.0, 60.0, 240.0, 1000.0})
         for (const int way : {0, 1, 2}) {
@@ -257,7 +257,7 @@ TEST(SystemSearch, TwoFaultsAreBothNamed) {
     EXPECT_TRUE(has("motor_missing") && has("gravity_scaled")) << describe_faults(found);
 }
 
-TEST(SystemSearch, ColumnsThatAreReadWronglyAreTold) {
+TEST(SystemSearch, ReportsWronglyReadColumns) {
     const Scene scene = double_pendulum();
     const TrajectoryFile sound = recorded({}, 240);
     const auto first = [&](const TrajectoryFile& file) {

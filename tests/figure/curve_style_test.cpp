@@ -119,7 +119,7 @@ TEST(CurveStyle, ColorsStandOutFromTheirGround) {
     }
 }
 
-TEST(CurveStyle, MarksBeginAnewWithADash) {
+TEST(CurveStyle, MarksRepeatWithADash) {
     std::set<std::string> names;
     std::set<int> types;
     for (int i = 0; i < mark_count; ++i) names.insert(mark_name(i)), types.insert(point_type_of(i));
@@ -145,7 +145,7 @@ TEST(CurveStyle, ShadesDarkenByASteadyStep) {
 }
 
 // twelve colours; further curves differ by their marks
-TEST(CurveStyle, PlainCurvesAreToldApart) {
+TEST(CurveStyle, PlainCurvesAreDistinguishable) {
     std::set<std::pair<std::string, int>> styles;
     for (int i = 0; i < 48; ++i) {
         Curve curve;

@@ -23,7 +23,7 @@ struct Target {
 
 class Findings : public ::testing::TestWithParam<Target> {};
 
-TEST_P(Findings, HoldStill) {
+TEST_P(Findings, AreReproducible) {
     const std::string tests = source_dir() + "/tests/";
     std::vector<std::string> directories = GetParam().also;
     for (const char* kind : {"seeds", "findings"})

@@ -102,7 +102,7 @@ inline void folder(std::string_view text) {
     const std::string dumped = document.dump(-1, ' ', false, Json::error_handler_t::replace);
     require(Json::accept(dumped), "the document is not valid JSON");
     if (one_in(64, text)) {
-        const std::string page = filled_page("<!--polhode:title--><!--polhode:data-->", read->name, dumped);
+        const std::string page = fill_page("<!--polhode:title--><!--polhode:data-->", read->name, dumped);
         require(page.find('<') == page.npos, "a folder's name or data is interpreted as a placeholder of the page");
     }
 }

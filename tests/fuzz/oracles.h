@@ -382,14 +382,15 @@ inline void table(std::string_view text) {
         require(csv(parse_csv(csv(table))) == csv(table), "a table does not read back");
         if (table.columns == result_columns()) {
             Table rows{result_columns(), {}};
-            for (std::size_t i = 0; i < table.rows.size(); ++i) rows.rows.push_back(row_of("e", result_of(table, i)));
+            for (std::size_t i = 0; i < table.rows.size(); ++i)
+                rows.rows.push_back(row_of("e", parse_result(table, i)));
             Table again{result_columns(), {}};
             const Table read = parse_csv(csv(rows));
-            for (std::size_t i = 0; i < read.rows.size(); ++i) again.rows.push_back(row_of("e", result_of(read, i)));
+            for (std::size_t i = 0; i < read.rows.size(); ++i) again.rows.push_back(row_of("e", parse_result(read, i)));
             require(csv(again) == csv(rows), "results do not read back");
         } else if (table.columns == series_table({}).columns) {
-            const std::string series = csv(series_table(series_of(table)));
-            require(csv(series_table(series_of(parse_csv(series)))) == series, "a series does not read back");
+            const std::string series = csv(series_table(parse_series(table)));
+            require(csv(series_table(parse_series(parse_csv(series)))) == series, "a series does not read back");
         }
     } catch (const std::invalid_argument& error) {
         require_one_line(error.what());

@@ -215,7 +215,7 @@ TEST(Limits, HoldForATruthAndLeaveNothingBehind) {
     EXPECT_TRUE(reference(scene, 2, 25, 60).available);
 }
 
-TEST(SolverCounts, TellRejectionsWhereSolversDo) {
+TEST(SolverCounts, ContainRejectionsIfTheSolverReportsThem) {
     // a torque that sets in suddenly: every error control must reject a step
     Scene scene = free_body(4);
     scene.loads = {

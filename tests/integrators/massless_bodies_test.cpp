@@ -94,7 +94,7 @@ double distance_of(const Bodies& a, const ReferenceSample* b) {
 }
 
 // Each method for mechanisms follows the reference within its order, or names the body that it does not support.
-TEST(MasslessBodies, EveryMethodSolvesThePointMassPendulumOrSaysWhyNot) {
+TEST(MasslessBodies, EveryMethodSolvesThePointMassPendulumOrReportsWhyNot) {
     const FreshCache cache;
     const Scene scene = massless::PointMassPendulum{}.scene(1);
     const Problem problem = pose(scene);

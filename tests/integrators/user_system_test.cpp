@@ -240,7 +240,7 @@ TEST(ErasedSystem, APlanetObeysKepler) {
     });
 }
 
-TEST(ErasedSystem, WhatMakesNoSenseIsNotPosed) {
+TEST(ErasedSystem, RefusesInconsistentSystems) {
     EXPECT_THROW(pose(StruckMass(), 0.0), InputError);
     EXPECT_THROW(pose(StruckMass(), std::nan("")), InputError);
 }

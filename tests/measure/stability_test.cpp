@@ -92,7 +92,7 @@ TEST(Stability, HoldsAtItsBounds) {
     EXPECT_EQ(outcome_of(turning_at(1, 1), errors_of(close_attitude, 0, 0), turning(1)), Outcome::close);
 }
 
-TEST(Stability, RestIsToldByTheLastQuarterAndTheLargestRate) {
+TEST(Stability, DetectsRestByTheLastQuarterAndTheLargestRate) {
     // only the last quarter counts: a body at rest until then that rotates in it again is not damped to rest
     Trajectory turns_again = turning_at(1, 1);
     for (std::size_t k = 4; k < 7; ++k) turns_again.samples[k].angular_velocity_B = {};

@@ -220,7 +220,7 @@ RC_GTEST_PROP(Energy, ChangesByThePowerOfWhatHasNoPotential, ()) {
 }
 
 /// A user-defined torque receives the state in body axes and returns a vector in body axes, for any posed axes.
-RC_GTEST_PROP(UserTorque, IsToldAndTakenInBodyAxes, ()) {
+RC_GTEST_PROP(UserTorque, ReceivesAndReturnsBodyAxes, ()) {
     Scene scene = moderate_scene();
     scene.loads.clear();
     const auto torque_B = [](const LoadState& s) {

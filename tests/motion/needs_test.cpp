@@ -236,7 +236,7 @@ TEST_P(Posed, AsTheSceneNeeds) {
     EXPECT_EQ(found, sorted);
 }
 
-TEST_P(Posed, InFullLeavesNothingOut) {
+TEST_P(Posed, FullFormulationOmitsNoVariable) {
     const Needs needs = pose(GetParam().scene, Formulation::full).needs;
     EXPECT_EQ(needs.system, SystemKind::full_motion);
     EXPECT_EQ(needs.dimension, 13);
@@ -246,7 +246,7 @@ TEST_P(Posed, InFullLeavesNothingOut) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Posed, ::testing::ValuesIn(cases),
                          [](const auto& of) { return std::string(of.param.name); });
 
-TEST(Needs, TellsWhatDependsOnTime) {
+TEST(Needs, DetectsTimeDependence) {
     EXPECT_FALSE(pose(body_with({1, 2, 3}, {1, 1, 1})).needs.time_dependent);
     EXPECT_TRUE(
         pose(with(body_with({1, 2, 3}, {1, 1, 1}), {Torque{{0, 0, 1}, Frame::body, {0.5, 1}}})).needs.time_dependent);

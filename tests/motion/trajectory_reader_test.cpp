@@ -103,7 +103,7 @@ TEST(TrajectoryFile, AColumnIsNotNeededWhereThereIsOneBody) {
     EXPECT_EQ(file.rows.size(), 2u);
 }
 
-TEST(TrajectoryFile, MessagesTellWhichBodyIsMissingOrTooMany) {
+TEST(TrajectoryFile, MessagesNameMissingAndExtraBodies) {
     const std::string arm = ",arm,1,0,0,0\n", leg = ",leg,1,0,0,0\n", header = "t,body,qw,qx,qy,qz\n";
     EXPECT_EQ(fault_of(header + "0" + arm + "0" + leg + "1" + leg + "2" + leg + "2" + arm),
               "run.csv: line 4, column body: body \"arm\" has no line at 1 s; give one line per body at each time");
@@ -199,7 +199,7 @@ TEST(TrajectoryFile, NumbersAreTheNearestBinary64) {
     std::setlocale(LC_ALL, "C");
 }
 
-TEST(TrajectoryFile, MessagesTellWhereAndWhat) {
+TEST(TrajectoryFile, MessagesNamePlaceAndFault) {
     EXPECT_EQ(fault_of("t,qw,qx,qy,qz\n0,1,0,0,0\n1,1,nan,0,0\n"),
               "run.csv: line 3, column qx: nan is not finite; give a finite number");
     EXPECT_EQ(fault_of("t,qw,qx,qy,qs\n"),

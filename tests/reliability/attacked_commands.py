@@ -109,10 +109,10 @@ def document(page: bytes) -> object:
     """The data of a report page without its creation time; None if the page is not valid."""
     found = re.search(rb"H4sI[A-Za-z0-9+/=]+", page)
     try:
-        told = json.loads(gzip.decompress(base64.b64decode(found.group()))) if found else {}
+        data = json.loads(gzip.decompress(base64.b64decode(found.group()))) if found else {}
     except (ValueError, OSError, EOFError, zlib.error):
         return None
-    return {key: value for key, value in told.items() if key != "made"} or None
+    return {key: value for key, value in data.items() if key != "made"} or None
 
 
 class Reference:

@@ -59,10 +59,10 @@ ResultFolder folder_of(const std::vector<std::pair<double, double>>& seconds_and
     return folder;
 }
 
-TEST(Compared, MatchesRowsByWhatTheyAreOf) {
+TEST(Compared, MatchesRowsOfTheSameCase) {
     const ResultFolder here = folder_of({{1, 1e-7}, {2, 1e-8}, {3, 1e-9}, {4, absent}});
     ResultFolder there = folder_of({{2, 1e-7}, {4, 3e-8}, {6, 1e-9}});
-    const FolderComparison comparison = compared(here, there);
+    const FolderComparison comparison = compare_folders(here, there);
     EXPECT_EQ(comparison.pairs.size(), 3u);
     EXPECT_EQ(comparison.only_here, 1u);
     EXPECT_EQ(comparison.only_there, 0u);
@@ -72,13 +72,13 @@ TEST(Compared, MatchesRowsByWhatTheyAreOf) {
     EXPECT_NEAR(*comparison.methods[0].errors, std::cbrt(3.0), 1e-12);
     // rows with different settings do not match
     there.rows[0]["setting"] = 1e-8;
-    EXPECT_EQ(compared(here, there).pairs.size(), 2u);
-    EXPECT_EQ(compared(here, there).only_there, 1u);
+    EXPECT_EQ(compare_folders(here, there).pairs.size(), 2u);
+    EXPECT_EQ(compare_folders(here, there).only_there, 1u);
 }
 
-TEST(Compared, AFolderWithItselfIsTheSame) {
+TEST(Compared, ADirectoryEqualsItself) {
     const ResultFolder folder = folder_of({{1, 1e-7}, {2, absent}, {3, 1e-9}, {absent, 2}});
-    const FolderComparison comparison = compared(folder, folder);
+    const FolderComparison comparison = compare_folders(folder, folder);
     EXPECT_EQ(comparison.same_bits, 4u);
     EXPECT_EQ(comparison.all.ratio, 1);
     EXPECT_EQ(*comparison.all.low, 1);

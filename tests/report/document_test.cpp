@@ -116,7 +116,7 @@ TEST_F(FolderDocument, HasTheColumnsOfRowsThatThePageReads) {
     for (const std::string& name : numbers) EXPECT_EQ(rows[name].size(), 1u) << name;
 }
 
-TEST_F(FolderDocument, CurvesOfARowEachAreThinnedToo) {
+TEST_F(FolderDocument, ThinsCurvesOfOneRow) {
     for (int k = 0; k < 400; ++k) add("scene " + std::to_string(k), "taylor", 0.1, 1e-2, 1e-3);
     Detail detail;
     detail.rows = 100, detail.digits = 3;
@@ -125,7 +125,7 @@ TEST_F(FolderDocument, CurvesOfARowEachAreThinnedToo) {
     EXPECT_TRUE(says(page, "Numbers are rounded to 3 significant digits."));
 }
 
-TEST_F(FolderDocument, TablesTellNumbersFromWords) {
+TEST_F(FolderDocument, TablesDistinguishNumbersFromText) {
     add_table("x", {"name", "count", "value", "mixed", "empty"},
               {{"a", "3", "1.23456789", "1", ""}, {"b", "", "-2e-3", "n/a", ""}, {"c", "4", "7", "2", ""}});
     Detail detail;
@@ -192,7 +192,7 @@ TEST_F(FolderDocument, OfRunsOverTimeKeepsTheFirstWithPointsSpreadOverThem) {
     EXPECT_NEAR(run["growth"]["energy"][0].get<double>(), 1, 0.02);
 }
 
-TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
+TEST_F(FolderDocument, OmitsTheLeastImportantMotionsFirst) {
     for (int scene = 0; scene < 2; ++scene) {
         Json motion{{"scene", scene}, {"methods", Json::array()}};
         for (const char* name : {"odeint_rk4_float32", "no such method", "odeint_rk4", "article_as_written"})
@@ -201,7 +201,7 @@ TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
         motion["methods"][2]["message"] = "slow";
         motions.list.push_back(motion);
     }
-    motions.left_out = {"c is not drawn: why."};
+    motions.omissions = {"c is not drawn: why."};
     Detail detail;
     detail.tracks = 4;
     const Json page = document(detail);
@@ -219,14 +219,14 @@ TEST_F(FolderDocument, LeavesOutMotionsByWhatPeopleAskForLeast) {
     EXPECT_EQ(document(detail)["motions"][1]["methods"][2]["message"], "slow; its motion is omitted from this page");
 }
 
-TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {
+TEST_F(FolderDocument, ComparesTwoDirectories) {
     for (const char* scene : {"a", "b", "c"}) add(scene, "taylor", 0.1, 1e-3, 2e-6);
     add("only here", "taylor", 0.1, 1e-3, 2e-6);
     ResultFolder there = folder;
     there.name = "there", there.rows.pop_back();
     for (FolderRow& row : there.rows) row["seconds_median"] *= 1.5;
     there.rows[1]["attitude_error_max"] = 2e-3, there.rows[2]["seconds_median"] = absent;
-    other = &there, comparison = compared(folder, there);
+    other = &there, comparison = compare_folders(folder, there);
     const Json found = document()["comparison"];
     EXPECT_EQ(found["folder"], "there");
     EXPECT_EQ(found["matched"], 3);
@@ -242,7 +242,7 @@ TEST_F(FolderDocument, HoldsAnotherFolderAgainstThisOne) {
     EXPECT_TRUE(document()["comparison"].is_null());
 }
 
-TEST_F(FolderDocument, TellsOfMethodsWhatTheProgramKnowsOfThem) {
+TEST_F(FolderDocument, ContainsTheDescriptionsOfMethods) {
     add("a", "gone_method", 0.1, 1e-3, 1), add("a", "odeint_rk4", 0.1, 1e-3, 1);
     const Json page = document();
     const Json &gone = page["methods"][0], &known = page["methods"][1];

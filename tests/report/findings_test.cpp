@@ -26,7 +26,7 @@ class FolderFindings : public ::testing::Test {
     // The first finding whose title contains these words.
     Finding with(const std::string& words) const {
         std::string titles;
-        for (const Finding& one : findings_of(folder)) {
+        for (const Finding& one : make_findings(folder)) {
             if (one.title.find(words) != std::string::npos) return one;
             titles += one.title + "\n";
         }
@@ -37,7 +37,7 @@ class FolderFindings : public ::testing::Test {
     ResultFolder folder;
 };
 
-TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
+TEST_F(FolderFindings, ReportTheFastestMethodOnMostScenes) {
     // at 1e-9 rad, one scene has two methods to compare; at 1e-6 rad, all four scenes have
     for (const char* scene : {"a", "b b", "c", "d"}) {
         add(scene, "taylor", 1e-7, scene[0] == 'c' ? 5e-6 : 1e-6);
@@ -53,7 +53,7 @@ TEST_F(FolderFindings, TellWhoIsTheFastestWhereMostScenesCanTell) {
     EXPECT_EQ(fastest.link, "#section=work-precision&scene=a");
 }
 
-TEST_F(FolderFindings, TellOfOneLibraryAloneAndOfManyWinners) {
+TEST_F(FolderFindings, ReportOneLibraryAndSeveralWinners) {
     const char* const winners[] = {"taylor", "taylor", "extrapolation", "dop853", "radau", "exact", "splitting4"};
     for (std::size_t i = 0; i < 7; ++i) {
         const std::string scene = "s" + std::to_string(i);
@@ -80,7 +80,7 @@ TEST_F(FolderFindings, NameThePlainestOfTheLostAttitudes) {
     EXPECT_EQ(hidden.link, "#section=motion&scene=lagrange%20top%25&motion_methods=article_as_written");
 }
 
-TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
+TEST_F(FolderFindings, DistinguishBoundedAndGrowingErrors) {
     const auto series = [&](const std::string& method, const auto& energy) {
         add("free_asymmetric", method, 1e-3, 1e-6);
         FolderSeries one;
@@ -98,14 +98,14 @@ TEST_F(FolderFindings, TellBoundedErrorsFromGrowingOnes) {
     EXPECT_EQ(growth.title, "2 methods without energy drift, 1 with energy errors that grow in proportion to time");
     EXPECT_EQ(growth.text, "Without drift: implicit_midpoint, splitting4. The longest run lasts 400 s.");
     // the fit itself: attitude errors are fitted up to 1 rad
-    const auto exponents = growth_of(folder.series.back());
+    const auto exponents = fit_growth(folder.series.back());
     ASSERT_TRUE(exponents[0] && exponents[2]);
     EXPECT_NEAR(exponents[2]->first, 1, 0.02);
     folder.series.back().errors[1].back() = absent;
-    EXPECT_FALSE(growth_of(folder.series.back())[1]);
+    EXPECT_FALSE(fit_growth(folder.series.back())[1]);
     // there is no finding without a growing error
     folder.series.pop_back();
-    for (const Finding& one : findings_of(folder)) EXPECT_EQ(one.title.find("drift"), std::string::npos) << one.title;
+    for (const Finding& one : make_findings(folder)) EXPECT_EQ(one.title.find("drift"), std::string::npos) << one.title;
 }
 
 TEST_F(FolderFindings, CountOrdersThatAreNotThoseClaimed) {
@@ -142,7 +142,7 @@ TEST_F(FolderFindings, CountWhatFailedAndWhatReachesTheFloor) {
               "rad.");
 }
 
-TEST_F(FolderFindings, TellWhatLeavingOutGains) {
+TEST_F(FolderFindings, ReportTheGainOfTheReducedFormulation) {
     FolderTable torn{"x_gain", "x", "", {{"scene", "method"}, {{std::string("a"), std::string("m")}}}, 1};
     FolderTable table{"y_gain", "y", "", {{"scene", "method", "gain"}, {}}, 4};
     for (const auto& [scene, gain] :
@@ -153,7 +153,7 @@ TEST_F(FolderFindings, TellWhatLeavingOutGains) {
     EXPECT_EQ(gain.title, "The reduced formulation is 2 times as fast as the full one");
     EXPECT_EQ(gain.text, "Median of 3 pairs. The largest factor is 3, on b with cvode_adams.");
     folder.tables = {torn};
-    EXPECT_TRUE(findings_of(folder).empty());
+    EXPECT_TRUE(make_findings(folder).empty());
 }
 
 TEST_F(FolderFindings, AreThreeAtMost) {
@@ -161,7 +161,7 @@ TEST_F(FolderFindings, AreThreeAtMost) {
     add("a", "odeint_euler", 2, 1e-6)["energy_error_max"] = 1e-3;
     add("a", "odeint_euler", 2, 1e-6).status = Status::failed;
     folder.rows.front()["float64_floor"] = 1e-12;
-    const std::vector<Finding> all = findings_of(folder);
+    const std::vector<Finding> all = make_findings(folder);
     ASSERT_EQ(all.size(), 3u);
     EXPECT_NE(all[0].title.find("fastest"), std::string::npos);
     EXPECT_NE(all[1].title.find("Energy"), std::string::npos);

@@ -45,7 +45,7 @@ class Folder : public ::testing::Test {
     std::string path;
 };
 
-TEST_F(Folder, TakesNothingFromFilesThatAreNestedWithoutEnd) {
+TEST_F(Folder, RefusesDeeplyNestedFiles) {
     write("t.csv", header + row("taylor", 0.1, 1e-3, 2e-6));
     const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
     write("scenes.json", R"({"free_asymmetric": )" + deep + "}");
@@ -82,11 +82,11 @@ TEST_F(Folder, ReadsRowsSeriesTablesAndWhereTheyAreFrom) {
     ASSERT_EQ(folder.experiments.size(), 1u);
     EXPECT_EQ(folder.experiments[0].about, "A <b>test</b>");
     EXPECT_TRUE(folder.experiments[0].quick);
-    EXPECT_TRUE(scenes_of(folder).contains("free_asymmetric"));
+    EXPECT_TRUE(read_scenes(folder).contains("free_asymmetric"));
     EXPECT_TRUE(folder.remarks.empty());
 }
 
-TEST_F(Folder, LeavesOutATornFileAndSaysSo) {
+TEST_F(Folder, OmitsATruncatedFileAndReportsIt) {
     write("a.csv", header + row("taylor", 0.1, 1e-3, 2e-6));
     write("b.csv", std::string(header) + "t,free_asym");
     write("c.csv", "");
@@ -103,7 +103,7 @@ TEST_F(Folder, ReadsEachColumnThatATableMayHave) {
     result.setting = 0.25, result.status = Status::diverged, result.message = "why", result.cut = true;
     result.formulation = Formulation::full, result.steps = 7, result.counts.rejected_steps = 3;
     result.errors["reaction"].max = 0.125, result.errors["attitude"].max = 0.5, result.floors.float32_final = 2;
-    write("t.csv", csv({result_columns(TableOf::systems), {row_of("t", result, TableOf::systems)}}));
+    write("t.csv", csv({result_columns(TableKind::systems), {row_of("t", result, TableKind::systems)}}));
     const ResultFolder folder = read_folder(path, 1);
     ASSERT_EQ(folder.rows.size(), 1u);
     const FolderRow& row = folder.rows[0];
@@ -153,10 +153,10 @@ TEST_F(Folder, RefusesWhatIsNone) {
 
 TEST_F(Folder, TakesScenesFromTheirOwnFile) {
     write("t.csv", header + row("taylor", 0.1, 1e-3, 2e-6).replace(2, 15, "mine"));
-    EXPECT_TRUE(scenes_of(read_folder(path, 1)).empty());
+    EXPECT_TRUE(read_scenes(read_folder(path, 1)).empty());
     write("scenes.json", R"({"mine": "{\"name\": \"mine\", \"duration\": 3, )"
                          R"(\"body\": {\"mass\": 1, \"inertia\": [1, 2, 3]}}", "torn": "{"})");
-    const auto scenes = scenes_of(read_folder(path, 1));
+    const auto scenes = read_scenes(read_folder(path, 1));
     ASSERT_EQ(scenes.size(), 1u);
     EXPECT_EQ(scenes.at("mine").duration, 3);
 }
@@ -171,16 +171,16 @@ TEST_F(Folder, FindsTheFastestAndWhoIsNext) {
     EXPECT_EQ(*best.row, 1u);
     EXPECT_EQ(*best.runner_up, 2u);
     EXPECT_FALSE(fastest_within(folder, rows_by_scene(folder)[0], 1e-9).row);
-    const std::vector<Finding> findings = findings_of(folder);
+    const std::vector<Finding> findings = make_findings(folder);
     ASSERT_FALSE(findings.empty());
     EXPECT_NE(findings[0].title.find("is the fastest to"), std::string::npos) << findings[0].title;
 }
 
-TEST_F(Folder, TellsOfEnergiesThatHideALostAttitude) {
+TEST_F(Folder, ReportsEnergiesThatHideALostAttitude) {
     write("t.csv", header + row("article_as_written", 0.1, 3, 1e-6, "ok", 1e-3, 1.5) +
                        row("article_as_written", 0.2, 3, 1e-6, "ok", 0.5, 1.5) + row("taylor", 0.1, 1e-9, 1e-6));
     bool told = false;
-    for (const Finding& finding : findings_of(read_folder(path, 1)))
+    for (const Finding& finding : make_findings(read_folder(path, 1)))
         if (finding.title == "Energy hides a lost attitude in 1 run") {
             told = true;
             EXPECT_NE(finding.text.find("article_as_written on free_asymmetric with a step of 0.1 s"),
@@ -200,7 +200,7 @@ TEST_F(Folder, FitsOrdersAboveTheFloorAlone) {
     }
     for (std::size_t at = 0; (at = text.find(",1e-14\n", at)) != std::string::npos;) text.replace(at, 7, ",1e-12\n");
     write("t.csv", text);
-    const std::vector<FittedOrder> orders = orders_of(read_folder(path, 1));
+    const std::vector<FittedOrder> orders = fit_orders(read_folder(path, 1));
     ASSERT_EQ(orders.size(), 1u);
     ASSERT_TRUE(orders[0].observed);
     EXPECT_NEAR(*orders[0].observed, 4, 1e-3);
@@ -209,9 +209,9 @@ TEST_F(Folder, FitsOrdersAboveTheFloorAlone) {
 
 TEST_F(Folder, HasNoFindingsWhereThereAreNoNumbers) {
     write("t.csv", header);
-    EXPECT_TRUE(findings_of(read_folder(path, 1)).empty());
+    EXPECT_TRUE(make_findings(read_folder(path, 1)).empty());
     write("t.csv", std::string(header) + "t,s,m,none,,ok,,,,,,,,,,,,,\n");
-    EXPECT_TRUE(findings_of(read_folder(path, 1)).empty());
+    EXPECT_TRUE(make_findings(read_folder(path, 1)).empty());
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ Sample read_back(const Json& track, std::size_t k) {
 TEST(Keyframes, AreWithinTheirBoundOfTheTrueMotionAtAnyTime) {
     const double duration = 10;
     const SampledMotion motion = sampled_motion(precession(2, 3, 0.7, duration, 800));
-    const Keyframes keyframes = thinned(motion, {1e-2, 1e-2}, true);
+    const Keyframes keyframes = select_keyframes(motion, {1e-2, 1e-2}, true);
     ASSERT_EQ(keyframes.at.front(), 0u);
     ASSERT_EQ(keyframes.at.back(), 800u);
     EXPECT_LT(keyframes.at.size(), 120u);
@@ -105,7 +105,7 @@ RC_GTEST_PROP(Keyframes, KeepTheToleranceWhateverTheMotion, ()) {
     const double angle = *rc::gen::inRange(0, 31) / 10.0;
     const int samples = 2 * *rc::gen::inRange(1, 200);
     const SampledMotion motion = sampled_motion(precession(a, b, angle, 5, samples));
-    const Keyframes keyframes = thinned(motion, {1e-2, 5e-2}, false);
+    const Keyframes keyframes = select_keyframes(motion, {1e-2, 5e-2}, false);
     RC_ASSERT(keyframes.at.back() == motion.t.size() - 1);
     // the error at a keyframe is at most half a grid step, for samples of any spacing
     RC_ASSERT(keyframes.off.angle <= 1e-2);
@@ -118,17 +118,17 @@ TEST(Keyframes, EndWithTheLastNumberThatCanBeDrawn) {
     EXPECT_EQ(sampled_motion(trajectory).t.size(), 6u);
     trajectory.samples[0].position_W[1] = std::numeric_limits<double>::infinity();
     EXPECT_EQ(sampled_motion(trajectory).t.size(), 0u);
-    EXPECT_TRUE(thinned(sampled_motion(trajectory), {1, 1}, true).at.empty());
+    EXPECT_TRUE(select_keyframes(sampled_motion(trajectory), {1, 1}, true).at.empty());
 }
 
 TEST(Keyframes, DoNotMindTheQuaternionsSign) {
     Trajectory trajectory = precession(2, 3, 0.7, 4, 200);
-    const Keyframes before = thinned(sampled_motion(trajectory), {1e-2, 1}, true);
+    const Keyframes before = select_keyframes(sampled_motion(trajectory), {1e-2, 1}, true);
     for (std::size_t k = 0; k < trajectory.samples.size(); k += 3) {
         Quaternion<double>& q = trajectory.samples[k].q;
         q = {-q.w, -q.x, -q.y, -q.z};
     }
-    EXPECT_EQ(thinned(sampled_motion(trajectory), {1e-2, 1}, true).at.size(), before.at.size());
+    EXPECT_EQ(select_keyframes(sampled_motion(trajectory), {1e-2, 1}, true).at.size(), before.at.size());
 }
 
 }  // namespace

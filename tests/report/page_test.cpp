@@ -10,35 +10,35 @@
 namespace polhode {
 namespace {
 
-TEST(Page, HoldsItsDocumentToTheLastByte) {
+TEST(Page, ContainsTheExactDocument) {
     std::mt19937 random(1);
     for (const std::size_t size : {0u, 1u, 2u, 3u, 100u, 1'000'000u}) {
         std::string document;
         for (std::size_t i = 0; i < size; ++i) document += static_cast<char>(random() % 256);
-        EXPECT_EQ(document_text(filled_page(page_template, "folder", document)), document) << size;
+        EXPECT_EQ(document_text(fill_page(page_template, "folder", document)), document) << size;
     }
 }
 
 TEST(Page, IsTheSameForTheSameDocument) {
-    EXPECT_EQ(filled_page(page_template, "a", "{}"), filled_page(page_template, "a", "{}"));
+    EXPECT_EQ(fill_page(page_template, "a", "{}"), fill_page(page_template, "a", "{}"));
 }
 
 TEST(Page, ShowsATitleLiterally) {
-    const std::string page = filled_page(page_template, "</title><script>alert(1)</script>&\"\n", "{}");
+    const std::string page = fill_page(page_template, "</title><script>alert(1)</script>&\"\n", "{}");
     EXPECT_NE(page.find("<title>&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot; </title>"),
               std::string::npos)
         << page;
 }
 
-TEST(Page, ATitleIsNoPlaceForTheDocument) {
-    const std::string page = filled_page(page_template, "<!--polhode:data-->", "{}");
+TEST(Page, EscapesPlaceholdersInTheTitle) {
+    const std::string page = fill_page(page_template, "<!--polhode:data-->", "{}");
     EXPECT_EQ(document_text(page), "{}");
     EXPECT_EQ(page.find("<!--"), std::string::npos);
 }
 
 TEST(Page, RefusesAFrontEndWithoutItsPlaces) {
-    EXPECT_THROW(filled_page("<title><!--polhode:title--></title>", "a", "{}"), std::runtime_error);
-    EXPECT_THROW(filled_page("<!--polhode:title--><!--polhode:data--><!--polhode:data-->", "a", "{}"),
+    EXPECT_THROW(fill_page("<title><!--polhode:title--></title>", "a", "{}"), std::runtime_error);
+    EXPECT_THROW(fill_page("<!--polhode:title--><!--polhode:data--><!--polhode:data-->", "a", "{}"),
                  std::runtime_error);
 }
 

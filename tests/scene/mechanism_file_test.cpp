@@ -212,7 +212,7 @@ TEST(MechanismFile, EveryKeyOfTheReferenceIsRead) {
     EXPECT_GT(keys, 80);
 }
 
-TEST(MechanismFile, MessagesTellWhatWasMeant) {
+TEST(MechanismFile, MessagesSuggestNames) {
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "fixed", "parent": "world", "child": "uper"})"),
               "file.json: /joints/0/child: is \"uper\", which is not the name of a body; did you mean upper?");
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "revolut", "parent": "world", "child": "upper"})"),

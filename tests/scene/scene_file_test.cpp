@@ -139,7 +139,7 @@ TEST(SceneFile, NumbersAreTheNearestBinary64) {
     EXPECT_EQ(duration("1E+2"), 100);
 }
 
-TEST(SceneFile, MessagesTellWhatWasMeant) {
+TEST(SceneFile, MessagesSuggestNames) {
     EXPECT_EQ(
         fault_of(scene_with(R"("load": [])")),
         "file.json: /load: is an unknown key; did you mean loads? known keys: name, about, source, duration, body, "
@@ -199,7 +199,7 @@ TEST(BuiltinScenes, AreTheFilesAndValid) {
     EXPECT_EQ(builtin_scene_text("no such scene"), "");
 }
 
-TEST(SceneFamily, IsToldByTheName) {
+TEST(SceneFamily, IsDerivedFromTheName) {
     const FamilyMember drag = family_member("extreme/drag_torque_1e6");
     EXPECT_EQ(drag.folder, "extreme");
     EXPECT_EQ(drag.family, "drag_torque");

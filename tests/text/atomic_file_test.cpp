@@ -123,7 +123,7 @@ TEST_F(AtomicFile, WritesWhatIsNoRegularFileDirectly) {
     EXPECT_FALSE(fs::is_regular_file("/dev/null"));
 }
 
-TEST_F(AtomicFile, TellsBeforehandWhereNothingCanBeWritten) {
+TEST_F(AtomicFile, ReportsUnwritablePathsBeforehand) {
     EXPECT_THROW(require_writable(path("missing/f")), std::runtime_error);
     EXPECT_THROW(require_writable(directory_.string()), std::runtime_error);
     EXPECT_NO_THROW(require_writable(path("f")));

@@ -36,7 +36,7 @@ class AtomicFilesTest : public ::testing::Test {
     fs::path folder_;
 };
 
-TEST_F(AtomicFilesTest, AreAllThereAfterwardsAndNothingElse) {
+TEST_F(AtomicFilesTest, CommitCreatesExactlyTheFiles) {
     // more than the 1024 files synced at once; one of them exists already with a mode other than the default
     std::ofstream(folder_ / "7") << "old";
     fs::permissions(folder_ / "7", fs::perms::owner_read | fs::perms::owner_write);
@@ -68,7 +68,7 @@ TEST_F(AtomicFilesTest, WithoutCommitNothingIsThere) {
     EXPECT_EQ(content("old"), "old");
 }
 
-TEST_F(AtomicFilesTest, WhatCannotBeWrittenIsToldAndLeavesNoTemporary) {
+TEST_F(AtomicFilesTest, ReportsFailedWritesAndLeavesNoTemporary) {
     fs::create_directory(folder_ / "folder");
     AtomicFiles files(folder_);
     files.add("a", "text");

@@ -18,20 +18,20 @@ TEST(ChildProcess, ReadsItsInputAndGivesItsOutput) {
     EXPECT_GT(run.seconds, 0);
 }
 
-TEST(ChildProcess, TakesArgumentsAsTheyStand) {
+TEST(ChildProcess, PassesArgumentsUnchanged) {
     EXPECT_EQ(run_child({"printf", "%s|", "a b", "$HOME", "*", ""}, "").output, "a b|$HOME|*||");
 }
 
 // the input exceeds the pipe's capacity and is never read
 TEST(ChildProcess, NeedNotReadItsInput) { EXPECT_EQ(run_child({"true"}, std::string(1 << 20, 'x')).fault, ""); }
 
-TEST(ChildProcess, QuotesTheLastLineOfWhatItSays) {
+TEST(ChildProcess, QuotesTheLastLineOfItsOutput) {
     EXPECT_EQ(run_child({"sh", "-c", "echo one >&2; printf 'two\\033\\n\\n' >&2; exit 7"}, "").fault,
               "sh exited with code 7: two\\x1b");
     EXPECT_EQ(run_child({"sh", "-c", "echo all is well >&2"}, "").fault, "");
 }
 
-TEST(ChildProcess, TellsOfAProgramThatIsNotThere) {
+TEST(ChildProcess, ReportsAMissingProgram) {
     for (const std::vector<std::string>& arguments : {std::vector<std::string>{"no-such-program"}, {""}, {}}) {
         const ChildRun run = run_child(arguments, "");
         EXPECT_TRUE(run.not_found);

@@ -38,7 +38,7 @@ class ClaimsOfProcesses : public ::testing::Test {
     const std::string path_;
 };
 
-TEST_F(ClaimsOfProcesses, OneProcessAtATimeHasAKeyAndItsDeathGivesItBack) {
+TEST_F(ClaimsOfProcesses, OneProcessHoldsAKeyUntilItEnds) {
     const pid_t other = holder("a");
     const Claims claims(path_);
     EXPECT_FALSE(claims.take("a"));

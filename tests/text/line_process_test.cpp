@@ -32,7 +32,7 @@ TEST(LineProcess, LongLinesGoBothWays) {
     EXPECT_EQ(echo.ask(longer, 60s).line.size(), longer.size());
 }
 
-TEST(LineProcess, TellsHowItEnded) {
+TEST(LineProcess, ReportsHowItEnded) {
     const auto fault = [](const std::string& text) {
         LineProcess process(script(text));
         const LineAnswer answer = process.ask("question", 10s);
@@ -45,7 +45,7 @@ TEST(LineProcess, TellsHowItEnded) {
     EXPECT_EQ(fault("read -r line; exit 0"), "sh exited without an answer");
 }
 
-TEST(LineProcess, AHangCostsItsTimeAndNoMore) {
+TEST(LineProcess, StopsAHangAtItsTimeLimit) {
     const auto begin = std::chrono::steady_clock::now();
     LineProcess hanging(script("read -r line; sleep 600"));
     const LineAnswer answer = hanging.ask("question", 200ms);
@@ -54,7 +54,7 @@ TEST(LineProcess, AHangCostsItsTimeAndNoMore) {
     EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
 }
 
-TEST(LineProcess, WhatIsNotThereIsSaid) {
+TEST(LineProcess, ReportsAMissingProgram) {
     LineProcess none({"/no/such/program"});
     const LineAnswer answer = none.next(1s);
     EXPECT_TRUE(answer.not_found);

@@ -27,7 +27,7 @@ RC_GTEST_PROP(OneLine, IsOneShortLineOfUtf8WhateverTheBytes, (const std::string&
 }
 
 // the limits of RFC 3629's table of well-formed sequences and their invalid neighbours
-TEST(Utf8, TellsTheFirstInvalidByte) {
+TEST(Utf8, FindsTheFirstInvalidByte) {
     for (const char* valid : {"", "a", "\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
                               "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"})
         EXPECT_EQ(first_invalid_utf8(valid), std::string::npos);
@@ -36,7 +36,7 @@ TEST(Utf8, TellsTheFirstInvalidByte) {
         EXPECT_EQ(first_invalid_utf8(std::string("ab") + invalid), 2u);
 }
 
-TEST(NearMisses, FindSlipsOfTheHand) {
+TEST(NearMisses, FindsTypingErrors) {
     const std::vector<std::string> names{"cvode_adams", "cvode_bdf", "odeint_rk4", "odeint_dopri5", "exact"};
     EXPECT_EQ(near_misses("cvode_adam", names), std::vector<std::string>{"cvode_adams"});
     EXPECT_EQ(near_misses("odeint_rk", names), std::vector<std::string>{"odeint_rk4"});

@@ -45,12 +45,12 @@ class NamedFile : public ::testing::Test {
     std::filesystem::path top;
 };
 
-TEST_F(NamedFile, IsReadWhereItLiesInTheFolder) {
+TEST_F(NamedFile, ReadsFilesInTheDirectory) {
     for (const char* name : {"sub/a", "./sub/../sub/a", "in", "sub/../in"}) EXPECT_EQ(text(name), "within") << name;
 }
 
 // the name of the second folder starts with the name of the first
-TEST_F(NamedFile, IsRefusedWhereItLeadsOut) {
+TEST_F(NamedFile, RefusesPathsOutsideTheDirectory) {
     const std::string absolute = (top / "mine_too/b").string(), own = (top / "mine/sub/a").string();
     for (const std::string& name : {std::string("../mine_too/b"), std::string("sub/../../mine_too/b"),
                                     std::string("out"), absolute, own, std::string("/etc/passwd")})

@@ -55,7 +55,7 @@ TEST(Npy, AHeaderIsAsLongForAnyNumberOfRows) {
     }
 }
 
-TEST(Npy, FaultsAreTold) {
+TEST(Npy, ReportsFaults) {
     const std::string mass = "{'descr': [('mass', '<f8')]";
     EXPECT_EQ(message_of(file_with(mass + rest, 16)), "none");
     const std::pair<std::string, const char*> faults[]{

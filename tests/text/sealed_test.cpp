@@ -21,7 +21,7 @@ TEST(Sealed, KeepsTheTextReadable) {
     EXPECT_EQ(seal("a\n").back(), '\n');
 }
 
-TEST(Sealed, NoticesEveryFlippedBit) {
+TEST(Sealed, DetectsEveryFlippedBit) {
     const std::string whole = seal("method,error\nrk4,1.25e-09\n");
     for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
         std::string damaged = whole;
@@ -41,7 +41,7 @@ TEST(Sealed, NoticesMissingAndAddedBytesAndForeignTexts) {
     EXPECT_FALSE(unseal("# checksum 00000000000000000000000000000000\n"));
 }
 
-TEST(Sealed, TellsOnceOfADamagedFileAndNeverOfAMissingOne) {
+TEST(Sealed, ReportsACorruptedFileOnceAndAMissingOneNever) {
     const std::string path = (std::filesystem::path(::testing::TempDir()) / "polhode_sealed_test").string();
     std::ofstream(path, std::ios::binary) << seal("kept\n");
     ::testing::internal::CaptureStderr();

@@ -45,7 +45,7 @@ TEST_F(Terminal, HasColorsUnlessTheyAreRefused) {
     EXPECT_FALSE(wants_color(terminal));
 }
 
-TEST_F(Terminal, TellsItsWidth) {
+TEST_F(Terminal, ReportsItsWidth) {
     winsize size{};
     size.ws_row = 30, size.ws_col = 77;
     ASSERT_EQ(::ioctl(terminal, TIOCSWINSZ, &size), 0);

@@ -21,7 +21,7 @@ double length(const Vector3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 
 TEST(CatalogueSize, AtLeastTwentyFourScenes) { EXPECT_GE(scenes_in().size(), 24u); }
 
-TEST_P(Catalogue, TellsWhatItIsAndWhereItComesFrom) {
+TEST_P(Catalogue, HasDescriptionsAndSources) {
     const Scene scene = find_scene(GetParam());
     EXPECT_GT(scene.about.size(), 40u);
     EXPECT_GT(scene.source.size(), 20u);

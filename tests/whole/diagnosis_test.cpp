@@ -56,7 +56,7 @@ std::string faults(const std::vector<Diagnosis>& diagnoses) {
     return text;
 }
 
-::testing::AssertionResult is_told(const Scene& scene, const TrajectoryFile& file, const std::string& fault) {
+::testing::AssertionResult diagnosis_is(const Scene& scene, const TrajectoryFile& file, const std::string& fault) {
     const std::vector<Diagnosis> found = diagnose(scene, file).faults;
     if (std::ranges::any_of(found, [&](const Diagnosis& d) { return d.fault == fault; }))
         return ::testing::AssertionSuccess();
@@ -64,51 +64,51 @@ std::string faults(const std::vector<Diagnosis>& diagnoses) {
 }
 
 // Checks the diagnosis at two steps, in both precisions and without the columns of w.
-void expect_told(const Scene& scene, const Broken& broken, const std::string& fault, bool needs_rates = false) {
+void expect_diagnosis(const Scene& scene, const Broken& broken, const std::string& fault, bool needs_rates = false) {
     for (const double step : {1.0 / 60, 1.0 / 240}) {
         if (!optimised_build && step > 0.01) continue;
-        EXPECT_TRUE(is_told(scene, engine_run<double>(scene, broken, step, 1), fault)) << "step " << step;
-        EXPECT_TRUE(is_told(scene, engine_run<float>(scene, broken, step, 2), fault)) << "float, step " << step;
+        EXPECT_TRUE(diagnosis_is(scene, engine_run<double>(scene, broken, step, 1), fault)) << "step " << step;
+        EXPECT_TRUE(diagnosis_is(scene, engine_run<float>(scene, broken, step, 2), fault)) << "float, step " << step;
         if (needs_rates) continue;
         TrajectoryFile bare = engine_run<double>(scene, broken, step, 1);
         bare.has_angular_velocity = false;
         for (TrajectoryRow& row : bare.rows) row.angular_velocity_W = {};
-        EXPECT_TRUE(is_told(scene, bare, fault)) << "no w, step " << step;
+        EXPECT_TRUE(diagnosis_is(scene, bare, fault)) << "no w, step " << step;
     }
 }
 
 TEST(Diagnosis, GyroscopicTermMissing) {
-    for (const Scene& scene : scenes()) expect_told(scene, {.gyroscopic = 0}, "gyroscopic_term_missing");
+    for (const Scene& scene : scenes()) expect_diagnosis(scene, {.gyroscopic = 0}, "gyroscopic_term_missing");
 }
 
 TEST(Diagnosis, GyroscopicTermReversed) {
-    for (const Scene& scene : scenes()) expect_told(scene, {.gyroscopic = -1}, "gyroscopic_term_reversed");
+    for (const Scene& scene : scenes()) expect_diagnosis(scene, {.gyroscopic = -1}, "gyroscopic_term_reversed");
 }
 
 TEST(Diagnosis, DampingLeftOn) {
     for (const Scene& scene : scenes())
-        for (const double damping : {0.05, 0.3}) expect_told(scene, {.damping = damping}, "damping_left_on");
+        for (const double damping : {0.05, 0.3}) expect_diagnosis(scene, {.damping = damping}, "damping_left_on");
     Scene scene = damped_body();
     scene.duration = 10;
-    expect_told(scene, {.damping = 0.1}, "damping_left_on");
+    expect_diagnosis(scene, {.damping = 0.1}, "damping_left_on");
 }
 
 TEST(Diagnosis, SpeedClamped) {
     for (const Scene& scene : scenes()) {
         const Vector3<double>& w = scene.initial.angular_velocity;
-        expect_told(scene, {.speed_limit = 0.8 * std::sqrt(dot(w, w))}, "speed_clamped");
+        expect_diagnosis(scene, {.speed_limit = 0.8 * std::sqrt(dot(w, w))}, "speed_clamped");
     }
 }
 
 TEST(Diagnosis, WrongTimeStep) {
     for (const Scene& scene : scenes())
         for (const double step_factor : {0.5, 1.2, 50.0 / 60})
-            expect_told(scene, {.step_factor = step_factor}, "wrong_time_step");
+            expect_diagnosis(scene, {.step_factor = step_factor}, "wrong_time_step");
 }
 
 // Faults that the attitude alone cannot distinguish. Clamping the rate of a nearly steady rotation looks like a slower
 // clock; a start 57 times too slow looks like a clamped rate. The file's w decides, or the lack of fitted parameters.
-TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
+TEST(Diagnosis, ReportsOnlyTheTrueOneOfSimilarFaults) {
     Scene scene = tilted_free_body();
     scene.loads.clear();
     scene.body.inertia_B = diagonal(Vector3<double>(1, 1.5, 2));
@@ -117,7 +117,7 @@ TEST(Diagnosis, OfFaultsAlikeOnlyTheTrueOneIsNamed) {
     const auto only = [&](const TrajectoryFile& file, const std::string& fault) {
         const std::vector<Diagnosis> found = diagnose(scene, file).faults;
         EXPECT_EQ(found.size(), 1U) << fault << ": " << faults(found);
-        EXPECT_TRUE(is_told(scene, file, fault));
+        EXPECT_TRUE(diagnosis_is(scene, file, fault));
     };
     const Vector3<double>& w = scene.initial.angular_velocity;
     only(engine_run<double>(scene, {.speed_limit = 0.8 * std::sqrt(dot(w, w))}, 1.0 / 960, 16), "speed_clamped");
@@ -133,10 +133,10 @@ TEST(Diagnosis, FirstOrderQuaternionUpdate) {
         const Vector3<double>& w = scene.initial.angular_velocity;
         for (const double turn : {0.06, 0.03}) {
             const double step = turn / std::sqrt(dot(w, w));
-            EXPECT_TRUE(is_told(scene, engine_run<double>(scene, {.first_order = true}, step, 1),
-                                "first_order_quaternion_update"));
-            EXPECT_TRUE(is_told(scene, engine_run<double>(scene, {.first_order = true}, step, 4),
-                                "first_order_quaternion_update"));
+            EXPECT_TRUE(diagnosis_is(scene, engine_run<double>(scene, {.first_order = true}, step, 1),
+                                     "first_order_quaternion_update"));
+            EXPECT_TRUE(diagnosis_is(scene, engine_run<double>(scene, {.first_order = true}, step, 4),
+                                     "first_order_quaternion_update"));
         }
     }
 }
@@ -151,10 +151,10 @@ TEST(Diagnosis, ConventionsOfTheQuaternion) {
         timed.duration = 10;
         TrajectoryFile last = sound(timed), inverted = last;
         for (TrajectoryRow& row : last.rows) row.q = {row.q.x, row.q.y, row.q.z, row.q.w};
-        EXPECT_TRUE(is_told(timed, last, "scalar_last_quaternion"));
+        EXPECT_TRUE(diagnosis_is(timed, last, "scalar_last_quaternion"));
         EXPECT_EQ(diagnose(timed, last).faults[0].convention, "scalar-last");
         for (TrajectoryRow& row : inverted.rows) row.q = conjugate(row.q);
-        EXPECT_TRUE(is_told(timed, inverted, "inverted_orientation"));
+        EXPECT_TRUE(diagnosis_is(timed, inverted, "inverted_orientation"));
         for (const char* words : {"y-up", "y-up,left-handed", "left-handed"}) {
             TrajectoryFile there = sound(timed);
             const Convention convention = parse_convention(words);
@@ -162,7 +162,7 @@ TEST(Diagnosis, ConventionsOfTheQuaternion) {
                 row.q = quaternion_to(convention.axes, row.q);
                 row.angular_velocity_W = pseudovector_to(convention.axes, row.angular_velocity_W);
             }
-            EXPECT_TRUE(is_told(timed, there, "other_axes")) << words;
+            EXPECT_TRUE(diagnosis_is(timed, there, "other_axes")) << words;
             EXPECT_EQ(diagnose(timed, there).faults[0].convention, words);
         }
     }
@@ -174,10 +174,10 @@ TEST(Diagnosis, UnitsAndAxesOfTheRate) {
         TrajectoryFile degrees = sound(scene), body = degrees;
         for (TrajectoryRow& row : degrees.rows)
             row.angular_velocity_W = (180 / std::numbers::pi) * row.angular_velocity_W;
-        EXPECT_TRUE(is_told(scene, degrees, "angular_velocity_in_degrees"));
+        EXPECT_TRUE(diagnosis_is(scene, degrees, "angular_velocity_in_degrees"));
         EXPECT_EQ(diagnose(scene, degrees).faults[0].convention, "degrees");
         for (TrajectoryRow& row : body.rows) row.angular_velocity_W = rotate_back(row.q, row.angular_velocity_W);
-        EXPECT_TRUE(is_told(scene, body, "angular_velocity_in_body_axes"));
+        EXPECT_TRUE(diagnosis_is(scene, body, "angular_velocity_in_body_axes"));
     }
 }
 
@@ -186,7 +186,8 @@ TEST(Diagnosis, StartsOfAnotherScene) {
         scene.duration = 10;
         Scene other = scene;
         other.initial.angular_velocity_frame = Frame::world;
-        EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "body_for_world_angular_velocity"));
+        EXPECT_TRUE(
+            diagnosis_is(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "body_for_world_angular_velocity"));
         other = scene;
         other.initial.orientation = {0.36, 0.8, 0.48, 0};
         EXPECT_FALSE(diagnose(scene, engine_run<double>(other, {}, 1.0 / 240, 4)).faults.empty());
@@ -196,7 +197,7 @@ TEST(Diagnosis, StartsOfAnotherScene) {
     scene.duration = 20;
     Scene other = scene;
     other.initial.angular_velocity = (std::numbers::pi / 180) * scene.initial.angular_velocity;
-    EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "degrees_for_radians"));
+    EXPECT_TRUE(diagnosis_is(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "degrees_for_radians"));
 }
 
 TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
@@ -204,10 +205,10 @@ TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
     scene.duration = 10;
     Scene other = scene;
     other.body.center_of_mass = {};
-    EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
+    EXPECT_TRUE(diagnosis_is(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
     // an engine that was given the inertia about the pivot, and the pivot as centre of mass
     other.body.inertia_B = other.body.inertia_B + parallel_axis(scene.body.mass, scene.body.center_of_mass);
-    EXPECT_TRUE(is_told(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
+    EXPECT_TRUE(diagnosis_is(scene, engine_run<double>(other, {}, 1.0 / 240, 4), "center_of_mass_for_origin"));
     // with a short arm the faults that ignore the centre of mass are indistinguishable: one diagnosis only
     for (const double arm : {0.5, 0.1, 0.02}) {
         Scene near = heavy_top();
@@ -229,11 +230,11 @@ TEST(Diagnosis, CenterOfMassTakenForTheOrigin) {
     fine.tolerance = 1e-12;
     for (const Sample& s : solve(scene, *find_method("dop853"), fine).samples)
         file.rows.push_back({s.t, s.q, {}, s.position_W - rotate(s.q, scene.body.center_of_mass), {}});
-    EXPECT_TRUE(is_told(scene, file, "origin_for_center_of_mass"));
+    EXPECT_TRUE(diagnosis_is(scene, file, "origin_for_center_of_mass"));
     file.has_position = false, file.has_origin = true;
     EXPECT_TRUE(diagnose(scene, file).faults.empty());
     for (TrajectoryRow& row : file.rows) row.position_W = row.position_W + rotate(row.q, scene.body.center_of_mass);
-    EXPECT_TRUE(is_told(scene, file, "center_of_mass_for_origin"));
+    EXPECT_TRUE(diagnosis_is(scene, file, "center_of_mass_for_origin"));
 }
 
 TEST(Diagnosis, TwoFaultsAtOnce) {
@@ -241,8 +242,8 @@ TEST(Diagnosis, TwoFaultsAtOnce) {
     for (const Scene& scene : {free_body(), tilted_free_body()}) {
         Scene timed = scene;
         timed.duration = 10;
-        EXPECT_TRUE(is_told(timed, engine_run<double>(timed, {.gyroscopic = 0, .damping = 0.1}, 1.0 / 60, 1),
-                            "damping_left_on"));
+        EXPECT_TRUE(diagnosis_is(timed, engine_run<double>(timed, {.gyroscopic = 0, .damping = 0.1}, 1.0 / 60, 1),
+                                 "damping_left_on"));
     }
 }
 
@@ -250,7 +251,7 @@ TEST(Diagnosis, TwoFaultsAtOnce) {
 // Euler's method is not among them, because it is a first-order quaternion update.
 class SoundMethod : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(SoundMethod, IsToldNothing) {
+TEST_P(SoundMethod, HasNoDiagnosis) {
     const Method& method = *find_method(GetParam());
     int judged = 0;
     constexpr std::size_t every = optimised_build ? 5 : 61;

@@ -55,7 +55,7 @@ Vector3<double> L_W(const ReferenceSample& sample) {
 Quaternion<double> attitude(const ReferenceSample& sample) {
     return {sample.q.w.high, sample.q.x.high, sample.q.y.high, sample.q.z.high};
 }
-double turned_by(const Quaternion<double>& q) { return 2 * std::atan2(size(vector_part(q)), std::abs(q.w)); }
+double rotation_angle_of(const Quaternion<double>& q) { return 2 * std::atan2(size(vector_part(q)), std::abs(q.w)); }
 
 // The magnitudes of the eigenvalues of the right-hand side for w and q at this state, in descending order.
 std::vector<double> sizes_of_eigenvalues(const Problem& problem, const Vector3<double>& w, const Quaternion<double>& q,
@@ -131,7 +131,7 @@ TEST(ExtremeScenes, DragIsTheLinearTestEquation) {
         EXPECT_NEAR(c * scene.duration, 1000, 1e-9);
         const ReferenceSample after = truth_at(scene, {2 / c})[1];
         EXPECT_NEAR(w_B(after)[0] / c, std::exp(-2), 1e-15);
-        EXPECT_NEAR(turned_by(attitude(after)), 1 - std::exp(-2), 1e-15);
+        EXPECT_NEAR(rotation_angle_of(attitude(after)), 1 - std::exp(-2), 1e-15);
     }
 }
 
@@ -156,8 +156,8 @@ TEST(ExtremeScenes, SpringIsAPendulumOfSmallAmplitude) {
         const double period = 4 * boost::math::ellint_1(sine) / rate;
         EXPECT_LT(std::abs(period * rate / (2 * pi) - 1), 1e-4);
         const auto samples = truth_at(scene, {period / 4, period});
-        EXPECT_NEAR(turned_by(attitude(samples[1])), 2 * std::asin(sine), 1e-14);
-        EXPECT_LT(turned_by(attitude(samples[2])), 1e-15);
+        EXPECT_NEAR(rotation_angle_of(attitude(samples[1])), 2 * std::asin(sine), 1e-14);
+        EXPECT_LT(rotation_angle_of(attitude(samples[2])), 1e-15);
         EXPECT_NEAR(scene.duration * rate, 1000, 5);
     }
 }
@@ -173,7 +173,7 @@ TEST(ExtremeScenes, DampedSpringsHaveTheirRatio) {
         const std::vector<double> found = sizes_of_eigenvalues(problem, {}, {});
         // a double eigenvalue is determined only to the square root of the rounding error
         for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(found[i], expected[i], 1e-4 * expected[0]) << ratio << i;
-        EXPECT_NEAR(turned_by(scene.initial.orientation), 0.5, 1e-15);
+        EXPECT_NEAR(rotation_angle_of(scene.initial.orientation), 0.5, 1e-15);
     }
 }
 
@@ -191,7 +191,7 @@ TEST(ExtremeScenes, AttitudeIsHeldAgainstTheDisturbance) {
     for (const auto& [k, scene, problem] : members("pd_hold")) {
         const double disturbance = size(std::get<Torque>(scene.loads[2]).vector);
         const ReferenceSample end = truth_at(scene, {scene.duration})[1];
-        EXPECT_NEAR(std::sin(turned_by(attitude(end))), disturbance / k, 1e-12);
+        EXPECT_NEAR(std::sin(rotation_angle_of(attitude(end))), disturbance / k, 1e-12);
         EXPECT_LT(size(w_B(end)), 1e-12 * problem.scales.angular_velocity);
     }
 }
@@ -244,7 +244,7 @@ TEST(ExtremeScenes, DragActsInItsWindow) {
 
 // ---- extreme
 
-TEST(ExtremeScenes, MomentsAreAsTheirNamesSay) {
+TEST(ExtremeScenes, MomentsMatchTheirNames) {
     const auto sorted = [](const Problem& problem) {
         Vector3<double> I = problem.body.principal.moments;
         std::sort(&I[0], &I[0] + 3);
@@ -274,7 +274,7 @@ TEST(ExtremeScenes, MomentsAreAsTheirNamesSay) {
     for (const auto& [moment, scene, problem] : members("moment")) EXPECT_EQ(sorted(problem)[0], moment);
 }
 
-TEST(ExtremeScenes, RatesAreAsTheirNamesSay) {
+TEST(ExtremeScenes, RatesMatchTheirNames) {
     for (const auto& [rate, scene, problem] : members("free_spin"))
         EXPECT_NEAR(size(scene.initial.angular_velocity) / rate, 1, 1e-13);
     for (const auto& [rate, scene, problem] : members("rate")) EXPECT_EQ(scene.initial.angular_velocity[0], rate);
@@ -359,7 +359,7 @@ TEST(ExtremeScenes, RestIsRest) {
         const auto samples = truth_at(scene, {scene.duration / 3, scene.duration});
         for (const ReferenceSample& s : samples) {
             EXPECT_EQ(size(w_B(s)), 0) << stiffness;
-            EXPECT_EQ(turned_by(attitude(s)), 0) << stiffness;
+            EXPECT_EQ(rotation_angle_of(attitude(s)), 0) << stiffness;
         }
     }
 }
@@ -368,7 +368,7 @@ TEST(ExtremeScenes, RestIsRest) {
 TEST(ExtremeScenes, UprightPendulumsFallExponentially) {
     for (const auto& [tilt, scene, problem] : members("upright")) {
         ASSERT_EQ(problem.needs.system, SystemKind::principal_axis_rotation);
-        const double angle = turned_by(attitude(truth_at(scene, {2})[1]));
+        const double angle = rotation_angle_of(attitude(truth_at(scene, {2})[1]));
         EXPECT_NEAR(angle, tilt * std::cosh(2 * std::sqrt(5.0)), 1e-4 * tilt) << tilt;
     }
 }
@@ -378,7 +378,7 @@ TEST(ExtremeScenes, WholeTurnsAStepLookLikeACreep) {
     for (const auto& [turns, scene, problem] : members("turns_per_step")) {
         EXPECT_NEAR(scene.initial.angular_velocity[2] * scene.duration / 1e4 / (2 * pi), turns + 1e-3, 1e-9);
         const ReferenceSample step = truth_at(scene, {scene.duration / 1e4})[1];
-        EXPECT_NEAR(turned_by(attitude(step)), 2 * pi * 1e-3, 3e-4) << turns;
+        EXPECT_NEAR(rotation_angle_of(attitude(step)), 2 * pi * 1e-3, 3e-4) << turns;
     }
 }
 

@@ -83,7 +83,7 @@ TEST_F(SmallTree, FailsWhereIntegratorsAndMeasureKnowEachOther) {
     expect_fault("integrators and measure must not include each other");
 }
 
-TEST_F(SmallTree, FailsOnAFolderWithoutAFloor) {
+TEST_F(SmallTree, FailsOnADirectoryWithoutALayer) {
     file("src/attic/rope.h", "body/shape.h");
     expect_fault("attic belongs to no layer");
 }

@@ -43,7 +43,7 @@ std::set<std::string> names_on_pages() {
     return names;
 }
 
-TEST(Results, HoldWhatPagesShow) {
+TEST(Results, ContainTheNumbersOfThePages) {
     const std::set<std::string> names = names_on_pages();
     std::set<std::string> others{"provenance.json", "scenes.json"};
     std::ifstream ignored(source_dir() + "/.gitignore");

@@ -16,17 +16,17 @@
 
 namespace polhode {
 
-inline Cell least(const std::vector<double>& values) {
+inline Cell min_cell(const std::vector<double>& values) {
     return values.empty() ? Cell() : Cell(*std::min_element(values.begin(), values.end()));
 }
-inline Cell most(const std::vector<double>& values) {
+inline Cell max_cell(const std::vector<double>& values) {
     return values.empty() ? Cell() : Cell(*std::max_element(values.begin(), values.end()));
 }
 /// The median, or nothing for an empty list.
-inline std::optional<double> median_of(const std::vector<double>& values) {
+inline std::optional<double> optional_median(const std::vector<double>& values) {
     return values.empty() ? std::nullopt : std::optional(median(values));
 }
-inline Cell middle(const std::vector<double>& values) { return values.empty() ? Cell() : Cell(median(values)); }
+inline Cell median_cell(const std::vector<double>& values) { return values.empty() ? Cell() : Cell(median(values)); }
 
 /// Groups elements by key. Groups are in the order of their first elements; elements keep their order.
 template <class T, class GetKey>
@@ -42,7 +42,7 @@ auto group_by(const std::vector<T>& elements, const GetKey& get_key) {
 }
 
 /// Formats counts: "3 diverged, 1 damped to rest".
-inline std::string listed_counts(const std::map<std::string, long>& counts) {
+inline std::string list_counts(const std::map<std::string, long>& counts) {
     std::string list;
     for (const auto& [name, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, name);
     return list;

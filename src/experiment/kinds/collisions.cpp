@@ -14,8 +14,6 @@
 namespace polhode {
 namespace {
 
-Vector3<double> high(const Vector3<Pair>& v) { return {v[0].high, v[1].high, v[2].high}; }
-
 // The largest height (m) above the scene's first plane over the samples with from < t <= until.
 template <class Samples, class Position>
 std::optional<double> apex(const Scene& scene, const Samples& samples, double from, double until,
@@ -28,6 +26,75 @@ std::optional<double> apex(const Scene& scene, const Samples& samples, double fr
             most = std::max(most.value_or(height), height);
         }
     return most;
+}
+
+// Solves the scene with one setting of a curve. Scenes without planes are unsupported.
+Trajectory solve_collisions(const Scene& scene, const PlannedCurve& planned, double setting, long samples,
+                            double seconds_limit) {
+    Settings settings;
+    settings.samples = samples;
+    if (planned.kind == SettingKind::step) settings.step = setting;
+    if (planned.kind == SettingKind::tolerance) settings.tolerance = setting;
+    settings.seconds_limit = seconds_limit;
+    Trajectory run = scene.planes.empty() ? Trajectory{} : solve(scene, *planned.method, settings);
+    if (scene.planes.empty()) run.status = Status::unsupported, run.message = "the scene has no planes";
+    return run;
+}
+
+// Errors of a run with impacts; empty if they do not exist.
+struct ImpactErrors {
+    Cell first, worst, height, energy, attitude;
+};
+
+ImpactErrors measure_impacts(const Scene& scene, const Trajectory& run, const Reference& truth) {
+    ImpactErrors impact_errors;
+    const auto& found = run.impact_times;
+    const auto& right = truth.impact_times;
+    const std::size_t both = std::min(found.size(), right.size());
+    double late = 0;
+    for (std::size_t i = 0; i < both; ++i) late = std::max(late, std::abs((found[i] - right[i].high) - right[i].low));
+    if (both > 0) {
+        impact_errors.first = std::abs((found[0] - right[0].high) - right[0].low);
+        // the next corner of a box may hit at once, so take the largest height of the whole rest
+        const double until = run.samples.back().t;
+        const auto rise = apex(scene, run.samples, right[0].high, until, [](const Sample& s) { return s.position_W; });
+        const auto true_rise = apex(scene, truth.samples, right[0].high, until,
+                                    [](const ReferenceSample& s) { return s.rounded().position_W; });
+        if (rise && true_rise) impact_errors.height = std::abs(*rise - *true_rise);
+    }
+    // compare all impacts only if their numbers are equal
+    if (found.size() == right.size() && both > 0) impact_errors.worst = late;
+    if (run.status == Status::ok) {
+        const Errors e = errors(error_series(scene, run, truth), run, truth);
+        impact_errors.energy = cell_of(e["energy"].max), impact_errors.attitude = cell_of(e["attitude"].max);
+    }
+    return impact_errors;
+}
+
+// Adds a row for one setting, and its point to the curve.
+void add_collision_row(Table& table, Curve& curve, const PlannedScene& scene, const PlannedCurve& planned,
+                       double setting, const Trajectory& run, const Reference& truth) {
+    std::vector<Cell> row{scene.label,
+                          std::string(planned.method->name),
+                          std::string(name_of(planned.kind)),
+                          {},
+                          std::string(name_of(run.status))};
+    if (planned.kind != SettingKind::none) row[3] = setting;
+    ImpactErrors e;
+    std::string message = run.message;
+    if (!truth.available) {
+        if (!truth.message.empty()) message += (message.empty() ? "" : "; ") + truth.message;
+    } else if (!run.samples.empty()) {
+        e = measure_impacts(scene.scene, run, truth);
+        if (const double* first = std::get_if<double>(&e.first)) {
+            curve.x.push_back(static_cast<double>(run.rhs_evaluations));
+            curve.y.push_back(*first);
+        }
+    }
+    row.insert(row.end(), {static_cast<long>(run.impact_times.size()), Cell{}, e.first, e.worst, e.height, e.energy,
+                           e.attitude, run.steps, run.rhs_evaluations, message});
+    if (truth.available) row[6] = static_cast<long>(truth.impact_times.size());
+    table.rows.push_back(std::move(row));
 }
 
 }  // namespace
@@ -50,53 +117,9 @@ Findings run_collisions(const Plan& plan, const RunOptions& options) {
             curve.label = planned_curve.method->name;
             set_style(curve, planned_curve.style);
             for (const double setting : planned_curve.settings) {
-                Settings settings;
-                settings.samples = samples;
-                if (planned_curve.kind == SettingKind::step) settings.step = setting;
-                if (planned_curve.kind == SettingKind::tolerance) settings.tolerance = setting;
-                settings.seconds_limit = plan.experiment.seconds_per_run;
-                Trajectory run = scene.planes.empty() ? Trajectory{} : solve(scene, *planned_curve.method, settings);
-                if (scene.planes.empty()) run.status = Status::unsupported, run.message = "the scene has no planes";
-                std::vector<Cell> row{planned.label,
-                                      std::string(planned_curve.method->name),
-                                      std::string(name_of(planned_curve.kind)),
-                                      {},
-                                      std::string(name_of(run.status))};
-                if (planned_curve.kind != SettingKind::none) row[3] = setting;
-                Cell first, worst, height, energy, attitude;
-                std::string message = run.message;
-                if (!truth.available) {
-                    if (!truth.message.empty()) message += (message.empty() ? "" : "; ") + truth.message;
-                } else if (!run.samples.empty()) {
-                    const auto& found = run.impact_times;
-                    const auto& right = truth.impact_times;
-                    const std::size_t both = std::min(found.size(), right.size());
-                    double late = 0;
-                    for (std::size_t i = 0; i < both; ++i)
-                        late = std::max(late, std::abs((found[i] - right[i].high) - right[i].low));
-                    if (both > 0) {
-                        first = std::abs((found[0] - right[0].high) - right[0].low);
-                        curve.x.push_back(static_cast<double>(run.rhs_evaluations));
-                        curve.y.push_back(std::get<double>(first));
-                        // the next corner of a box may hit at once, so take the largest height of the whole rest
-                        const double until = run.samples.back().t;
-                        const auto rise = apex(scene, run.samples, right[0].high, until,
-                                               [](const Sample& s) { return s.position_W; });
-                        const auto true_rise = apex(scene, truth.samples, right[0].high, until,
-                                                    [](const ReferenceSample& s) { return high(s.position_W); });
-                        if (rise && true_rise) height = std::abs(*rise - *true_rise);
-                    }
-                    // compare all impacts only if their numbers are equal
-                    if (found.size() == right.size() && both > 0) worst = late;
-                    if (run.status == Status::ok) {
-                        const Errors e = errors(error_series(scene, run, truth), run, truth);
-                        energy = cell_of(e["energy"].max), attitude = cell_of(e["attitude"].max);
-                    }
-                }
-                row.insert(row.end(), {static_cast<long>(run.impact_times.size()), Cell{}, first, worst, height, energy,
-                                       attitude, run.steps, run.rhs_evaluations, message});
-                if (truth.available) row[6] = static_cast<long>(truth.impact_times.size());
-                table.table.rows.push_back(std::move(row));
+                const Trajectory run =
+                    solve_collisions(scene, planned_curve, setting, samples, plan.experiment.seconds_per_run);
+                add_collision_row(table.table, curve, planned, planned_curve, setting, run, truth);
             }
             if (!curve.x.empty()) panel.curves.push_back(std::move(curve));
         }

@@ -27,7 +27,7 @@ NamedTable growth_table(const Plan& plan, const std::vector<Result>& results) {
         columns.push_back({quantity + "_uncertainty", ""});
     }
     columns.push_back({"message", "message"});
-    NamedTable named = headed_table("growth", "Growth of errors", columns);
+    NamedTable named = make_named_table("growth", "Growth of errors", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const double cost : plan.experiment.evaluations_per_revolution)
             for (const Result& r : results) {

@@ -16,7 +16,7 @@ Table order_table(const Plan& plan, const std::vector<Result>& results) {
         for (const PlannedCurve& curve : plan.curves) {
             std::vector<double> setting, error;
             std::optional<double> floor;  // at T, as the errors
-            for (const Result* row : rows_of(results, scene, curve)) {
+            for (const Result* row : select_rows(results, scene, curve)) {
                 if (row->status != Status::ok || !row->errors["attitude"].final) continue;
                 setting.push_back(row->step_taken.value_or(row->setting));
                 floor = row->floors.float64_final;

@@ -11,14 +11,14 @@
 namespace polhode {
 
 /// The rows of one curve on one scene, from coarse to fine.
-std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
-                                   const PlannedCurve& curve);
+std::vector<const Result*> select_rows(const std::vector<Result>& results, const PlannedScene& scene,
+                                       const PlannedCurve& curve);
 
 /// The name of a curve in legends: the method, and the kind of setting if the method takes steps and tolerances.
 std::string curve_label(const PlannedCurve& curve);
 
 /// The curve with that label. Appends one in the next colour if there is none.
-Curve& curve_named(std::vector<Curve>& curves, const std::string& label);
+Curve& find_or_add_curve(std::vector<Curve>& curves, const std::string& label);
 
 /// Labels of the floors in figures, equal to the headings of their columns.
 inline constexpr const char *float64_floor_label = "float64 floor", *float32_floor_label = "float32 floor";
@@ -29,10 +29,10 @@ std::vector<Guide> floor_guides(const std::vector<Result>& results, const Planne
                                 std::optional<double> Floors::*float64, std::optional<double> Floors::*float32);
 
 /// Sets the style of a curve from its method, and its group from the method's family.
-void look_as(Curve& curve, const PlannedCurve& planned);
+void style_curve(Curve& curve, const PlannedCurve& planned);
 
 /// Adds notes to a figure: why curves are cut, and that SUNDIALS is unoptimised.
-void tell(Figure& figure, const Plan& plan);
+void add_figure_notes(Figure& figure, const Plan& plan);
 
 /// Attitude error against run time: one panel per scene, one curve per method and kind of setting.
 std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vector<Result>& results);

@@ -28,18 +28,18 @@ Trajectory probe(const Method& method, const Scene& scene, double step) {
 
 // The projection of the change of w (body axes, 0.1 s) on the true change, relative to it: 1 if the gyroscopic term
 // acts, 0 if not.
-std::optional<double> turning_of(const Method& method) {
+std::optional<double> measure_gyroscopic_fraction(const Method& method) {
     const Scene scene = probe_scene(0.1);
-    const Trajectory own = probe(method, scene, 1e-3), truth = solve(scene, *find_method("exact"), {});
-    if (own.status != Status::ok || truth.status != Status::ok) return {};
+    const Trajectory engine_run = probe(method, scene, 1e-3), truth = solve(scene, *find_method("exact"), {});
+    if (engine_run.status != Status::ok || truth.status != Status::ok) return {};
     const auto change = [](const Trajectory& run) {
         return run.samples.back().angular_velocity_B - run.samples.front().angular_velocity_B;
     };
     const Vector3<double> expected = change(truth);
-    return dot(change(own), expected) / dot(expected, expected);
+    return dot(change(engine_run), expected) / dot(expected, expected);
 }
 
-bool same(const Trajectory& a, const Trajectory& b) {
+bool is_same_run(const Trajectory& a, const Trajectory& b) {
     if (a.status != b.status || a.samples.size() != b.samples.size()) return false;
     for (std::size_t k = 0; k < a.samples.size(); ++k) {
         const Sample &x = a.samples[k], &y = b.samples[k];
@@ -50,7 +50,7 @@ bool same(const Trajectory& a, const Trajectory& b) {
     return true;
 }
 
-TrajectoryFile file_of(const Trajectory& run) {
+TrajectoryFile make_file(const Trajectory& run) {
     TrajectoryFile file;
     for (const Sample& s : run.samples) {
         TrajectoryRow row;
@@ -61,27 +61,27 @@ TrajectoryFile file_of(const Trajectory& run) {
     return file;
 }
 
-EngineFacts facts_of(const EngineMethod& engine) {
+EngineFacts find_facts(const EngineMethod& engine) {
     EngineFacts facts;
     facts.engine = &engine;
     const Scene scene = probe_scene(2);
     const Problem problem = pose(scene);
     facts.report = engine.inspect(&problem);
-    if (!facts.is_here()) return facts;
+    if (!facts.is_available()) return facts;
     for (const auto& [name, what] : facts.report.hello.settings)
-        if (name == engine.setting) facts.about_setting = what;
-    const Trajectory first = probe(*engine.method, scene, usual_step),
-                     second = probe(*engine.method, scene, usual_step);
+        if (name == engine.setting) facts.setting_description = what;
+    const Trajectory first = probe(*engine.method, scene, default_engine_step),
+                     second = probe(*engine.method, scene, default_engine_step);
     if (first.status == Status::unsupported || first.status == Status::failed) {
         facts.report.fault = first.message;
         return facts;
     }
-    facts.repeats = first.status == Status::ok && same(first, second);
-    facts.turning = turning_of(*engine.method);
+    facts.repeats = first.status == Status::ok && is_same_run(first, second);
+    facts.gyroscopic_fraction = measure_gyroscopic_fraction(*engine.method);
     if (first.status != Status::ok) return facts;
-    facts.follows = no_update;
-    if (const auto followed = identify_update(scene, file_of(first), 1, 1.2e-7))
-        facts.follows = followed->method, facts.follows_to = followed->distance;
+    facts.matching_update = no_update;
+    if (const auto followed = identify_update(scene, make_file(first), 1, 1.2e-7))
+        facts.matching_update = followed->method, facts.update_difference = followed->distance;
     return facts;
 }
 
@@ -92,7 +92,7 @@ std::vector<EngineFacts> engine_facts(const Plan& plan, const std::vector<Result
     for (const PlannedCurve& curve : plan.curves) {
         const EngineMethod* engine = engine_of(*curve.method);
         const auto is_own = [&](const Result& row) { return row.method == curve.method->name; };
-        if (engine && std::ranges::any_of(rows, is_own)) all.push_back(facts_of(*engine));
+        if (engine && std::ranges::any_of(rows, is_own)) all.push_back(find_facts(*engine));
     }
     return all;
 }

@@ -13,10 +13,10 @@ struct Published {
     const char* engine;
     double momentum;
 };
-constexpr Published published[] = {{"ode", 0.0131}, {"bullet", 0.0125}, {"simbody", 0.0064}};
+constexpr Published gazebo_figures[] = {{"ode", 0.0131}, {"bullet", 0.0125}, {"simbody", 0.0064}};
 
 Cell published_of(const std::string& engine) {
-    for (const Published& one : published)
+    for (const Published& one : gazebo_figures)
         if (engine == one.engine) return one.momentum;
     return {};
 }
@@ -24,17 +24,17 @@ Cell published_of(const std::string& engine) {
 }  // namespace
 
 NamedTable gazebo_table(const Plan& plan, const std::vector<Result>& rows) {
-    NamedTable named = headed_table("gazebo_boxes", "Gazebo's box of 10 kg, 10 s at 1/1000 s",
-                                    {{"method", "method"},
-                                     {"momentum_error", "largest |dL| / |L|"},
-                                     {"published", "published in 2014"},
-                                     {"energy_error", "energy"},
-                                     {"attitude_error", "attitude (rad)"}});
+    NamedTable named = make_named_table("gazebo_boxes", "Gazebo's box of 10 kg, 10 s at 1/1000 s",
+                                        {{"method", "method"},
+                                         {"momentum_error", "largest |dL| / |L|"},
+                                         {"published", "published in 2014"},
+                                         {"energy_error", "energy"},
+                                         {"attitude_error", "attitude (rad)"}});
     for (const PlannedScene& scene : plan.scenes) {
         if (scene.scene.name != "gazebo_box") continue;
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
-            for (const Result* row : rows_of(rows, scene, curve)) {
+            for (const Result* row : select_rows(rows, scene, curve)) {
                 if (std::abs(row->setting / fine_step - 1) > 1e-6 || row->status != Status::ok) continue;
                 const EngineMethod* engine = engine_of(*curve.method);
                 named.table.rows.push_back({std::string(curve.method->name), cell_of(row->errors["momentum"].max),

@@ -1,5 +1,5 @@
-// The sequel of the kind `engine_joints`: joint errors of a rope with a heavy end, and time per step against the number
-// of links.
+// The follow-up of the kind `engine_joints`: joint errors of a rope with a heavy end, and time per step against the
+// number of links.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ constexpr std::array chain_lengths{10, 25, 50, 100};
 std::string rope_label(int ratio) { return fmt::format("rope 1:{}", ratio); }
 std::string chain_label(int links) { return fmt::format("chain of {}", links); }
 
-PlannedScene relabelled(Scene scene, const std::string& label) {
+PlannedScene with_label(Scene scene, const std::string& label) {
     scene.name = label;
     return {label, scene, write_scene(scene)};
 }
@@ -37,7 +37,7 @@ PlannedScene heavy_rope(int ratio) {
     ball.source = nullptr;
     // light links rotate fast between heavy ends: the truth of one second takes an hour
     scene.duration = 0.25;
-    return relabelled(std::move(scene), rope_label(ratio));
+    return with_label(std::move(scene), rope_label(ratio));
 }
 
 // mechanisms/chain_10 with more links, released near the vertical
@@ -61,14 +61,14 @@ PlannedScene hanging_chain(int links) {
         joint.coordinate[0] = i < 2 ? 0.25 : 0;
         scene.bodies.push_back(std::move(body)), scene.joints.push_back(std::move(joint));
     }
-    return relabelled(std::move(scene), chain_label(links));
+    return with_label(std::move(scene), chain_label(links));
 }
 
-const Result* swept_row(const Plan& plan, const std::vector<Result>& rows, const PlannedCurve& curve,
-                        const std::string& label) {
+const Result* find_sweep_row(const Plan& plan, const std::vector<Result>& rows, const PlannedCurve& curve,
+                             const std::string& label) {
     for (const PlannedScene& scene : plan.scenes)
         if (scene.label == label)
-            for (const Result* row : rows_of(rows, scene, curve)) return row;
+            for (const Result* row : select_rows(rows, scene, curve)) return row;
     return nullptr;
 }
 
@@ -79,16 +79,16 @@ NamedTable ropes_table(const Plan& plan, const std::vector<Result>& rows) {
     for (const int ratio : mass_ratios)
         columns.push_back({fmt::format("attitude_{}", ratio), fmt::format("attitude 1:{} (rad)", ratio)});
     columns.push_back({"message", "message"});
-    NamedTable named = headed_table("mass_ratio", "A heavy ball on a rope of ten links", columns);
+    NamedTable named = make_named_table("mass_ratio", "A heavy ball on a rope of ten links", columns);
     for (const PlannedCurve& curve : plan.curves) {
         std::vector<Cell> gaps, attitudes;
         std::string message;
         for (const int ratio : mass_ratios) {
-            const Result* row = swept_row(plan, rows, curve, rope_label(ratio));
-            const bool ran = row && row->status == Status::ok;
-            if (row && !ran && message.empty()) message = one_line(row->message, 100);
-            gaps.push_back(ran ? cell_of(row->errors["joint_gap"].max) : Cell());
-            attitudes.push_back(ran ? cell_of(row->errors["attitude"].max) : Cell());
+            const Result* row = find_sweep_row(plan, rows, curve, rope_label(ratio));
+            const bool succeeded = row && row->status == Status::ok;
+            if (row && !succeeded && message.empty()) message = one_line(row->message, 100);
+            gaps.push_back(succeeded ? cell_of(row->errors["joint_gap"].max) : Cell());
+            attitudes.push_back(succeeded ? cell_of(row->errors["attitude"].max) : Cell());
         }
         std::vector<Cell> cells{std::string(curve.method->name)};
         cells.insert(cells.end(), gaps.begin(), gaps.end());
@@ -104,17 +104,17 @@ NamedTable step_costs_table(const Plan& plan, const std::vector<Result>& rows) {
     for (const int links : chain_lengths)
         columns.push_back({fmt::format("microseconds_{}", links), fmt::format("{} links (us per step)", links)});
     columns.insert(columns.end(), {{"exponent", "exponent of growth"}, {"message", "message"}});
-    NamedTable named = headed_table("cost", "Time per step against the number of links", columns);
+    NamedTable named = make_named_table("cost", "Time per step against the number of links", columns);
     for (const PlannedCurve& curve : plan.curves) {
         std::vector<Cell> cells{std::string(curve.method->name)};
         std::vector<double> seconds;
         std::string message;
         for (const int links : chain_lengths) {
-            const Result* row = swept_row(plan, rows, curve, chain_label(links));
-            const bool ran = row && row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0;
-            if (row && !ran && message.empty()) message = one_line(row->message, 100);
-            if (ran) seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
-            cells.push_back(ran ? Cell(1e6 * seconds.back()) : Cell());
+            const Result* row = find_sweep_row(plan, rows, curve, chain_label(links));
+            const bool succeeded = row && row->status == Status::ok && row->seconds_min && row->steps.value_or(0) > 0;
+            if (row && !succeeded && message.empty()) message = one_line(row->message, 100);
+            if (succeeded) seconds.push_back(*row->seconds_min / static_cast<double>(*row->steps));
+            cells.push_back(succeeded ? Cell(1e6 * seconds.back()) : Cell());
         }
         const bool all = seconds.size() == chain_lengths.size();
         cells.push_back(all ? Cell(std::log(seconds.back() / seconds.front()) /

@@ -18,7 +18,7 @@
 namespace polhode {
 namespace {
 
-constexpr double alike_attitude = 1.1;  // errors within this factor share a place
+constexpr double joint_tie_factor = 1.1;  // errors within this factor share a place
 
 std::optional<double> largest_error(const Result& row, const char* measure) {
     return row.status == Status::ok ? row.errors[measure].max : std::nullopt;
@@ -41,7 +41,7 @@ std::optional<double> order_in(const std::vector<const Result*>& rows, const cha
 }
 
 // the message without the engine's name: "cannon_es: it does not support universal joints"
-std::string reason_of(const Result& row) {
+std::string find_reason(const Result& row) {
     const std::size_t colon = row.message.find(": ");
     return colon == std::string::npos ? row.message : row.message.substr(colon + 2);
 }
@@ -49,20 +49,20 @@ std::string reason_of(const Result& row) {
 void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>& rows) {
     std::vector<double> standing, attitude, gap, turn, energy, fine_attitude, fine_gap, orders, gap_orders, seconds;
     for (const PlannedScene& scene : plan.scenes) {
-        const std::vector<const Result*> own = rows_of(rows, scene, *place.curve);
+        const std::vector<const Result*> own = select_rows(rows, scene, *place.curve);
         if (place.curve->kind == SettingKind::step) {
-            gather(orders, order_in(own, "attitude", hopeless_attitude));
+            gather(orders, order_in(own, "attitude", attitude_error_cap));
             gather(gap_orders, order_in(own, "joint_gap", std::numeric_limits<double>::infinity()));
         }
         for (const Result* row : own) {
-            const double error = standing_of(*row);
+            const double error = capped_error(*row);
             long better = 0;
             for (const Result& other : rows)
                 if (other.scene == row->scene && other.setting == row->setting &&
                     other.method.find(':') != std::string::npos)
-                    better += standing_of(other) * alike_attitude < error;
+                    better += capped_error(other) * joint_tie_factor < error;
             standing.push_back(static_cast<double>(better + 1));
-            if (row->status == Status::unsupported) gather(place.refused, reason_of(*row));
+            if (row->status == Status::unsupported) gather(place.refused, find_reason(*row));
             if (const auto time = step_seconds(*row)) seconds.push_back(*time);
             const bool by_step = place.curve->kind == SettingKind::step;
             if (by_step && is_step(*row, fine_step)) {
@@ -70,7 +70,7 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                     gather(fine_gap, largest_error(*row, "joint_gap"));
             }
             // for runs by tolerance use the loosest one
-            if (by_step ? !is_step(*row, usual_step) : row != own.front()) continue;
+            if (by_step ? !is_step(*row, default_engine_step) : row != own.front()) continue;
             if (row->status != Status::ok) {
                 if (row->status != Status::unsupported) place.lost.push_back(scene.label);
                 continue;
@@ -87,10 +87,10 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
         place.mean_place =
             std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
     }
-    place.attitude = median_of(attitude), place.gap = median_of(gap), place.turn = median_of(turn);
-    place.energy = median_of(energy), place.fine_attitude = median_of(fine_attitude);
-    place.fine_gap = median_of(fine_gap), place.order = median_of(orders);
-    place.gap_order = median_of(gap_orders), place.step_seconds = median_of(seconds);
+    place.attitude = optional_median(attitude), place.gap = optional_median(gap), place.turn = optional_median(turn);
+    place.energy = optional_median(energy), place.fine_attitude = optional_median(fine_attitude);
+    place.fine_gap = optional_median(fine_gap), place.order = optional_median(orders);
+    place.gap_order = optional_median(gap_orders), place.step_seconds = optional_median(seconds);
 }
 
 std::vector<ColumnChoice> place_columns(bool engines) {
@@ -116,8 +116,8 @@ std::vector<ColumnChoice> place_columns(bool engines) {
 }
 
 NamedTable places_table(const std::vector<JointPlace>& places, bool engines) {
-    NamedTable named = engines ? headed_table("leaderboard", "Ranking of the engines", place_columns(true))
-                               : headed_table("solvers", "Published joint solvers", place_columns(false));
+    NamedTable named = engines ? make_named_table("leaderboard", "Ranking of the engines", place_columns(true))
+                               : make_named_table("solvers", "Published joint solvers", place_columns(false));
     for (const JointPlace& p : places) {
         if ((p.engine != nullptr) != engines) continue;
         std::vector<Cell> row{p.scenes,
@@ -152,11 +152,11 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
     for (const char* name : {"joint_turn", "energy_error", "final_energy_error", "momentum_error"})
         columns.push_back({name, name});
     columns.insert(columns.end(), {{"step_nanoseconds", "ns per step"}, {"message", "message"}});
-    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
+    NamedTable named = make_named_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
-            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            const std::vector<const Result*> own = select_rows(rows, scene, curve);
             if (own.empty()) continue;
             std::vector<Cell> row{scene.label, std::string(curve.method->name)};
             const Result* usual = own.front();
@@ -168,7 +168,7 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
                     row.push_back(at == own.end() ? Cell() : cell_of(largest_error(**at, measure)));
                 }
             for (const Result* r : own) {
-                if (is_step(*r, usual_step)) usual = r;
+                if (is_step(*r, default_engine_step)) usual = r;
                 if (message.empty() && r->status != Status::ok) message = one_line(r->message, 100);
                 if (const auto time = step_seconds(*r)) seconds.push_back(*time);
             }
@@ -186,7 +186,8 @@ NamedTable joint_scenes_table(const Plan& plan, const std::vector<Result>& rows)
 // Energy error over time at the usual step: one panel per scene, each engine with its setting "best" or else "default".
 std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Result>& rows) {
     Figure figure;
-    figure.title = fmt::format("{}: energy error against time at {}", plan.experiment.name, step_name(usual_step));
+    figure.title =
+        fmt::format("{}: energy error against time at {}", plan.experiment.name, step_name(default_engine_step));
     figure.columns = 2;
     for (const PlannedScene& scene : plan.scenes) {
         Panel panel;
@@ -205,8 +206,8 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
             if (!is_chosen) continue;
             // all engines belong to one family, so here each one has its own colour
             const PlainStyle style = plain_style(place++);
-            for (const Result* row : rows_of(rows, scene, planned)) {
-                if (!is_step(*row, usual_step) || row->series.t.empty()) continue;
+            for (const Result* row : select_rows(rows, scene, planned)) {
+                if (!is_step(*row, default_engine_step) || row->series.t.empty()) continue;
                 Curve curve;
                 curve.label = std::string(planned.method->name), curve.points = false;
                 set_style(curve, style);
@@ -221,7 +222,7 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
         if (!panel.curves.empty()) figure.panels.push_back(std::move(panel));
     }
     if (figure.panels.empty()) return {};
-    tell(figure, plan);
+    add_figure_notes(figure, plan);
     return {{plan.experiment.name + "_energy", std::move(figure)}};
 }
 
@@ -237,21 +238,21 @@ std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>
         if (place.engine) {
             place.report = place.engine->inspect(nullptr);
             for (const auto& [name, what] : place.report.hello.settings)
-                if (name == place.engine->setting) place.about_setting = what;
-            if (place.is_here() && place.report.hello.joints.empty())
+                if (name == place.engine->setting) place.setting_description = what;
+            if (place.is_available() && place.report.hello.joints.empty())
                 place.report.fault = "its driver does not support joints";
         }
         place_among(place, plan, rows);
         places.push_back(std::move(place));
     }
     std::ranges::stable_sort(places, [](const JointPlace& a, const JointPlace& b) {
-        const auto rank = [](const JointPlace& p) { return !p.engine ? 2 : p.is_here() ? 0 : 1; };
+        const auto rank = [](const JointPlace& p) { return !p.engine ? 2 : p.is_available() ? 0 : 1; };
         if (rank(a) != rank(b)) return rank(a) < rank(b);
         if (rank(a) != 0) return false;
         if (a.median_place != b.median_place) return a.median_place < b.median_place;
         return a.mean_place < b.mean_place;
     });
-    for (std::size_t i = 0; i < places.size() && places[i].engine && places[i].is_here(); ++i) {
+    for (std::size_t i = 0; i < places.size() && places[i].engine && places[i].is_available(); ++i) {
         const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
                                places[i].mean_place == places[i - 1].mean_place;
         places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;

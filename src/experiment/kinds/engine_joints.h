@@ -14,7 +14,7 @@ struct JointPlace {
     const PlannedCurve* curve = nullptr;
     const EngineMethod* engine = nullptr;  ///< null for methods of polhode
     EngineReport report;                   ///< engines only
-    std::string about_setting;             ///< engines only: the driver's description of the setting
+    std::string setting_description;       ///< engines only: the driver's description of the setting
     double median_place = 0, mean_place = 0;
     long place = 0;   ///< among the engines; 0 for other methods and for engines that are not available
     long scenes = 0;  ///< number of scenes completed at the usual step
@@ -28,7 +28,7 @@ struct JointPlace {
     std::string worst_gap_scene;                    ///< the scene with the largest gap
     std::vector<std::string> refused;               ///< reasons for unsupported scenes, without repetitions
     std::vector<std::string> lost;                  ///< scenes not completed at the usual step
-    bool is_here() const { return report.fault.empty(); }
+    bool is_available() const { return report.fault.empty(); }
     /// Whether all gaps are round-off, as with joint coordinates.
     bool closes() const { return gap && *gap < 1e-9 && worst_gap && *worst_gap < 1e-9; }
 };
@@ -39,8 +39,8 @@ std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>
 /// The page: ranking rule, tables, and a paragraph for each engine.
 std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& places, const Findings& findings);
 
-/// The sequel of `engine_joints` at one step: a rope with a ball of 1 to 1000 times a link's mass, and hanging chains
-/// of 10 to 100 links.
+/// The follow-up of `engine_joints` at one step: a rope with a ball of 1 to 1000 times a link's mass, and hanging
+/// chains of 10 to 100 links.
 Plan joint_sweeps(const Plan& plan);
 
 }  // namespace polhode

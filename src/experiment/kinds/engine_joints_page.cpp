@@ -15,57 +15,57 @@ std::string listed_words(const std::vector<std::string>& words) {
     for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
     return text;
 }
-std::string amount_of(const std::optional<double>& value, const char* unit) {
+std::string format_amount(const std::optional<double>& value, const char* unit) {
     return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
 
 // Describes the joint, attitude and energy errors of one setting.
-std::string sentence_of_joints(const JointPlace& place) {
+std::string describe_joints(const JointPlace& place) {
     if (place.scenes == 0) return " No scene was completed.";
     std::string text;
     if (place.closes())
         text = fmt::format(" It uses joint coordinates: joint gaps are round-off ({} at most).",
-                           amount_of(place.worst_gap, " m"));
+                           format_amount(place.worst_gap, " m"));
     else if (place.gap && *place.gap < 1e-9)
         text = fmt::format(
             " It uses joint coordinates: joint gaps are round-off, except where a loop is closed. The largest gap at "
             "{} is {} (`{}`).",
-            step_name(usual_step), amount_of(place.worst_gap, " m"), place.worst_gap_scene);
+            step_name(default_engine_step), format_amount(place.worst_gap, " m"), place.worst_gap_scene);
     else
         text = fmt::format(" At {} the median joint gap is {} ({} scene{}) and the largest is {} (`{}`).",
-                           step_name(usual_step), amount_of(place.gap, " m"), place.scenes,
-                           place.scenes == 1 ? "" : "s", amount_of(place.worst_gap, " m"), place.worst_gap_scene);
+                           step_name(default_engine_step), format_amount(place.gap, " m"), place.scenes,
+                           place.scenes == 1 ? "" : "s", format_amount(place.worst_gap, " m"), place.worst_gap_scene);
     if (place.gap && *place.gap >= 1e-9 && place.fine_gap)
-        text += fmt::format(" At {} the median gap is {}.", step_name(fine_step), amount_of(place.fine_gap, " m"));
-    const bool is_lost = place.attitude && *place.attitude >= hopeless_attitude;
-    text +=
-        fmt::format(" At {} the median attitude error is {} and the median energy error is {}.", step_name(usual_step),
-                    is_lost ? "1 rad or more" : amount_of(place.attitude, " rad"), amount_of(place.energy, ""));
+        text += fmt::format(" At {} the median gap is {}.", step_name(fine_step), format_amount(place.fine_gap, " m"));
+    const bool is_lost = place.attitude && *place.attitude >= attitude_error_cap;
+    text += fmt::format(
+        " At {} the median attitude error is {} and the median energy error is {}.", step_name(default_engine_step),
+        is_lost ? "1 rad or more" : format_amount(place.attitude, " rad"), format_amount(place.energy, ""));
     text += place.order ? fmt::format(" The observed order of the attitude error is {:.1f}.", *place.order)
                         : " The attitude error shows no order.";
     return text;
 }
 
-std::string sentence_of_refusals(const JointPlace& place) {
+std::string describe_refusals(const JointPlace& place) {
     std::string text;
     if (!place.refused.empty()) text += " Reasons for unsupported scenes: " + listed_words(place.refused) + ".";
     if (!place.lost.empty())
-        text += " Not completed at " + step_name(usual_step) + ": " + listed_words(place.lost) + ".";
+        text += " Not completed at " + step_name(default_engine_step) + ": " + listed_words(place.lost) + ".";
     return text;
 }
 
-std::string paragraph_of_joints(const std::vector<const JointPlace*>& own) {
+std::string describe_engine_joints(const std::vector<const JointPlace*>& own) {
     const JointPlace& first = *own.front();
     const EngineHello& hello = first.report.hello;
     std::string text =
         fmt::format("### {}{}{}\n\n", first.engine->engine, hello.version.empty() ? "" : " ", hello.version);
-    if (!first.is_here()) return text + fmt::format("Not compared: {}.\n", first.report.fault);
+    if (!first.is_available()) return text + fmt::format("Not compared: {}.\n", first.report.fault);
     text += fmt::format("Supported joints: {}. Supported loop closures: {}.\n\n", listed_words(hello.joints),
                         hello.loops.empty() ? "none" : listed_words(hello.loops));
     for (const JointPlace* place : own)
         text += fmt::format("- `{}`{}: place {}.{}{}\n", place->engine->setting,
-                            place->about_setting.empty() ? "" : " (" + place->about_setting + ")", place->place,
-                            sentence_of_joints(*place), sentence_of_refusals(*place));
+                            place->setting_description.empty() ? "" : " (" + place->setting_description + ")",
+                            place->place, describe_joints(*place), describe_refusals(*place));
     return text;
 }
 
@@ -89,14 +89,14 @@ std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& 
     for (const NamedFigure& named : findings.figures)
         text += fmt::format("![{}]({}.svg)\n\n", named.figure.title, named.name);
     text += "## Details for each engine\n\n";
-    std::vector<std::string> told;
+    std::vector<std::string> printed_engines;
     for (const JointPlace& one : places) {
-        if (!one.engine || std::ranges::find(told, one.engine->engine) != told.end()) continue;
-        told.push_back(one.engine->engine);
+        if (!one.engine || std::ranges::find(printed_engines, one.engine->engine) != printed_engines.end()) continue;
+        printed_engines.push_back(one.engine->engine);
         std::vector<const JointPlace*> own;
         for (const JointPlace& other : places)
             if (other.engine && other.engine->engine == one.engine->engine) own.push_back(&other);
-        text += paragraph_of_joints(own) + "\n";
+        text += describe_engine_joints(own) + "\n";
     }
     text += fmt::format("## Errors for each scene\n\n[This table]({}_scenes.md) lists all errors on all scenes.\n\n",
                         plan.experiment.name);

@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-constexpr double alike = 1.1;  // errors within this factor share a place
+constexpr double tie_factor = 1.1;  // errors within this factor share a place
 
 const PlannedCurve* curve_of_engine(const Plan& plan, const EngineMethod& engine) {
     for (const PlannedCurve& curve : plan.curves)
@@ -27,7 +27,7 @@ std::optional<double> order_of(const std::vector<const Result*>& rows) {
     for (const Result* row : rows)
         if (row->status == Status::ok && row->errors["attitude"].max)
             step.push_back(row->step_taken.value_or(row->setting)), error.push_back(*row->errors["attitude"].max);
-    const auto observed = observed_order(step, error, hopeless_attitude);
+    const auto observed = observed_order(step, error, attitude_error_cap);
     // errors that do not converge have no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
 }
@@ -38,8 +38,8 @@ std::optional<double> step_within(const std::map<double, std::vector<double>>& e
                                   std::size_t scenes) {
     std::optional<double> largest;
     for (const auto& [step, all] : errors) {
-        const auto kept = std::ranges::count_if(all, [&](double error) { return error <= accuracy; });
-        if (2 * static_cast<std::size_t>(kept) < scenes) break;
+        const auto count = std::ranges::count_if(all, [&](double error) { return error <= accuracy; });
+        if (2 * static_cast<std::size_t>(count) < scenes) break;
         largest = step;
     }
     return largest;
@@ -53,9 +53,9 @@ const char* const leaderboard_rule =
     "unsupported scenes rank last. The overall ranking is by the median of these places over all scenes and steps, "
     "then by their mean, so that no single scene decides it.";
 
-double standing_of(const Result& row) {
+double capped_error(const Result& row) {
     if (row.status != Status::ok || !row.errors["attitude"].max) return std::numeric_limits<double>::infinity();
-    return std::min(*row.errors["attitude"].max, hopeless_attitude);
+    return std::min(*row.errors["attitude"].max, attitude_error_cap);
 }
 
 bool is_step(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
@@ -77,22 +77,22 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
         std::map<double, std::vector<double>> errors;  // by step
         std::size_t scenes = 0;
         for (const PlannedScene& scene : plan.scenes) {
-            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            const std::vector<const Result*> own = select_rows(rows, scene, curve);
             if (const auto order = order_of(own)) orders.push_back(*order);
             bool represented = false;
             for (const Result* row : own) {
-                const double error = standing_of(*row);
+                const double error = capped_error(*row);
                 long better = 0;
                 for (const Result& other : rows)
                     if (other.scene == row->scene && other.setting == row->setting &&
                         other.method.find(':') != std::string::npos)
-                        better += standing_of(other) * alike < error;
+                        better += capped_error(other) * tie_factor < error;
                 standing.push_back(static_cast<double>(better + 1));
                 represented = represented || row->status != Status::unsupported;
                 errors[row->setting].push_back(error);
                 if (const auto time = step_seconds(*row)) seconds.push_back(*time);
                 if (is_step(*row, fine_step) && row->status == Status::ok) fine.push_back(error);
-                if (!is_step(*row, usual_step) || row->status != Status::ok) continue;
+                if (!is_step(*row, default_engine_step) || row->status != Status::ok) continue;
                 ++place.scenes, attitude.push_back(error);
                 if (const auto e = row->errors["momentum"].max) momentum.push_back(*e);
                 if (const auto e = row->errors["energy"].max) energy.push_back(*e);
@@ -103,19 +103,19 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
         if (!standing.empty())
             place.mean_place =
                 std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
-        place.attitude = median_of(attitude), place.fine_attitude = median_of(fine);
-        place.momentum = median_of(momentum), place.energy = median_of(energy);
-        place.order = median_of(orders), place.step_seconds = median_of(seconds);
+        place.attitude = optional_median(attitude), place.fine_attitude = optional_median(fine);
+        place.momentum = optional_median(momentum), place.energy = optional_median(energy);
+        place.order = optional_median(orders), place.step_seconds = optional_median(seconds);
         for (int i = 0; i < 3; ++i)
             if (scenes > 0) place.within[i] = step_within(errors, accuracies[i], scenes);
         places.push_back(place);
     }
     std::ranges::stable_sort(places, [](const EnginePlace& a, const EnginePlace& b) {
-        if (a.facts->is_here() != b.facts->is_here()) return a.facts->is_here();
+        if (a.facts->is_available() != b.facts->is_available()) return a.facts->is_available();
         if (a.median_place != b.median_place) return a.median_place < b.median_place;
         return a.mean_place < b.mean_place;
     });
-    for (std::size_t i = 0; i < places.size() && places[i].facts->is_here(); ++i) {
+    for (std::size_t i = 0; i < places.size() && places[i].facts->is_available(); ++i) {
         const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
                                places[i].mean_place == places[i - 1].mean_place;
         places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;
@@ -124,26 +124,26 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
 }
 
 NamedTable leaderboard_table(const std::vector<EnginePlace>& places) {
-    NamedTable named = headed_table("leaderboard", "Ranking of the engines",
-                                    {{"place", "place"},
-                                     {"engine", "engine"},
-                                     {"setting", "setting"},
-                                     {"median_place", "median place"},
-                                     {"scenes", "scenes"},
-                                     {"attitude_error", "attitude at 1/60 s (rad)"},
-                                     {"fine_attitude_error", "attitude at 1/1000 s (rad)"},
-                                     {"momentum_error", "momentum"},
-                                     {"energy_error", "energy"},
-                                     {"order", "order"},
-                                     {"step_nanoseconds", "ns per step"},
-                                     {"within_0.1", "largest step for 0.1 rad"},
-                                     {"within_0.01", "largest step for 0.01 rad"},
-                                     {"within_0.001", "largest step for 0.001 rad"},
-                                     {"message", "not compared because"}});
+    NamedTable named = make_named_table("leaderboard", "Ranking of the engines",
+                                        {{"place", "place"},
+                                         {"engine", "engine"},
+                                         {"setting", "setting"},
+                                         {"median_place", "median place"},
+                                         {"scenes", "scenes"},
+                                         {"attitude_error", "attitude at 1/60 s (rad)"},
+                                         {"fine_attitude_error", "attitude at 1/1000 s (rad)"},
+                                         {"momentum_error", "momentum"},
+                                         {"energy_error", "energy"},
+                                         {"order", "order"},
+                                         {"step_nanoseconds", "ns per step"},
+                                         {"within_0.1", "largest step for 0.1 rad"},
+                                         {"within_0.01", "largest step for 0.01 rad"},
+                                         {"within_0.001", "largest step for 0.001 rad"},
+                                         {"message", "not compared because"}});
     named.table.columns.insert(named.table.columns.begin() + 4, "mean_place");
     for (const EnginePlace& p : places) {
         const auto step = [&](int i) { return p.within[i] ? Cell(step_name(*p.within[i])) : Cell(); };
-        const bool here = p.facts->is_here();
+        const bool here = p.facts->is_available();
         named.table.rows.push_back(
             {here ? Cell(p.place) : Cell(), p.facts->engine->engine, p.facts->engine->setting,
              here ? Cell(p.median_place) : Cell(), here ? Cell(p.mean_place) : Cell(), here ? Cell(p.scenes) : Cell(),
@@ -171,11 +171,11 @@ NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows
                                      {"float32_floor", "float32 floor (rad)"},
                                      {"message", "remark"}})
         columns.push_back(more);
-    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
+    NamedTable named = make_named_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
-            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            const std::vector<const Result*> own = select_rows(rows, scene, curve);
             if (own.empty()) continue;
             std::vector<Cell> row{scene.label, std::string(curve.method->name)};
             const Result* usual = own.front();
@@ -190,7 +190,7 @@ NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows
                         else
                             cell = std::string(name_of(r->status));
                         if (r->status != Status::ok && message.empty()) message = r->message;
-                        if (is_step(*r, usual_step)) usual = r;
+                        if (is_step(*r, default_engine_step)) usual = r;
                         if (const auto time = step_seconds(*r)) seconds.push_back(*time);
                     }
                 row.push_back(cell);
@@ -207,28 +207,29 @@ NamedTable engine_scenes_table(const Plan& plan, const std::vector<Result>& rows
 }
 
 NamedTable identity_table(const std::vector<EngineFacts>& facts) {
-    NamedTable named = headed_table("identity", "Engines, versions and settings",
-                                    {{"engine", "engine"},
-                                     {"setting", "setting"},
-                                     {"version", "version"},
-                                     {"precision", "precision"},
-                                     {"about", "description"},
-                                     {"gyroscopic_term", "gyroscopic term"},
-                                     {"follows", "matching update"},
-                                     {"follows_to", "difference (rad)"},
-                                     {"readback_difference", "difference on readback"},
-                                     {"repeats", "reproducible"},
-                                     {"message", "not compared because"}});
+    NamedTable named = make_named_table("identity", "Engines, versions and settings",
+                                        {{"engine", "engine"},
+                                         {"setting", "setting"},
+                                         {"version", "version"},
+                                         {"precision", "precision"},
+                                         {"about", "description"},
+                                         {"gyroscopic_term", "gyroscopic term"},
+                                         {"follows", "matching update"},
+                                         {"follows_to", "difference (rad)"},
+                                         {"readback_difference", "difference on readback"},
+                                         {"repeats", "reproducible"},
+                                         {"message", "not compared because"}});
     for (const EngineFacts& f : facts) {
-        const bool here = f.is_here();
-        const std::string term = !f.turning          ? ""
-                                 : *f.turning > 0.5  ? "acts"
-                                 : *f.turning < -0.5 ? "acts with the wrong sign"
-                                                     : "does not act";
+        const bool here = f.is_available();
+        const std::string term = !f.gyroscopic_fraction          ? ""
+                                 : *f.gyroscopic_fraction > 0.5  ? "acts"
+                                 : *f.gyroscopic_fraction < -0.5 ? "acts with the wrong sign"
+                                                                 : "does not act";
         named.table.rows.push_back(
             {f.engine->engine, f.engine->setting, f.report.hello.version,
-             std::string(f.engine->method->precision == Precision::binary32 ? "binary32" : "binary64"), f.about_setting,
-             term, f.follows, f.follows.empty() || f.follows == no_update ? Cell() : Cell(f.follows_to),
+             std::string(f.engine->method->precision == Precision::binary32 ? "binary32" : "binary64"),
+             f.setting_description, term, f.matching_update,
+             f.matching_update.empty() || f.matching_update == no_update ? Cell() : Cell(f.update_difference),
              cell_of(f.report.difference),
              std::string(!here       ? ""
                          : f.repeats ? "yes"

@@ -13,12 +13,12 @@
 namespace polhode {
 
 /// The step (s) of tables with a single step: 60 steps per second, as in games.
-inline constexpr double usual_step = 1.0 / 60;
+inline constexpr double default_engine_step = 1.0 / 60;
 /// The step (s) at which engines are most accurate.
 inline constexpr double fine_step = 1e-3;
 
 /// rad; larger attitude errors are all ranked alike.
-inline constexpr double hopeless_attitude = 1;
+inline constexpr double attitude_error_cap = 1;
 
 /// Replaces the name of an update if identify_update() finds none that matches the engine.
 inline constexpr const char* no_update = "no known update";
@@ -27,12 +27,12 @@ inline constexpr const char* no_update = "no known update";
 struct EngineFacts {
     const EngineMethod* engine = nullptr;
     EngineReport report;
-    std::string about_setting;      ///< the driver's description of the setting
-    bool repeats = false;           ///< a second process gives the same numbers
-    std::optional<double> turning;  ///< fraction of the gyroscopic term's change of w: 1 all, 0 none
-    std::string follows;            ///< name of the matching update, or no_update; empty: unknown
-    double follows_to = 0;          ///< rad, distance to the matching update over the probe motion
-    bool is_here() const { return report.fault.empty(); }
+    std::string setting_description;            ///< the driver's description of the setting
+    bool repeats = false;                       ///< a second process gives the same numbers
+    std::optional<double> gyroscopic_fraction;  ///< fraction of the gyroscopic term's change of w: 1 all, 0 none
+    std::string matching_update;                ///< name of the matching update, or no_update; empty: unknown
+    double update_difference = 0;               ///< rad, distance to the matching update over the probe motion
+    bool is_available() const { return report.fault.empty(); }
 };
 
 /// Queries every engine that has rows, and runs it on a body whose motion is known.
@@ -74,7 +74,7 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
                          const std::vector<EngineFacts>& facts, const Findings& findings);
 
 /// The error used for ranking: the largest attitude error, at most 1 rad; infinite if the run is not `ok`.
-double standing_of(const Result& row);
+double capped_error(const Result& row);
 /// Whether a row has this step (s), to 0.1 %.
 bool is_step(const Result& row, double step);
 /// Formats a step: "1/60 s".

@@ -12,16 +12,16 @@
 namespace polhode {
 namespace {
 
-std::string in_words(const std::optional<double>& value, const char* unit = "") {
+std::string name_number(const std::optional<double>& value, const char* unit = "") {
     return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
 }
 // Does not distinguish errors above 1 rad.
-std::string attitude_in_words(const std::optional<double>& angle) {
-    return angle && *angle >= 1 ? "1 rad or more" : in_words(angle, " rad");
+std::string format_attitude(const std::optional<double>& angle) {
+    return angle && *angle >= 1 ? "1 rad or more" : name_number(angle, " rad");
 }
-std::string in_brackets(const std::string& about) { return about.empty() ? "" : " (" + about + ")"; }
+std::string add_brackets(const std::string& about) { return about.empty() ? "" : " (" + about + ")"; }
 
-std::string sentence_of_accuracy(const EnginePlace& place) {
+std::string describe_accuracy(const EnginePlace& place) {
     std::string text;
     for (int i = 0; i < 3; ++i) {
         if (!place.within[i]) continue;
@@ -34,26 +34,26 @@ std::string sentence_of_accuracy(const EnginePlace& place) {
     return text + ".";
 }
 
-std::string sentence_of_term(const EngineFacts& facts) {
-    if (!facts.turning) return "";
+std::string describe_gyroscopic_term(const EngineFacts& facts) {
+    if (!facts.gyroscopic_fraction) return "";
     std::string text;
-    if (*facts.turning > 0.5)
+    if (*facts.gyroscopic_fraction > 0.5)
         text = " The gyroscopic term acts";
-    else if (*facts.turning < -0.5)
+    else if (*facts.gyroscopic_fraction < -0.5)
         text = " The gyroscopic term acts with the wrong sign";
     else
         text =
             " The gyroscopic term does not act: at any step, a free body with unequal moments keeps rotating about an "
             "axis that it should leave";
-    if (facts.follows == no_update)
+    if (facts.matching_update == no_update)
         text += ". The motion matches no update of polhode";
-    else if (!facts.follows.empty())
-        text += fmt::format(". The motion matches `{}` to {:.1g} rad", facts.follows, facts.follows_to);
+    else if (!facts.matching_update.empty())
+        text += fmt::format(". The motion matches `{}` to {:.1g} rad", facts.matching_update, facts.update_difference);
     return text + ".";
 }
 
 // Recommends the engine's most accurate setting if it is better than the default.
-std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
+std::string describe_remedy(const std::vector<const EnginePlace*>& own) {
     const EnginePlace *first = own.front(), *best = own.front();
     for (const EnginePlace* place : own)
         if (place->facts->engine->setting == "default") first = place;
@@ -61,34 +61,34 @@ std::string sentence_of_remedy(const std::vector<const EnginePlace*>& own) {
         if (place->attitude && (!best->attitude || *place->attitude < *best->attitude)) best = place;
     if (best == first || !first->attitude || !best->attitude || *best->attitude > 0.9 * *first->attitude) return "";
     return fmt::format("Use the setting `{}`{}: at {} the median error decreases from {:.2g} to {:.2g} rad.",
-                       best->facts->engine->setting, in_brackets(best->facts->about_setting), step_name(usual_step),
-                       *first->attitude, *best->attitude);
+                       best->facts->engine->setting, add_brackets(best->facts->setting_description),
+                       step_name(default_engine_step), *first->attitude, *best->attitude);
 }
 
-std::string paragraph(const std::string& engine, const std::vector<const EnginePlace*>& own) {
+std::string describe_engine(const std::string& engine, const std::vector<const EnginePlace*>& own) {
     const EngineFacts& first = *own.front()->facts;
     std::string text = fmt::format("### {}{}{}\n\n", engine, first.report.hello.version.empty() ? "" : " ",
                                    first.report.hello.version);
-    if (!first.is_here()) return text + fmt::format("Not compared: {}.\n", first.report.fault);
+    if (!first.is_available()) return text + fmt::format("Not compared: {}.\n", first.report.fault);
     for (const EnginePlace* place : own) {
         const EngineFacts& facts = *place->facts;
-        text +=
-            fmt::format("- `{}`{}: place {}.", facts.engine->setting, in_brackets(facts.about_setting), place->place);
+        text += fmt::format("- `{}`{}: place {}.", facts.engine->setting, add_brackets(facts.setting_description),
+                            place->place);
         if (place->scenes == 0) {
             text += " No scene was completed.\n";
             continue;
         }
         text += fmt::format(
             " At {} the median errors of {} scene{} are {} (attitude), {} (angular momentum) and {} (energy). {} {}{}",
-            step_name(usual_step), place->scenes, place->scenes == 1 ? "" : "s", attitude_in_words(place->attitude),
-            in_words(place->momentum), in_words(place->energy),
+            step_name(default_engine_step), place->scenes, place->scenes == 1 ? "" : "s",
+            format_attitude(place->attitude), name_number(place->momentum), name_number(place->energy),
             place->order ? fmt::format("The observed order of the attitude error is {:.1f}.", *place->order)
                          : "The attitude error shows no order.",
-            sentence_of_accuracy(*place), sentence_of_term(facts));
+            describe_accuracy(*place), describe_gyroscopic_term(facts));
         if (!facts.repeats) text += " A second run gives different numbers.";
         text += "\n";
     }
-    if (const std::string remedy = sentence_of_remedy(own); !remedy.empty()) text += "\n" + remedy + "\n";
+    if (const std::string remedy = describe_remedy(own); !remedy.empty()) text += "\n" + remedy + "\n";
     return text;
 }
 
@@ -136,16 +136,16 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
     for (const NamedFigure& named : findings.figures)
         text += fmt::format("![{}]({}.svg)\n\n", named.figure.title, named.name);
     text += "## Details for each engine\n\n";
-    std::vector<std::string> told;
+    std::vector<std::string> printed_engines;
     for (const EngineFacts& one : facts) {
         const std::string& engine = one.engine->engine;
-        if (std::ranges::find(told, engine) != told.end()) continue;
-        told.push_back(engine);
+        if (std::ranges::find(printed_engines, engine) != printed_engines.end()) continue;
+        printed_engines.push_back(engine);
         std::vector<const EnginePlace*> own;
         for (const EngineFacts& other : facts)
             for (const EnginePlace& place : places)
                 if (place.facts == &other && other.engine->engine == engine) own.push_back(&place);
-        text += paragraph(engine, own) + "\n";
+        text += describe_engine(engine, own) + "\n";
     }
     for (const NamedTable& named : tables)
         if (named.name == "gazebo_boxes")

@@ -21,8 +21,8 @@
 namespace polhode {
 namespace {
 
-constexpr std::size_t members = 512;
-constexpr double duration = 10;
+constexpr std::size_t ensemble_size = 512;
+constexpr double ensemble_duration = 10;
 constexpr double tolerances[] = {1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 5e-11, 1e-11, 1e-12, 1e-13};
 constexpr double error_levels[] = {1e-6, 1e-9, 1e-12};
 
@@ -54,7 +54,7 @@ struct Ensemble {
 
 Scene free_scene() {
     Scene scene;
-    scene.name = "ensemble", scene.duration = duration;
+    scene.name = "ensemble", scene.duration = ensemble_duration;
     return scene;
 }
 /// A top with I = (1, 1, 0.5) about its pivot and m g l = 5.
@@ -67,7 +67,7 @@ Scene top_scene() {
 }
 std::vector<EnsembleBody> free_bodies() {
     Draw draw;
-    std::vector<EnsembleBody> bodies(members);
+    std::vector<EnsembleBody> bodies(ensemble_size);
     for (EnsembleBody& b : bodies) {
         b.inertia_B = diagonal(Vector3<double>(draw.uniform(0.5, 0.7), draw.uniform(0.7, 0.9), draw.uniform(0.9, 1.1)));
         b.angular_velocity = {draw.uniform(-1.5, 1.5), draw.uniform(-1.5, 1.5), draw.uniform(-1.5, 1.5)};
@@ -79,7 +79,7 @@ std::vector<EnsembleBody> free_bodies() {
 /// Tops with masses and moments that vary by about 10 %, tilted and spinning at 17 to 23 rad/s.
 std::vector<EnsembleBody> tops(bool symmetric) {
     Draw draw;
-    std::vector<EnsembleBody> bodies(members);
+    std::vector<EnsembleBody> bodies(ensemble_size);
     for (EnsembleBody& b : bodies) {
         const double across = draw.uniform(0.65, 0.85), other = draw.uniform(0.65, 0.85);
         b.mass = draw.uniform(0.9, 1.1);
@@ -91,7 +91,7 @@ std::vector<EnsembleBody> tops(bool symmetric) {
     return bodies;
 }
 
-Ensemble of_bodies(std::string name, const Scene& scene, const std::vector<EnsembleBody>& bodies) {
+Ensemble make_body_ensemble(std::string name, const Scene& scene, const std::vector<EnsembleBody>& bodies) {
     Ensemble ensemble{std::move(name), {}, {}};
     for (const EnsembleBody& b : bodies) {
         Scene one = scene;
@@ -111,15 +111,15 @@ Ensemble of_bodies(std::string name, const Scene& scene, const std::vector<Ensem
 }
 
 /// The built-in scene mechanisms/double_pendulum, with each bar within 1 rad of the downward vertical.
-Ensemble of_pendulums() {
+Ensemble make_pendulum_ensemble() {
     const Scene scene = find_scene("mechanisms/double_pendulum");
     MechanismTable table;
     for (const MechanismColumn& column : mechanism_columns(scene))
         if (column.name == "shoulder.angle" || column.name == "elbow.angle") table.columns.push_back(column);
     Draw draw;
-    for (std::size_t i = 0; i < members * table.columns.size(); ++i) table.numbers.push_back(draw.uniform(-1, 1));
+    for (std::size_t i = 0; i < ensemble_size * table.columns.size(); ++i) table.numbers.push_back(draw.uniform(-1, 1));
     Ensemble ensemble{"double pendulums", {}, {}};
-    for (std::size_t k = 0; k < members; ++k) ensemble.scenes.push_back(table.scene_of(scene, k));
+    for (std::size_t k = 0; k < ensemble_size; ++k) ensemble.scenes.push_back(table.scene_of(scene, k));
     ensemble.solve = [scene, table](double tolerance) {
         std::vector<std::vector<Sample>> ends;
         for (MechanismRow& row : solve_mechanism_ensemble(scene, table, 1, {.tolerance = tolerance}))
@@ -132,12 +132,12 @@ Ensemble of_pendulums() {
 /// One way to solve all members, timed round by round.
 struct Setting {
     double tolerance;
-    bool together;  ///< true: as an ensemble; false: posed and solved one by one with the method `auto`
+    bool batched;  ///< true: as an ensemble; false: posed and solved one by one with the method `auto`
     double worst_error = 0;
     std::vector<double> rates{};  ///< members per second
 };
 
-std::vector<Sample> end_of(const Scene& scene, const char* method, double tolerance) {
+std::vector<Sample> solve_end(const Scene& scene, const char* method, double tolerance) {
     const Problem problem = pose(scene);
     const Method* const by = method ? find_method(method) : choose_method(problem, tolerance).method;
     Settings settings;
@@ -149,7 +149,7 @@ std::vector<Sample> end_of(const Scene& scene, const char* method, double tolera
 }
 
 /// The largest attitude error of all bodies, rad; infinite if a member failed.
-double worst_of(const std::vector<std::vector<Sample>>& ends, const std::vector<std::vector<Sample>>& exact) {
+double largest_error_of(const std::vector<std::vector<Sample>>& ends, const std::vector<std::vector<Sample>>& exact) {
     double worst = 0;
     for (std::size_t k = 0; k < ends.size(); ++k) {
         if (ends[k].size() != exact[k].size()) return std::numeric_limits<double>::infinity();
@@ -163,20 +163,20 @@ double worst_of(const std::vector<std::vector<Sample>>& ends, const std::vector<
 
 void time_settings(const Ensemble& ensemble, std::vector<Setting>& settings, std::size_t count, int rounds) {
     std::vector<std::vector<Sample>> exact;
-    for (const Scene& scene : ensemble.scenes) exact.push_back(end_of(scene, "taylor", 1e-16));
+    for (const Scene& scene : ensemble.scenes) exact.push_back(solve_end(scene, "taylor", 1e-16));
     for (int round = 0; round < rounds; ++round)
         for (Setting& setting : settings) {
             std::vector<std::vector<Sample>> ends;
-            const std::size_t solved = setting.together ? members : count;
+            const std::size_t solved = setting.batched ? ensemble_size : count;
             const auto begin = std::chrono::steady_clock::now();
-            if (setting.together)
+            if (setting.batched)
                 ends = ensemble.solve(setting.tolerance);
             else
                 for (std::size_t k = 0; k < solved; ++k)
-                    ends.push_back(end_of(ensemble.scenes[k], nullptr, setting.tolerance));
+                    ends.push_back(solve_end(ensemble.scenes[k], nullptr, setting.tolerance));
             const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
             setting.rates.push_back(static_cast<double>(solved) / seconds);
-            setting.worst_error = std::max(setting.worst_error, worst_of(ends, exact));
+            setting.worst_error = std::max(setting.worst_error, largest_error_of(ends, exact));
         }
 }
 
@@ -185,47 +185,48 @@ void time_settings(const Ensemble& ensemble, std::vector<Setting>& settings, std
 Findings run_ensembles(const Plan& plan, const RunOptions& options) {
     const int rounds = options.quick ? 2 : plan.experiment.repeats;
     const std::size_t alone = options.quick ? 16 : 128;
-    NamedTable all = headed_table("all", "Members per second on one thread, by tolerance",
-                                  {{"ensemble", "ensemble"},
-                                   {"tolerance", "tolerance"},
-                                   {"way", "solved"},
-                                   {"worst_error", "largest error (rad)"},
-                                   {"rate_median", "members per second"},
-                                   {"rate_max", "best round"}});
-    NamedTable table = headed_table("", "",
-                                    {{"ensemble", "ensemble"},
-                                     {"error", "largest error (rad)"},
-                                     {"tolerance", "tolerance"},
-                                     {"rate_median", "members per second"},
-                                     {"rate_max", "best round"},
-                                     {"one_by_one", "one by one"},
-                                     {"ratio", "factor"}});
-    const std::vector<Ensemble> ensembles{of_bodies("free bodies", free_scene(), free_bodies()),
-                                          of_bodies("Lagrange tops", top_scene(), tops(true)),
-                                          of_bodies("asymmetric tops", top_scene(), tops(false)), of_pendulums()};
+    NamedTable all = make_named_table("all", "Members per second on one thread, by tolerance",
+                                      {{"ensemble", "ensemble"},
+                                       {"tolerance", "tolerance"},
+                                       {"way", "solved"},
+                                       {"worst_error", "largest error (rad)"},
+                                       {"rate_median", "members per second"},
+                                       {"rate_max", "best round"}});
+    NamedTable table = make_named_table("", "",
+                                        {{"ensemble", "ensemble"},
+                                         {"error", "largest error (rad)"},
+                                         {"tolerance", "tolerance"},
+                                         {"rate_median", "members per second"},
+                                         {"rate_max", "best round"},
+                                         {"one_by_one", "one by one"},
+                                         {"ratio", "factor"}});
+    const std::vector<Ensemble> ensembles{make_body_ensemble("free bodies", free_scene(), free_bodies()),
+                                          make_body_ensemble("Lagrange tops", top_scene(), tops(true)),
+                                          make_body_ensemble("asymmetric tops", top_scene(), tops(false)),
+                                          make_pendulum_ensemble()};
     for (const Ensemble& ensemble : ensembles) {
         std::vector<Setting> settings;
-        for (const bool together : {true, false})
-            for (const double tolerance : tolerances) settings.push_back({tolerance, together});
+        for (const bool batched : {true, false})
+            for (const double tolerance : tolerances) settings.push_back({tolerance, batched});
         time_settings(ensemble, settings, alone, rounds);
         for (const Setting& s : settings)
             all.table.rows.push_back({ensemble.name, s.tolerance,
-                                      std::string(s.together ? "as an ensemble" : "one by one"), s.worst_error,
+                                      std::string(s.batched ? "as an ensemble" : "one by one"), s.worst_error,
                                       median(s.rates), *std::ranges::max_element(s.rates)});
         for (const double error : error_levels) {
-            const auto fastest = [&](bool together) -> const Setting* {
+            const auto fastest = [&](bool batched) -> const Setting* {
                 const Setting* best = nullptr;
                 for (const Setting& s : settings)
-                    if (s.together == together && s.worst_error <= error &&
+                    if (s.batched == batched && s.worst_error <= error &&
                         (!best || median(s.rates) > median(best->rates)))
                         best = &s;
                 return best;
             };
-            const Setting *const together = fastest(true), *const one = fastest(false);
+            const Setting *const batched = fastest(true), *const one = fastest(false);
             std::vector<Cell> row{ensemble.name, error};
-            if (together) {
-                const double rate = median(together->rates);
-                row.insert(row.end(), {together->tolerance, rate, *std::ranges::max_element(together->rates)});
+            if (batched) {
+                const double rate = median(batched->rates);
+                row.insert(row.end(), {batched->tolerance, rate, *std::ranges::max_element(batched->rates)});
                 row.push_back(one ? Cell(median(one->rates)) : Cell());
                 row.push_back(one ? Cell(rate / median(one->rates)) : Cell());
             } else {

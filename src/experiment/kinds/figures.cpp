@@ -12,13 +12,13 @@ namespace polhode {
 namespace {
 
 template <class X, class Y>
-Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, const PlannedCurve& planned, const X& x,
-               const Y& y) {
+Curve make_curve(const std::vector<Result>& results, const PlannedScene& scene, const PlannedCurve& planned, const X& x,
+                 const Y& y) {
     Curve curve;
     curve.label = curve_label(planned);
-    look_as(curve, planned);
+    style_curve(curve, planned);
     curve.dash = planned.method->control == Control::fixed_step_or_tolerance && planned.kind == SettingKind::step;
-    for (const Result* row : rows_of(results, scene, planned)) {
+    for (const Result* row : select_rows(results, scene, planned)) {
         curve.cut = curve.cut || row->cut;
         const std::optional<double> at = x(*row), value = y(*row);
         if (row->status != Status::ok || !at || !value) continue;
@@ -28,7 +28,7 @@ Curve curve_of(const std::vector<Result>& results, const PlannedScene& scene, co
 }
 
 // Splits a figure with more panels than a page has into several: NAME_1, NAME_2, ..
-std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const Figure& whole) {
+std::vector<NamedFigure> split_into_pages(const std::string& name, const Plan& plan, const Figure& whole) {
     constexpr std::size_t page = 12;
     std::vector<NamedFigure> pages;
     for (std::size_t begin = 0; begin < whole.panels.size(); begin += page) {
@@ -36,7 +36,7 @@ std::vector<NamedFigure> paged(const std::string& name, const Plan& plan, const 
         Figure figure = whole;
         figure.panels.assign(whole.panels.begin() + static_cast<long>(begin),
                              whole.panels.begin() + static_cast<long>(end));
-        tell(figure, plan);
+        add_figure_notes(figure, plan);
         const bool single = whole.panels.size() <= page;
         pages.push_back({single ? name : fmt::format("{}_{}", name, begin / page + 1), std::move(figure)});
     }
@@ -60,7 +60,7 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
                               : floor_guides(results, scene, &Floors::float64, &Floors::float32);
         for (const PlannedCurve& planned : plan.curves)
             if (planned.kind == kind)
-                panel.curves.push_back(curve_of(
+                panel.curves.push_back(make_curve(
                     results, scene, planned,
                     [&](const Result& r) { return step ? r.step_taken : std::optional(r.setting); },
                     [&](const Result& r) { return r.errors["attitude"].*error; }));
@@ -71,8 +71,8 @@ Figure error_against_setting(const Plan& plan, const std::vector<Result>& result
 
 }  // namespace
 
-std::vector<const Result*> rows_of(const std::vector<Result>& results, const PlannedScene& scene,
-                                   const PlannedCurve& curve) {
+std::vector<const Result*> select_rows(const std::vector<Result>& results, const PlannedScene& scene,
+                                       const PlannedCurve& curve) {
     std::vector<const Result*> rows;
     for (const Result& r : results)
         if (r.scene == scene.label && r.method == curve.method->name && r.setting_kind == curve.kind &&
@@ -87,13 +87,13 @@ std::string curve_label(const PlannedCurve& curve) {
     return fmt::format("{} ({})", curve.method->name, curve.kind == SettingKind::step ? "fixed step" : "controlled");
 }
 
-Curve& curve_named(std::vector<Curve>& curves, const std::string& label) {
+Curve& find_or_add_curve(std::vector<Curve>& curves, const std::string& label) {
     const auto same = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.label == label; });
     if (same != curves.end()) return *same;
-    Curve begun;
-    begun.label = label;
-    set_style(begun, plain_style(static_cast<int>(curves.size())));
-    return curves.emplace_back(std::move(begun));
+    Curve curve;
+    curve.label = label;
+    set_style(curve, plain_style(static_cast<int>(curves.size())));
+    return curves.emplace_back(std::move(curve));
 }
 
 std::vector<Guide> floor_guides(const std::vector<Result>& results, const PlannedScene& scene,
@@ -105,12 +105,12 @@ std::vector<Guide> floor_guides(const std::vector<Result>& results, const Planne
     return {};
 }
 
-void look_as(Curve& curve, const PlannedCurve& planned) {
+void style_curve(Curve& curve, const PlannedCurve& planned) {
     set_style(curve, planned.style);
     curve.group = name_of(planned.method->family);
 }
 
-void tell(Figure& figure, const Plan& plan) {
+void add_figure_notes(Figure& figure, const Plan& plan) {
     figure.truncation_note =
         fmt::format("Arrow: the curve was cut because a run took more than {} s{}.", plan.experiment.seconds_per_run,
                     plan.experiment.max_evaluations < std::numeric_limits<long>::max()
@@ -133,12 +133,12 @@ std::vector<NamedFigure> work_precision_figures(const Plan& plan, const std::vec
         panel.y_label = "largest attitude error (rad)";
         panel.guides = floor_guides(results, scene, &Floors::float64, &Floors::float32);
         for (const PlannedCurve& planned : plan.curves)
-            panel.curves.push_back(curve_of(
+            panel.curves.push_back(make_curve(
                 results, scene, planned, [](const Result& r) { return r.seconds_median; },
                 [](const Result& r) { return r.errors["attitude"].max; }));
         figure.panels.push_back(std::move(panel));
     }
-    return paged(plan.experiment.name, plan, figure);
+    return split_into_pages(plan.experiment.name, plan, figure);
 }
 
 std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector<Result>& results) {
@@ -150,14 +150,16 @@ std::vector<NamedFigure> convergence_figures(const Plan& plan, const std::vector
     for (const SettingKind kind : {SettingKind::step, SettingKind::tolerance})
         if (has(kind)) {
             const Figure whole = error_against_setting(plan, results, kind, true);
-            for (NamedFigure& page : paged(fmt::format("{}_{}", plan.experiment.name, name_of(kind)), plan, whole))
+            for (NamedFigure& page :
+                 split_into_pages(fmt::format("{}_{}", plan.experiment.name, name_of(kind)), plan, whole))
                 figures.push_back(std::move(page));
         }
     return figures;
 }
 
 std::vector<NamedFigure> tolerance_figures(const Plan& plan, const std::vector<Result>& results) {
-    return paged(plan.experiment.name, plan, error_against_setting(plan, results, SettingKind::tolerance, false));
+    return split_into_pages(plan.experiment.name, plan,
+                            error_against_setting(plan, results, SettingKind::tolerance, false));
 }
 
 }  // namespace polhode

@@ -29,10 +29,10 @@ struct Quantity {
     const std::vector<double>& of(const ErrorSeries& series) const { return series[measure]; }
     bool is_attitude() const { return std::string_view(measure) == "attitude"; }
 };
-const Quantity attitude{"attitude", "attitude error (rad)"};
-const Quantity momentum{"momentum", "|L - L_ref| / max |L_ref|"};
-const Quantity energy{"energy", "|E - E_ref| / max E"};
-const Quantity norm{"norm", "||q| - 1|"};
+const Quantity attitude_quantity{"attitude", "attitude error (rad)"};
+const Quantity momentum_quantity{"momentum", "|L - L_ref| / max |L_ref|"};
+const Quantity energy_quantity{"energy", "|E - E_ref| / max E"};
+const Quantity norm_quantity{"norm", "||q| - 1|"};
 
 // The floors over time for a panel of the attitude error; `shaped` makes a guide from a label, times and values.
 template <class Shaped>
@@ -57,7 +57,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
         Figure figure;
         figure.title = fmt::format("{}: {}", plan.experiment.name, scene.label);
         figure.columns = 3;
-        for (const Quantity& quantity : {attitude, momentum, energy}) {
+        for (const Quantity& quantity : {attitude_quantity, momentum_quantity, energy_quantity}) {
             Panel panel;
             panel.title = quantity.title(), panel.x_label = "time (s)", panel.y_label = quantity.label;
             panel.log_x = false;
@@ -68,7 +68,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                     });
             std::map<const Method*, int> dashes;  // number of settings so far; each setting has its own dash
             for (const PlannedCurve& planned : plan.curves) {
-                for (const Result* row : rows_of(results, scene, planned)) {
+                for (const Result* row : select_rows(results, scene, planned)) {
                     Curve curve;
                     curve.label = planned.kind == SettingKind::none
                                       ? std::string(planned.method->name)
@@ -76,7 +76,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
                                                     planned.kind == SettingKind::step ? "h" : "tolerance",
                                                     row->step_taken.value_or(row->setting),
                                                     planned.kind == SettingKind::step ? " s" : "");
-                    look_as(curve, planned);
+                    style_curve(curve, planned);
                     curve.dash = dashes[planned.method]++;
                     // curves cross often, so marks are drawn only if another method has the same colour
                     curve.points = std::ranges::any_of(plan.curves, [&](const PlannedCurve& other) {
@@ -91,7 +91,7 @@ std::vector<NamedFigure> drift_figures(const Plan& plan, const std::vector<Resul
             }
             figure.panels.push_back(std::move(panel));
         }
-        tell(figure, plan);
+        add_figure_notes(figure, plan);
         figures.push_back({figure_name(plan, scene), std::move(figure)});
     }
     return figures;
@@ -105,7 +105,7 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
             figure.title = fmt::format("{}: {}, {:g} evaluations per revolution, largest error so far",
                                        plan.experiment.name, scene.label, cost);
             figure.columns = 2;
-            for (const Quantity& quantity : {energy, momentum, attitude, norm}) {
+            for (const Quantity& quantity : {energy_quantity, momentum_quantity, attitude_quantity, norm_quantity}) {
                 Panel panel;
                 panel.title = quantity.title(), panel.x_label = "time (s)", panel.y_label = quantity.label;
                 if (quantity.is_attitude())
@@ -116,19 +116,19 @@ std::vector<NamedFigure> conservation_figures(const Plan& plan, const std::vecto
                             return Guide{label, envelope.t, envelope.error};
                         });
                 for (const PlannedCurve& planned : plan.curves)
-                    for (const Result* row : rows_of(results, scene, planned)) {
+                    for (const Result* row : select_rows(results, scene, planned)) {
                         if (row->evaluations_per_revolution != cost) continue;
                         Envelope envelope = error_envelope(row->series.t, quantity.of(row->series));
                         Curve curve;
                         curve.label = curve_label(planned);
-                        look_as(curve, planned);
+                        style_curve(curve, planned);
                         curve.dash = planned.kind == SettingKind::step;
                         curve.x = std::move(envelope.t), curve.y = std::move(envelope.error);
                         panel.curves.push_back(std::move(curve));
                     }
                 figure.panels.push_back(std::move(panel));
             }
-            tell(figure, plan);
+            add_figure_notes(figure, plan);
             figures.push_back({fmt::format("{}_{:g}", figure_name(plan, scene), cost), std::move(figure)});
         }
     return figures;

@@ -20,7 +20,7 @@ inline double relative_error(const Matrix3<double>& inertia, const Matrix3<Wide>
 
 /// Seconds per call of work(). Repeats the call within one timing until it lasts 20 microseconds.
 template <class Work>
-double seconds_of(const Work& work) {
+double measure_seconds(const Work& work) {
     using Clock = std::chrono::steady_clock;
     for (long repeats = 1;; repeats *= 4) {
         const auto start = Clock::now();

@@ -21,7 +21,7 @@ namespace {
 constexpr double lost_attitude = 1;  // rad; larger errors are not used for the observed order
 
 // The parameter that is varied, if exactly one has several values; else null.
-const Variation* varied(const Plan& plan) {
+const Variation* find_varied_parameter(const Plan& plan) {
     const auto many = [](const Variation& v) { return v.values.size() > 1; };
     const std::vector<Variation>& vary = plan.experiment.vary;
     return std::ranges::count_if(vary, many) == 1 ? &*std::ranges::find_if(vary, many) : nullptr;
@@ -34,12 +34,12 @@ std::vector<double> all_steps(const Plan& plan) {
 }
 
 // The error of a run, or its status if it is not `ok`.
-Cell told(const Result& row, const char* measure) {
+Cell error_cell(const Result& row, const char* measure) {
     if (row.status != Status::ok) return std::string(name_of(row.status));
     return cell_of(row.errors[measure].max);
 }
 
-const Result* at_step(const std::vector<const Result*>& rows, double step) {
+const Result* find_step(const std::vector<const Result*>& rows, double step) {
     const auto found = std::ranges::find_if(rows, [&](const Result* row) { return row->setting == step; });
     return found == rows.end() ? nullptr : *found;
 }
@@ -48,7 +48,7 @@ std::optional<double> step_nanoseconds(const std::vector<const Result*>& rows) {
     std::vector<double> all;
     for (const Result* row : rows)
         if (const auto seconds = step_seconds(*row)) all.push_back(1e9 * *seconds);
-    return median_of(all);
+    return optional_median(all);
 }
 
 // For each scene and method: attitude error, largest joint gap and energy error at each step. The page shows the energy
@@ -66,11 +66,11 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
             {"energy_error at " + step_name(step), step == steps.front() ? "energy, " + step_name(step) : ""});
     columns.push_back({"step_nanoseconds", "ns per step"});
     columns.push_back({"message", "remark"});
-    NamedTable named = headed_table("scenes", "Errors for each scene", columns);
+    NamedTable named = make_named_table("scenes", "Errors for each scene", columns);
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::step) continue;
-            const std::vector<const Result*> own = rows_of(rows, scene, curve);
+            const std::vector<const Result*> own = select_rows(rows, scene, curve);
             if (own.empty()) continue;
             std::vector<Cell> row{scene.label, std::string(curve.method->name)};
             std::vector<double> reached, error;
@@ -83,7 +83,7 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
             const auto add = [&](const char* measure) {
                 for (const double step : steps) {
                     row.emplace_back();
-                    if (const Result* r = at_step(own, step)) row.back() = told(*r, measure);
+                    if (const Result* r = find_step(own, step)) row.back() = error_cell(*r, measure);
                 }
             };
             add("attitude");
@@ -100,16 +100,16 @@ NamedTable scenes_table(const Plan& plan, const std::vector<Result>& rows) {
 
 // For each method at each step: medians over the scenes, and the number of completed scenes.
 NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
-    NamedTable named = headed_table("methods", "Over all scenes",
-                                    {{"method", "method"},
-                                     {"step", "step"},
-                                     {"scenes", "scenes"},
-                                     {"ended_otherwise", "other outcomes"},
-                                     {"attitude_error", "attitude (rad)"},
-                                     {"joint_gap", "gap (m)"},
-                                     {"worst_joint_gap", "worst gap (m)"},
-                                     {"energy_error", "energy"},
-                                     {"step_nanoseconds", "ns per step"}});
+    NamedTable named = make_named_table("methods", "Over all scenes",
+                                        {{"method", "method"},
+                                         {"step", "step"},
+                                         {"scenes", "scenes"},
+                                         {"ended_otherwise", "other outcomes"},
+                                         {"attitude_error", "attitude (rad)"},
+                                         {"joint_gap", "gap (m)"},
+                                         {"worst_joint_gap", "worst gap (m)"},
+                                         {"energy_error", "energy"},
+                                         {"step_nanoseconds", "ns per step"}});
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.kind != SettingKind::step) continue;
         for (const double step : curve.settings) {
@@ -117,7 +117,7 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
             std::map<std::string, long> others;
             long ok = 0;
             for (const PlannedScene& scene : plan.scenes) {
-                const Result* r = at_step(rows_of(rows, scene, curve), step);
+                const Result* r = find_step(select_rows(rows, scene, curve), step);
                 if (!r) continue;
                 if (r->status != Status::ok) {
                     ++others[name_of(r->status)];
@@ -130,9 +130,9 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
                 note(attitudes, "attitude"), note(gaps, "joint_gap"), note(energies, "energy");
                 if (const auto time = step_nanoseconds({r})) seconds.push_back(*time);
             }
-            named.table.rows.push_back({std::string(curve.method->name), step_name(step), ok, listed_counts(others),
-                                        middle(attitudes), middle(gaps), most(gaps), middle(energies),
-                                        middle(seconds)});
+            named.table.rows.push_back({std::string(curve.method->name), step_name(step), ok, list_counts(others),
+                                        median_cell(attitudes), median_cell(gaps), max_cell(gaps),
+                                        median_cell(energies), median_cell(seconds)});
         }
     }
     return named;
@@ -141,7 +141,7 @@ NamedTable methods_table(const Plan& plan, const std::vector<Result>& rows) {
 // Errors against the step, or at the largest step against the parameter that is varied.
 std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Result>& rows) {
     const std::vector<double> steps = all_steps(plan);
-    const Variation* const parameter = varied(plan);
+    const Variation* const parameter = find_varied_parameter(plan);
     Figure figure;
     figure.title = plan.experiment.name, figure.columns = 2;
     const std::size_t scenes_a_panel = parameter ? parameter->values.size() : 1;
@@ -159,15 +159,15 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
                 if (planned.kind != SettingKind::step) continue;
                 Curve curve;
                 curve.label = curve_label(planned);
-                look_as(curve, planned);
+                style_curve(curve, planned);
                 const auto add = [&, measure = measure](double x, const Result* row) {
                     if (!row || row->status != Status::ok || !row->errors[measure].max) return;
                     curve.x.push_back(x), curve.y.push_back(*row->errors[measure].max);
                 };
                 for (std::size_t i = 0; i < scenes_a_panel; ++i) {
-                    const auto own = rows_of(rows, plan.scenes[first + i], planned);
+                    const auto own = select_rows(rows, plan.scenes[first + i], planned);
                     if (parameter)
-                        add(parse_decimal(parameter->values[i]).value_or(0), at_step(own, steps.front()));
+                        add(parse_decimal(parameter->values[i]).value_or(0), find_step(own, steps.front()));
                     else
                         for (const Result* row : own) add(row->step_taken.value_or(row->setting), row);
                 }
@@ -175,7 +175,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
             }
             figure.panels.push_back(std::move(panel));
         }
-    tell(figure, plan);
+    add_figure_notes(figure, plan);
     return {{plan.experiment.name, std::move(figure)}};
 }
 
@@ -184,7 +184,7 @@ std::vector<NamedFigure> joint_figures(const Plan& plan, const std::vector<Resul
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows) {
     if (all_steps(plan).empty()) return {};
     std::vector<NamedTable> tables{scenes_table(plan, rows)};
-    if (!varied(plan)) tables.push_back(methods_table(plan, rows));
+    if (!find_varied_parameter(plan)) tables.push_back(methods_table(plan, rows));
     return {std::move(tables), joint_figures(plan, rows)};
 }
 

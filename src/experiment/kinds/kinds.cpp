@@ -38,14 +38,14 @@ std::span<const ExperimentKind> kinds() {
         {.name = "speed",
          .reads = {"scenes", "methods", "settings", "samples", "repeats", "seconds_per_run", "max_evaluations"},
          .conclude = conclude_speed,
-         .sequel = long_runs},
+         .follow_up = long_runs},
         // physics engines, compared with textbook updates and accurate methods
         {.name = "engines", .reads = all_keys, .conclude = conclude_engines},
         // joints of physics engines, on mechanisms
         {.name = "engine_joints",
          .reads = all_keys,
          .conclude = conclude_engine_joints,
-         .sequel = joint_sweeps,
+         .follow_up = joint_sweeps,
          .keeps_series = true},
         // joint solvers of games and robotics: attitude, gaps and energy at each step
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},

@@ -22,8 +22,8 @@ Findings conclude_engine_joints(const Plan& plan, const std::vector<Result>& row
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows);
 
-/// The sequel of `speed`: its motions with a closed form over T, 10 T and 100 T, by polhode's methods at their finest
-/// tolerance.
+/// The follow-up of `speed`: its motions with a closed form over T, 10 T and 100 T, by polhode's methods at their
+/// finest tolerance.
 Plan long_runs(const Plan& plan);
 
 // `make` of the kinds: compute their own rows

@@ -21,7 +21,7 @@ std::vector<Point> points_of(const std::vector<Result>& results, const PlannedSc
     PlannedCurve same = curve;
     same.formulation = formulation;
     std::vector<Point> points;
-    for (const Result* row : rows_of(results, scene, same))
+    for (const Result* row : select_rows(results, scene, same))
         if (row->status == Status::ok && row->seconds_min && row->errors["attitude"].max.value_or(0) > 0)
             points.push_back({row->setting, std::log(*row->errors["attitude"].max), std::log(*row->seconds_min)});
     return points;
@@ -50,27 +50,27 @@ std::optional<double> error_ratio(const std::vector<Point>& of, const std::vecto
     return std::exp(sum / count);
 }
 
-std::string list_omissions(const Needs& needs) {
-    std::string words;
-    for (const Omission& one : needs.omitted) words += (words.empty() ? "" : "; ") + one.what;
-    return words.empty() ? "nothing" : words;
+std::string omitted_variables(const Needs& needs) {
+    std::string text;
+    for (const Omission& one : needs.omitted) text += (text.empty() ? "" : "; ") + one.what;
+    return text.empty() ? "nothing" : text;
 }
 
 }  // namespace
 
 NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
-    NamedTable named = headed_table("gain", "Gain of the reduced formulation",
-                                    {{"scene", "scene"},
-                                     {"method", "method"},
-                                     {"setting_kind", "setting"},
-                                     {"variables", "variables"},
-                                     {"attitude_error", "attitude error (rad)"},
-                                     {"seconds_as_written", "full (s)"},
-                                     {"seconds_principal_frame", "full, principal frame (s)"},
-                                     {"seconds_reduced", "reduced (s)"},
-                                     {"gain", "gain"},
-                                     {"error_ratio", "error at equal settings"},
-                                     {"left_out", "omitted"}});
+    NamedTable named = make_named_table("gain", "Gain of the reduced formulation",
+                                        {{"scene", "scene"},
+                                         {"method", "method"},
+                                         {"setting_kind", "setting"},
+                                         {"variables", "variables"},
+                                         {"attitude_error", "attitude error (rad)"},
+                                         {"seconds_as_written", "full (s)"},
+                                         {"seconds_principal_frame", "full, principal frame (s)"},
+                                         {"seconds_reduced", "reduced (s)"},
+                                         {"gain", "gain"},
+                                         {"error_ratio", "error at equal settings"},
+                                         {"left_out", "omitted"}});
     for (const PlannedScene& scene : plan.scenes) {
         const Needs needs = pose(scene.scene).needs;
         for (const PlannedCurve& curve : plan.curves) {
@@ -90,7 +90,7 @@ NamedTable gain_table(const Plan& plan, const std::vector<Result>& results) {
             if (seconds[0] && seconds[2]) gain = *seconds[0] / *seconds[2];
             for (const auto& value : {error, seconds[0], seconds[1], seconds[2], gain, error_ratio(reduced, written)})
                 row.push_back(cell_of(value));
-            row.push_back(list_omissions(needs));
+            row.push_back(omitted_variables(needs));
             named.table.rows.push_back(std::move(row));
         }
     }

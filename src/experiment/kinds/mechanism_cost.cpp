@@ -95,16 +95,16 @@ Findings run_mechanism_cost(const Plan& plan, const RunOptions& options) {
         for (TimedChain& chain : chains)
             chain.seconds.push_back(chain.batch() / static_cast<double>(chain.evaluations));
 
-    NamedTable table = headed_table("", "",
-                                    {{"joint", "joints"},
-                                     {"links", "links"},
-                                     {"variables", "variables"},
-                                     {"microseconds_min", "time (us)"},
-                                     {"microseconds_median", "median (us)"},
-                                     {"nanoseconds_per_link", "ns per link"},
-                                     {"median_per_link", ""},
-                                     {"over_100_links", "relative to 100 links"},
-                                     {"evaluations", ""}});
+    NamedTable table = make_named_table("", "",
+                                        {{"joint", "joints"},
+                                         {"links", "links"},
+                                         {"variables", "variables"},
+                                         {"microseconds_min", "time (us)"},
+                                         {"microseconds_median", "median (us)"},
+                                         {"nanoseconds_per_link", "ns per link"},
+                                         {"median_per_link", ""},
+                                         {"over_100_links", "relative to 100 links"},
+                                         {"evaluations", ""}});
     NamedFigure figure{"mechanism_cost", {"Time per evaluation of the right-hand side of a chain", 1, {}, ""}};
     Panel panel{"", "links", "time per link (ns)", true, true, {}};
     const auto least_of = [](const TimedChain& chain) {
@@ -122,7 +122,7 @@ Findings run_mechanism_cost(const Plan& plan, const RunOptions& options) {
             {std::string(chain.joint), chain.links, static_cast<long>(chain.y.size()), 1e6 * least_of(chain),
              1e6 * middle, per_link(chain), 1e9 * middle / static_cast<double>(chain.links),
              per_link(chain) / per_link(*hundred), static_cast<long>(chain.seconds.size()) * chain.evaluations});
-        Curve& curve = curve_named(panel.curves, chain.joint);
+        Curve& curve = find_or_add_curve(panel.curves, chain.joint);
         curve.x.push_back(static_cast<double>(chain.links)), curve.y.push_back(per_link(chain));
     }
     figure.figure.panels.push_back(std::move(panel));

@@ -27,7 +27,7 @@ Quaternion<double> from_degrees(const EulerAngles& a) {
     return quaternion_from_euler(yaw_pitch_roll, {a[0] * degree, a[1] * degree, a[2] * degree});
 }
 
-std::string words(const EulerAngles& a) { return text_of(a[0]) + " " + text_of(a[1]) + " " + text_of(a[2]); }
+std::string format_degrees(const EulerAngles& a) { return text_of(a[0]) + " " + text_of(a[1]) + " " + text_of(a[2]); }
 
 // Interpolation between two orientations
 
@@ -39,7 +39,7 @@ struct Route {
     double slowest = std::numeric_limits<double>::infinity(), fastest = 0;  ///< rad per step
 };
 template <class At>
-Route way_of(const At& at) {
+Route measure_route(const At& at) {
     Route way;
     Quaternion<double> before = at(0.0);
     for (int k = 1; k <= pieces; ++k) {
@@ -64,30 +64,31 @@ NamedTable interpolation() {
                  {"near the vertical", {0, 89, 0}, {90, 89, 0}},
                  {"roll equal to yaw, to near the vertical", {0, 60, 0}, {170, 89, 170}},
                  {"near half a revolution", {0, 0, 0}, {170, 10, 40}}};
-    NamedTable table = headed_table("", "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
-                                    {{"pair", "pair"},
-                                     {"from_degrees", "from yaw, pitch, roll (deg)"},
-                                     {"to_degrees", "to yaw, pitch, roll (deg)"},
-                                     {"interpolation", "interpolation"},
-                                     {"length", "path length (rad)"},
-                                     {"shortest", ""},
-                                     {"length_ratio", "path length / shortest"},
-                                     {"largest_jump", "largest rotation in a step (rad)"},
-                                     {"speed_ratio", "fastest / slowest"}});
+    NamedTable table =
+        make_named_table("", "Interpolated Euler angles (z-y-x) against slerp, in 1000 steps of equal time",
+                         {{"pair", "pair"},
+                          {"from_degrees", "from yaw, pitch, roll (deg)"},
+                          {"to_degrees", "to yaw, pitch, roll (deg)"},
+                          {"interpolation", "interpolation"},
+                          {"length", "path length (rad)"},
+                          {"shortest", ""},
+                          {"length_ratio", "path length / shortest"},
+                          {"largest_jump", "largest rotation in a step (rad)"},
+                          {"speed_ratio", "fastest / slowest"}});
     for (const auto& pair : pairs) {
         const Quaternion<double> a = from_degrees(pair.from), b = from_degrees(pair.to);
         const double shortest = rotation_angle_between(a, b);
         const auto add = [&](const char* name, const Route& way) {
-            table.table.rows.push_back({std::string(pair.what), words(pair.from), words(pair.to), std::string(name),
-                                        way.length, shortest, way.length / shortest, way.fastest,
+            table.table.rows.push_back({std::string(pair.what), format_degrees(pair.from), format_degrees(pair.to),
+                                        std::string(name), way.length, shortest, way.length / shortest, way.fastest,
                                         way.fastest / way.slowest});
         };
-        add("euler_angles", way_of([&](double t) {
+        add("euler_angles", measure_route([&](double t) {
                 EulerAngles now{};
                 for (std::size_t i = 0; i < 3; ++i) now[i] = pair.from[i] + t * (pair.to[i] - pair.from[i]);
                 return from_degrees(now);
             }));
-        add("slerp", way_of([&](double t) { return slerp(a, b, t); }));
+        add("slerp", measure_route([&](double t) { return slerp(a, b, t); }));
     }
     return table;
 }
@@ -97,12 +98,12 @@ NamedTable interpolation() {
 /// them.
 NamedTable keys() {
     constexpr int count = 20;
-    NamedTable table = headed_table("keys", "Interpolation between 21 keys of half a revolution past gimbal lock",
-                                    {{"distance", "distance from gimbal lock (rad)"},
-                                     {"interpolation", "interpolation"},
-                                     {"largest_angle_change", "largest change of an angle between keys (rad)"},
-                                     {"attitude_error", "largest attitude error (rad)"},
-                                     {"largest_jump", "largest rotation in 1/50 of a key interval (rad)"}});
+    NamedTable table = make_named_table("keys", "Interpolation between 21 keys of half a revolution past gimbal lock",
+                                        {{"distance", "distance from gimbal lock (rad)"},
+                                         {"interpolation", "interpolation"},
+                                         {"largest_angle_change", "largest change of an angle between keys (rad)"},
+                                         {"attitude_error", "largest attitude error (rad)"},
+                                         {"largest_jump", "largest rotation in 1/50 of a key interval (rad)"}});
     for (const double distance : {1.0, 0.1, 0.01, 0.001}) {
         // yaw goes from 100 to 280 degrees, so it passes 180 degrees regardless of rounding
         const Quaternion<double> start = quaternion_from_euler(yaw_pitch_roll, {100 * degree, 0, distance});
@@ -187,14 +188,14 @@ NamedTable matrix_order() {
                           B = rotation_matrix(quaternion_from_axis_angle({{0, 0, 1}, 15 * degree}));
     const Vector3<double> V(1, 2, 3);
     const Vector3<double> first_A_then_B = B * (A * V);
-    NamedTable table =
-        headed_table("matrix_order",
-                     "B (A V) against one product: A rotates V = (1, 2, 3) by 20 degrees about x, then B by 15 degrees "
-                     "about z",
-                     {{"product", "product"},
-                      {"meaning", "meaning"},
-                      {"difference", "difference of the vector / |V|"},
-                      {"angle", "difference of the rotation (rad)"}});
+    NamedTable table = make_named_table(
+        "matrix_order",
+        "B (A V) against one product: A rotates V = (1, 2, 3) by 20 degrees about x, then B by 15 degrees "
+        "about z",
+        {{"product", "product"},
+         {"meaning", "meaning"},
+         {"difference", "difference of the vector / |V|"},
+         {"angle", "difference of the rotation (rad)"}});
     const auto add = [&](const char* product, const char* meaning, const Matrix3<double>& N, const Vector3<double>& W) {
         const Vector3<double> d = W - first_A_then_B;
         const double angle = rotation_angle_between(quaternion_from_matrix(N), quaternion_from_matrix(B * A));
@@ -250,7 +251,7 @@ NamedTable reflection() {
 
 /// Three vertices at unit distance on the axes, rotated by the same R in each step.
 template <class S>
-void turn_vertices(const char* scalar, long most, Table& table) {
+void rotate_vertices(const char* scalar, long most, Table& table) {
     // 1/64 rad per step about (1, -2, 2)/3
     const Quaternion<double> turn = quaternion_from_axis_angle({{1, -2, 2}, 1.0 / 64});
     const Quaternion<S> step = cast<S>(turn);
@@ -278,15 +279,15 @@ void turn_vertices(const char* scalar, long most, Table& table) {
 }
 
 NamedTable vertices(bool quick) {
-    NamedTable table = headed_table(
+    NamedTable table = make_named_table(
         "vertices", "Three vertices rotated by 1/64 rad per step, from the previous vertices or from the original ones",
         {{"scalar", "precision"},
          {"way", "update"},
          {"steps", "steps"},
          {"defect", "|V^T V - 1|"},
          {"attitude_error", "attitude error (rad)"}});
-    turn_vertices<float>("binary32", quick ? 100000 : 1000000, table.table);
-    turn_vertices<double>("binary64", quick ? 100000 : 1000000, table.table);
+    rotate_vertices<float>("binary32", quick ? 100000 : 1000000, table.table);
+    rotate_vertices<double>("binary64", quick ? 100000 : 1000000, table.table);
     return table;
 }
 
@@ -313,13 +314,13 @@ std::vector<PointMass<S>> grid_body(int n, const Vector3<double>& moments, doubl
 
 /// sum m (r^2 1 - r r^T) over r = A r(0)
 template <class S>
-Matrix3<S> resummed(const std::vector<PointMass<S>>& points, const Matrix3<S>& A) {
+Matrix3<S> sum_rotated(const std::vector<PointMass<S>>& points, const Matrix3<S>& A) {
     Matrix3<S> sum;
     for (const PointMass<S>& point : points) sum = sum + parallel_axis(point.mass, A * point.position);
     return sum;
 }
 
-struct Summing {
+struct InertiaSum {
     std::string scalar, way;
     std::optional<long> points;
     double error = 0;
@@ -327,7 +328,7 @@ struct Summing {
 };
 
 template <class S>
-void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
+void sum_inertia(const char* scalar, int rounds, std::vector<InertiaSum>& found) {
     const Vector3<double> moments(1, 2, 2.5);
     const Quaternion<double> q = from_degrees({40, 20, -30});
     const Matrix3<Wide> exact = rotation_matrix(normalized(cast<Wide>(q)));
@@ -336,29 +337,30 @@ void sum_inertia(const char* scalar, int rounds, std::vector<Summing>& found) {
     const auto measure = [&](const char* way, std::optional<long> points, const auto& tensor) {
         // the orientation changes slightly in each frame, so that no compiler hoists the sum out of the loop
         Quaternion<S> turned = cast<S>(q);
-        Summing summing{scalar, way, points, relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
-        S kept = S(0);
+        InertiaSum inertia_sum{scalar, way, points,
+                               relative_error(cast<double>(tensor(rotation_matrix(turned))), truth)};
+        S sum = S(0);
         for (int round = 0; round < rounds; ++round)
-            summing.seconds.push_back(seconds_of([&] {
+            inertia_sum.seconds.push_back(measure_seconds([&] {
                 turned.w = turned.w + S(1e-6);
-                kept = kept + tensor(rotation_matrix(turned))[0][0];
+                sum = sum + tensor(rotation_matrix(turned))[0][0];
             }));
-        if (!std::isfinite(kept)) throw std::runtime_error("an inertia tensor is not finite");
-        found.push_back(std::move(summing));
+        if (!std::isfinite(sum)) throw std::runtime_error("an inertia tensor is not finite");
+        found.push_back(std::move(inertia_sum));
     };
     measure("A I A^T", std::nullopt, [&](const Matrix3<S>& A) { return A * I * transposed(A); });
     for (const int n : {2, 4, 8, 16}) {
         const std::vector<PointMass<S>> points = grid_body<S>(n, moments, 2);
         measure("sum over world points", static_cast<long>(points.size()),
-                [&](const Matrix3<S>& A) { return resummed(points, A); });
+                [&](const Matrix3<S>& A) { return sum_rotated(points, A); });
     }
 }
 
 NamedTable inertia(int rounds) {
-    std::vector<Summing> found;
+    std::vector<InertiaSum> found;
     sum_inertia<float>("binary32", rounds, found);
     sum_inertia<double>("binary64", rounds, found);
-    NamedTable table = headed_table(
+    NamedTable table = make_named_table(
         "inertia", "The inertia tensor in world axes, computed in each frame: sum over world points, or A I A^T",
         {{"scalar", "precision"},
          {"way", "computed by"},
@@ -366,7 +368,7 @@ NamedTable inertia(int rounds) {
          {"seconds_min", ""},
          {"seconds_median", "time per frame (s)"},
          {"inertia_error", "relative error of the tensor"}});
-    for (const Summing& s : found)
+    for (const InertiaSum& s : found)
         table.table.rows.push_back({s.scalar, s.way, cell_of(s.points),
                                     *std::min_element(s.seconds.begin(), s.seconds.end()), median(s.seconds), s.error});
     return table;
@@ -390,7 +392,7 @@ Findings run_orientation(const Plan& plan, const RunOptions& options) {
         Panel panel{scalar, "steps", "|V^T V - 1|", true, true, {}};
         for (const auto& row : drift.rows) {
             if (text_of(row[0]) != scalar) continue;
-            Curve& curve = curve_named(panel.curves, text_of(row[1]));
+            Curve& curve = find_or_add_curve(panel.curves, text_of(row[1]));
             curve.x.push_back(static_cast<double>(std::get<long>(row[2])));
             curve.y.push_back(std::get<double>(row[3]));
         }

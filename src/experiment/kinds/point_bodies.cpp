@@ -50,7 +50,7 @@ class Bench {
           samples(quick ? 20 : 100),
           truth(reference(planned.scene, samples)) {}
 
-    PointOutcome judge(const Trajectory& trajectory, std::optional<double> stretch) const {
+    PointOutcome evaluate(const Trajectory& trajectory, std::optional<double> stretch) const {
         PointOutcome outcome{trajectory, {}, stretch};
         if (trajectory.status != Status::ok || !truth.available) return outcome;
         outcome.attitude_error =
@@ -60,13 +60,13 @@ class Bench {
     PointOutcome run(const PointMethod& way, Settings settings, const PointOptions& options) const {
         settings.samples = samples;
         const PointRun found = way.solve(problem, settings, options);
-        return judge(found.trajectory,
-                     found.trajectory.status == Status::ok ? std::optional(found.largest_stretch) : std::nullopt);
+        return evaluate(found.trajectory,
+                        found.trajectory.status == Status::ok ? std::optional(found.largest_stretch) : std::nullopt);
     }
     // a method for the rigid body
     PointOutcome run(const char* method, Settings settings) const {
         settings.samples = samples;
-        return judge(solve(problem, *find_method(method), settings), {});
+        return evaluate(solve(problem, *find_method(method), settings), {});
     }
     double step(double h) const {
         return problem.scene.duration / std::ceil(problem.scene.duration / h / static_cast<double>(samples)) /
@@ -81,19 +81,19 @@ class Bench {
 
 void add_row(Table& table, std::vector<Cell> row, const PointOutcome& outcome) {
     const Trajectory& t = outcome.trajectory;
-    const bool ran = t.status == Status::ok || t.steps > 0;
+    const bool has_counts = t.status == Status::ok || t.steps > 0;
     row.insert(row.end(), {std::string(name_of(t.status)), cell_of(outcome.attitude_error), cell_of(outcome.stretch),
-                           ran ? Cell(t.steps) : Cell(), ran ? Cell(t.rhs_evaluations) : Cell(),
+                           has_counts ? Cell(t.steps) : Cell(), has_counts ? Cell(t.rhs_evaluations) : Cell(),
                            t.status == Status::ok ? Cell(t.seconds) : Cell(), t.message});
     table.rows.push_back(std::move(row));
 }
 
-Table table_of(std::vector<std::string> columns) {
+Table make_point_table(std::vector<std::string> columns) {
     columns.insert(columns.end(), shared_columns.begin(), shared_columns.end());
     return {std::move(columns), {}};
 }
 
-std::vector<ColumnChoice> for_people(const Table& table) {
+std::vector<ColumnChoice> choose_page_columns(const Table& table) {
     std::vector<ColumnChoice> choices;
     for (const std::string& column : table.columns)
         if (column != "scene" && column != "message")
@@ -107,12 +107,12 @@ std::vector<ColumnChoice> for_people(const Table& table) {
     return choices;
 }
 
-Settings with_step(double h, long max_steps) {
+Settings step_settings(double h, long max_steps) {
     Settings settings;
     settings.step = h, settings.max_steps = max_steps;
     return settings;
 }
-Settings with_tolerance(double R, long max_steps) {
+Settings tolerance_settings(double R, long max_steps) {
     Settings settings;
     settings.tolerance = R, settings.max_steps = max_steps;
     return settings;
@@ -122,13 +122,13 @@ using Curves = std::vector<Curve>;
 
 void add_point(Curves& curves, const std::string& name, double x, const PointOutcome& outcome) {
     if (!outcome.attitude_error) return;
-    Curve& curve = curve_named(curves, name);
+    Curve& curve = find_or_add_curve(curves, name);
     curve.x.push_back(x), curve.y.push_back(*outcome.attitude_error);
 }
 
 // Spring methods with stiffness 10^2 to 10^10 N/m, explicit ones at half the stability limit of the step.
 Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
-    Table table = table_of({"scene", "method", "stiffness", "damping_ratio", "setting_kind", "setting"});
+    Table table = make_point_table({"scene", "method", "stiffness", "damping_ratio", "setting_kind", "setting"});
     const long max_steps = quick ? 20000 : 5'000'000, max_implicit = quick ? 5000 : 30000;
     const PointBody body = point_body(bench.problem, {});
     for (int decade = 2; decade <= 10; decade += quick ? 2 : 1) {
@@ -137,14 +137,14 @@ Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
         const double fastest = spring_frequencies(body, *options.stiffness).fastest;
         for (const PointMethod* way : {&rk4, &verlet}) {
             const double h = bench.step(0.5 * stability_limit(*way) / fastest);
-            const PointOutcome outcome = bench.run(*way, with_step(h, max_steps), options);
+            const PointOutcome outcome = bench.run(*way, step_settings(h, max_steps), options);
             add_row(table, {bench.label, way->name, *options.stiffness, 0.0, "step", h}, outcome);
             add_point(curves, way->name, *options.stiffness, outcome);
         }
         for (const double ratio : {0.0, 1.0})
             for (const double R : quick ? std::vector{1e-8} : std::vector{1e-6, 1e-8, 1e-10}) {
                 options.damping_ratio = ratio;
-                const PointOutcome outcome = bench.run(cvode, with_tolerance(R, max_implicit), options);
+                const PointOutcome outcome = bench.run(cvode, tolerance_settings(R, max_implicit), options);
                 add_row(table, {bench.label, cvode.name, *options.stiffness, ratio, "tolerance", R}, outcome);
                 add_point(curves, fmt::format("cvode_bdf {:g}{}", R, ratio == 0 ? "" : ", damped"), *options.stiffness,
                           outcome);
@@ -155,7 +155,7 @@ Table measure_stiffness(const Bench& bench, bool quick, Curves& curves) {
 
 // Explicit spring methods with the default stiffness, at steps around the stability limit.
 Table measure_stability(const Bench& bench, bool quick) {
-    Table table = table_of({"scene", "method", "h_over_limit", "setting"});
+    Table table = make_point_table({"scene", "method", "h_over_limit", "setting"});
     const PointBody body = point_body(bench.problem, {});
     PointOptions options;
     options.stiffness = default_stiffness(bench.problem, body);
@@ -164,7 +164,7 @@ Table measure_stability(const Bench& bench, bool quick) {
         for (const double share : {2.0, 1.2, 1.05, 0.95, 0.8, 0.5, 0.25}) {
             if (quick && share < 0.8) continue;
             const double h = bench.step(share * stability_limit(*way) / fastest);
-            const PointOutcome outcome = bench.run(*way, with_step(h, 1'000'000), options);
+            const PointOutcome outcome = bench.run(*way, step_settings(h, 1'000'000), options);
             add_row(table, {bench.label, way->name, h * fastest / stability_limit(*way), h}, outcome);
         }
     return table;
@@ -172,7 +172,7 @@ Table measure_stability(const Bench& bench, bool quick) {
 
 // Methods with hard distances, and rigid-body methods at the same settings.
 Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
-    Table table = table_of({"scene", "method", "iterations", "setting_kind", "setting"});
+    Table table = make_point_table({"scene", "method", "iterations", "setting_kind", "setting"});
     const auto note = [&](const std::string& name, std::vector<Cell> row, const PointOutcome& outcome) {
         row.insert(row.begin(), bench.label);
         add_row(table, std::move(row), outcome);
@@ -180,13 +180,13 @@ Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
     };
     for (int digits = 2; digits <= 12; digits += quick ? 4 : 2) {
         const double R = std::pow(10.0, -digits);
-        const Settings settings = with_tolerance(R, 100000);
+        const Settings settings = tolerance_settings(R, 100000);
         note(ida.name, {ida.name, {}, "tolerance", R}, bench.run(ida, settings, {}));
         note("rigid: cvode_bdf", {"cvode_bdf", {}, "tolerance", R}, bench.run("cvode_bdf", settings));
     }
     for (const long per_sample : quick ? std::vector<long>{5, 50} : std::vector<long>{1, 4, 16, 64, 256}) {
         const double h = bench.problem.scene.duration / static_cast<double>(bench.samples * per_sample);
-        const Settings settings = with_step(h, 100000);
+        const Settings settings = step_settings(h, 100000);
         for (const int iterations : quick ? std::vector{1, 10} : std::vector{1, 2, 5, 10, 20}) {
             PointOptions options;
             options.iterations = iterations;
@@ -200,7 +200,7 @@ Table measure_hard_distances(const Bench& bench, bool quick, Curves& curves) {
 
 // 8, 27 and 64 points with the same mass properties.
 Table measure_counts(const Bench& bench, bool quick) {
-    Table table = table_of(
+    Table table = make_point_table(
         {"scene", "points", "links", "slowest_frequency", "fastest_frequency", "method", "setting_kind", "setting"});
     for (int n = 2; n <= (quick ? 3 : 4); ++n) {
         PointOptions options;
@@ -216,12 +216,12 @@ Table measure_counts(const Bench& bench, bool quick) {
         };
         for (const PointMethod* way : {&rk4, &verlet}) {
             const double h = bench.step(0.5 * stability_limit(*way) / w.fastest);
-            add(*way, "step", h, with_step(h, quick ? 20000 : 300000));
+            add(*way, "step", h, step_settings(h, quick ? 20000 : 300000));
         }
         // only small n, because of LU factorisations with 6 n^3 unknowns
-        if (n <= (quick ? 2 : 3)) add(cvode, "tolerance", 1e-8, with_tolerance(1e-8, 20000));
+        if (n <= (quick ? 2 : 3)) add(cvode, "tolerance", 1e-8, tolerance_settings(1e-8, 20000));
         const double h = bench.step(1e-3);
-        add(xpbd, "step", h, with_step(h, 100000));
+        add(xpbd, "step", h, step_settings(h, 100000));
     }
     return table;
 }
@@ -236,7 +236,7 @@ Findings run_point_bodies(const Plan& plan, const RunOptions& options) {
         Curves by_stiffness, by_time;
         const std::string suffix = plan.scenes.size() > 1 ? "_" + planned.label : "";
         const auto add = [&](const char* name, const char* title, Table table) {
-            std::vector<ColumnChoice> choices = for_people(table);
+            std::vector<ColumnChoice> choices = choose_page_columns(table);
             result.tables.push_back(
                 {name + suffix, fmt::format("{}: {}", planned.label, title), std::move(table), std::move(choices)});
         };

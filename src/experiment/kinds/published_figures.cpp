@@ -37,21 +37,21 @@ Wide angle_of(const Wide& sine, const Wide& cosine) {
 }
 
 /// The truth of a joint with one degree of freedom at the end.
-struct JointNow {
+struct JointState {
     Wide coordinate, rate, acceleration;  ///< the coordinate modulo 2 pi
 };
 
-struct EndOfTruth {
+struct FinalState {
     std::string fault;  ///< why there is no truth; else empty
-    std::map<std::string, JointNow> joints;
+    std::map<std::string, JointState> joints;
     std::map<std::string, Vector3<Wide>> forces;  ///< of joints and loops, N
 };
 
 // The last sample of the truth in joint coordinates. All joints of the scene must be revolute.
-EndOfTruth end_of_truth(const Scene& scene, long samples) {
+FinalState compute_final_state(const Scene& scene, long samples) {
     const Reference truth = reference(scene, samples);
     if (!truth.available) return {truth.message, {}, {}};
-    EndOfTruth end;
+    FinalState end;
     const std::size_t n = scene.bodies.size(), joints = scene.joints.size();
     std::map<std::string, BodyMotion<Wide>> bodies;
     for (std::size_t b = 0; b < n; ++b)
@@ -59,7 +59,7 @@ EndOfTruth end_of_truth(const Scene& scene, long samples) {
     bodies["world"].q = {1, 0, 0, 0};
     Tree<Wide> tree(scene, bodies_mass_properties<Wide>(scene));
     std::vector<Wide> y(static_cast<std::size_t>(tree.dimension())), rates(y.size());
-    const auto place = [&](const Link<Wide>& link) -> JointNow& {
+    const auto place = [&](const Link<Wide>& link) -> JointState& {
         return end.joints[scene.joints[static_cast<std::size_t>(link.joint)].name];
     };
     for (const Link<Wide>& link : tree.links().links) {
@@ -70,7 +70,7 @@ EndOfTruth end_of_truth(const Scene& scene, long samples) {
         const Quaternion<Wide> turned =
             conjugate(parent.q * normalized(cast<Wide>(joint.parent_orientation))) * child.q;
         const Vector3<Wide> parent_rate = rotate(conjugate(child.q) * parent.q, parent.angular_velocity_B);
-        JointNow& now = place(link);
+        JointState& now = place(link);
         now.coordinate = 2 * angle_of(dot(axis, vector_part(turned)), turned.w);
         now.rate = dot(axis, child.angular_velocity_B - parent_rate);
         y[static_cast<std::size_t>(link.coordinate)] = now.coordinate;
@@ -99,40 +99,40 @@ Wide nearest_turn(const Wide& angle, const Wide& to) {
 /// Collects the comparisons of one mechanism.
 class FigureComparison {
   public:
-    FigureComparison(std::vector<ComparedFigure>& all, std::string mechanism, const EndOfTruth& end)
+    FigureComparison(std::vector<PublishedFigure>& all, std::string mechanism, const FinalState& end)
         : all_(all), mechanism_(std::move(mechanism)), end_(end) {}
 
     void from(std::string source) { source_ = std::move(source); }
-    void add(const std::string& quantity, const std::string& published, Wide ours) {
-        ComparedFigure figure{mechanism_, source_, quantity, published, "", {}, {}, {}};
+    void add(const std::string& quantity, const std::string& published, Wide computed) {
+        PublishedFigure figure{mechanism_, source_, quantity, published, "", {}, {}, {}};
         figure.digits_printed = printed(published);
         if (end_.fault.empty()) {
-            const Wide theirs = wide_of_decimal(published), off = Elementary<Wide>::magnitude(theirs - ours);
-            figure.ours = decimal_of_wide(ours, digits_shown);
-            figure.difference = static_cast<double>(off / Elementary<Wide>::magnitude(ours));
+            const Wide theirs = parse_wide(published), off = Elementary<Wide>::magnitude(theirs - computed);
+            figure.computed = format_wide(computed, digits_shown);
+            figure.difference = static_cast<double>(off / Elementary<Wide>::magnitude(computed));
             const double right = std::floor(-std::log10(std::max(*figure.difference, 1e-40)));
-            figure.digits_right = std::clamp(static_cast<long>(right), 0L, *figure.digits_printed);
+            figure.correct_digits = std::clamp(static_cast<long>(right), 0L, *figure.digits_printed);
         } else {
-            figure.ours = end_.fault;
+            figure.computed = end_.fault;
         }
         all_.push_back(std::move(figure));
     }
-    void add(const std::string& quantity, double published, const Wide& ours) {
-        add(quantity, shortest_decimal(published), ours);
+    void add(const std::string& quantity, double published, const Wide& computed) {
+        add(quantity, shortest_decimal(published), computed);
     }
     /// Adds an angle that is not wrapped; `unit` is the published unit in rad.
     template <class Number>
     void add_angle(const std::string& quantity, const Number& published, const Wide& angle, const Wide& unit = 1) {
-        const Wide theirs = unit * wide_of_decimal(text(published));
+        const Wide theirs = unit * parse_wide(text(published));
         add(quantity, text(published), nearest_turn(angle, theirs) / unit);
     }
-    JointNow joint(const char* name) const { return end_.fault.empty() ? end_.joints.at(name) : JointNow{}; }
+    JointState joint(const char* name) const { return end_.fault.empty() ? end_.joints.at(name) : JointState{}; }
     Vector3<Wide> force(const char* name) const { return end_.fault.empty() ? end_.forces.at(name) : Vector3<Wide>{}; }
 
   private:
-    std::vector<ComparedFigure>& all_;
+    std::vector<PublishedFigure>& all_;
     std::string mechanism_, source_;
-    const EndOfTruth& end_;
+    const FinalState& end_;
 
     static std::string text(double value) { return shortest_decimal(value); }
     static std::string text(const char* value) { return value; }
@@ -150,7 +150,7 @@ template <class Set>
 void add_andrews(FigureComparison& comparison, const Set& set) {
     for (std::size_t j = 0; j < figures::andrews_joints.size(); ++j) {
         const char* name = figures::andrews_joints[j];
-        const JointNow now = comparison.joint(name);
+        const JointState now = comparison.joint(name);
         comparison.add_angle(fmt::format("{} (rad)", name), set.angles[j], now.coordinate);
         comparison.add(fmt::format("{}' (rad/s)", name), set.rates[j], now.rate);
         comparison.add(fmt::format("{}'' (rad/s^2)", name), set.accelerations[j], now.acceleration);
@@ -161,7 +161,7 @@ void add_andrews(FigureComparison& comparison, const Set& set) {
 }
 
 void add_babyboot(FigureComparison& comparison, const figures::BabybootFigures& set) {
-    const JointNow a = comparison.joint("hinge"), b = comparison.joint("swivel");
+    const JointState a = comparison.joint("hinge"), b = comparison.joint("swivel");
     const Wide one_degree = Elementary<Wide>::pi() / 180;
     comparison.add_angle("q_A (deg)", set.q_A, a.coordinate, one_degree);
     comparison.add_angle("q_B (deg)", set.q_B, b.coordinate, one_degree);
@@ -174,7 +174,7 @@ void add_babyboot(FigureComparison& comparison, const figures::BabybootFigures& 
 // The double four-bar over 10 s passes singular positions, where its equations lose rank. The uprights stay parallel
 // and the bars do not rotate, so that 3 a'' = 3.5 g sin a from a = 0, a' = 1. A pendulum of mass 7 kg, with its centre
 // of mass 1/2 m above the hinge and a moment of 3 kg m^2 about it, has the same equation.
-Scene four_bar_as_pendulum() {
+Scene make_four_bar_pendulum() {
     Scene scene;
     scene.name = "double_four_bar as a pendulum", scene.duration = 10;
     NamedBody rod;
@@ -188,7 +188,7 @@ Scene four_bar_as_pendulum() {
 }
 
 void add_four_bar(FigureComparison& comparison, const figures::FourBarFigures& set) {
-    const JointNow foot = comparison.joint("foot");
+    const JointState foot = comparison.joint("foot");
     Wide sine, cosine;
     sine_cosine(foot.coordinate, sine, cosine);
     comparison.add("x (m)", set.x, sine);
@@ -199,7 +199,7 @@ void add_four_bar(FigureComparison& comparison, const figures::FourBarFigures& s
 
 }  // namespace
 
-Wide wide_of_decimal(std::string_view text) {
+Wide parse_wide(std::string_view text) {
     const std::size_t mark = text.find_first_of("eE");
     int exponent = mark == text.npos ? 0 : std::stoi(std::string(text.substr(mark + 1)));
     Wide value = 0;
@@ -214,7 +214,7 @@ Wide wide_of_decimal(std::string_view text) {
     return text.starts_with('-') ? -value : value;
 }
 
-std::string decimal_of_wide(const Wide& value, int digits) {
+std::string format_wide(const Wide& value, int digits) {
     Wide rest = Elementary<Wide>::magnitude(value);
     if (!(rest > 0)) return "0";
     int exponent = static_cast<int>(std::floor(std::log10(static_cast<double>(rest))));
@@ -242,17 +242,17 @@ std::string decimal_of_wide(const Wide& value, int digits) {
     return (value < 0 ? "-" : "") + plain;
 }
 
-std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
-    std::vector<ComparedFigure> all;
+std::vector<PublishedFigure> compare_figures(bool quick, long samples) {
+    std::vector<PublishedFigure> all;
     if (!quick) {
-        const EndOfTruth andrews = end_of_truth(find_scene("mechanisms/andrews_squeezer"), samples);
+        const FinalState andrews = compute_final_state(find_scene("mechanisms/andrews_squeezer"), samples);
         FigureComparison squeezer(all, "andrews_squeezer", andrews);
         squeezer.from("IVP Test Set 2.4");
         add_andrews(squeezer, figures::andrews_published);
         squeezer.from("equations of the source, extrapolation in 32 digits");
         add_andrews(squeezer, figures::andrews_recomputed);
 
-        const EndOfTruth kane = end_of_truth(find_scene("mechanisms/babyboot"), samples);
+        const FinalState kane = compute_final_state(find_scene("mechanisms/babyboot"), samples);
         FigureComparison babyboot(all, "babyboot", kane);
         for (const auto& [source, set] : {std::pair{"Drake, expected", figures::babyboot_expected},
                                           std::pair{"Drake, simulation A", figures::babyboot_simulation_a},
@@ -262,13 +262,13 @@ std::vector<ComparedFigure> compared_figures(bool quick, long samples) {
             add_babyboot(babyboot, set);
         }
         babyboot.from("Kane's two equations, Taylor series in 40 digits");
-        const JointNow a = babyboot.joint("hinge"), b = babyboot.joint("swivel");
+        const JointState a = babyboot.joint("hinge"), b = babyboot.joint("swivel");
         babyboot.add_angle("q_A (rad)", figures::babyboot_recomputed[0], a.coordinate);
         babyboot.add_angle("q_B (rad)", figures::babyboot_recomputed[1], b.coordinate);
         babyboot.add("q_A' (rad/s)", figures::babyboot_recomputed[2], a.rate);
         babyboot.add("q_B' (rad/s)", figures::babyboot_recomputed[3], b.rate);
     }
-    const EndOfTruth pendulum = end_of_truth(four_bar_as_pendulum(), samples);
+    const FinalState pendulum = compute_final_state(make_four_bar_pendulum(), samples);
     FigureComparison four_bar(all, "double_four_bar over 10 s", pendulum);
     four_bar.from("Exudyn");
     add_four_bar(four_bar, figures::double_four_bar_exudyn);

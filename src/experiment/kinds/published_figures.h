@@ -11,24 +11,24 @@
 namespace polhode {
 
 /// A published number and polhode's number for the same quantity.
-struct ComparedFigure {
+struct PublishedFigure {
     std::string mechanism, source;
     std::string quantity;              ///< with unit
     std::string published;             ///< as printed
-    std::string ours;                  ///< polhode's number to 20 digits, or the reason why it is missing
-    std::optional<double> difference;  ///< |published - ours| / |ours|
+    std::string computed;              ///< polhode's number to 20 digits, or the reason why it is missing
+    std::optional<double> difference;  ///< |published - computed| / |computed|
     std::optional<long> digits_printed;
-    std::optional<long> digits_right;  ///< floor(-log10 difference), at most digits_printed
+    std::optional<long> correct_digits;  ///< floor(-log10 difference), at most digits_printed
 };
 
 /// All comparisons: Andrews' squeezing mechanism, Kane's babyboot, the double four-bar (mechanism_figures.h). `quick`:
 /// only the last one, whose motion is a pendulum's. `samples`: of the truths, so that cached ones can be used.
-std::vector<ComparedFigure> compared_figures(bool quick, long samples);
+std::vector<PublishedFigure> compare_figures(bool quick, long samples);
 
 /// Parses a decimal such as "-929.47" or "1e-3" in 128 bits, with a relative error of some 1e-33.
-Wide wide_of_decimal(std::string_view text);
+Wide parse_wide(std::string_view text);
 
 /// Formats a number with `digits` significant digits, at most 30: positional from 1e-4 to 1e9, else scientific.
-std::string decimal_of_wide(const Wide& value, int digits);
+std::string format_wide(const Wide& value, int digits);
 
 }  // namespace polhode

@@ -28,7 +28,7 @@ struct TimeAt {
 // neighbouring settings on either side of the level, so that the result does not depend on the choice of settings.
 std::optional<TimeAt> time_at(const std::vector<const Result*>& rows, double level) {
     std::optional<TimeAt> best;
-    const auto offer = [&](const TimeAt& time) {
+    const auto keep_faster = [&](const TimeAt& time) {
         if (!best || time.median < best->median) best = time;
     };
     const Result* before = nullptr;
@@ -39,13 +39,13 @@ std::optional<TimeAt> time_at(const std::vector<const Result*>& rows, double lev
         }
         const double error = std::max(*row->errors["attitude"].max, 1e-18);
         if (error <= level) {
-            offer({*row->seconds_median, *row->seconds_min});
+            keep_faster({*row->seconds_median, *row->seconds_min});
             const double coarser = before ? *before->errors["attitude"].max : 0;
             if (coarser > level) {
                 const double along = std::log(coarser / level) / std::log(coarser / error);
                 const auto between = [&](double from, double to) { return from * std::pow(to / from, along); };
-                offer({between(*before->seconds_median, *row->seconds_median),
-                       between(*before->seconds_min, *row->seconds_min)});
+                keep_faster({between(*before->seconds_median, *row->seconds_median),
+                             between(*before->seconds_min, *row->seconds_min)});
             }
         }
         before = row;
@@ -53,25 +53,25 @@ std::optional<TimeAt> time_at(const std::vector<const Result*>& rows, double lev
     return best;
 }
 
-struct Runner {
+struct FastestCurve {
     const PlannedCurve* curve = nullptr;
     TimeAt time;
 };
 
 // The fastest curve on a scene at this error among those for which belongs() is true.
 template <class Belongs>
-std::optional<Runner> fastest(const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows,
-                              double level, const Belongs& belongs) {
-    std::optional<Runner> best;
+std::optional<FastestCurve> fastest(const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows,
+                                    double level, const Belongs& belongs) {
+    std::optional<FastestCurve> best;
     for (const PlannedCurve& curve : plan.curves) {
         if (!belongs(curve)) continue;
-        const std::optional<TimeAt> time = time_at(rows_of(rows, scene, curve), level);
-        if (time && (!best || time->median < best->time.median)) best = Runner{&curve, *time};
+        const std::optional<TimeAt> time = time_at(select_rows(rows, scene, curve), level);
+        if (time && (!best || time->median < best->time.median)) best = FastestCurve{&curve, *time};
     }
     return best;
 }
 
-bool steps_by_itself(const PlannedCurve& curve) {
+bool controls_step(const PlannedCurve& curve) {
     return curve.method->library.empty() && curve.kind == SettingKind::tolerance;
 }
 
@@ -83,11 +83,11 @@ void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, cons
     const auto is_peer = [](const PlannedCurve& c) { return !c.method->library.empty(); };
     for (const bool exact : has_exact ? std::vector{true, false} : std::vector{false})
         for (const double level : levels) {
-            const auto own = exact ? fastest(plan, scene, rows, level, is_exact)
-                                   : fastest(plan, scene, rows, level, steps_by_itself);
+            const auto own =
+                exact ? fastest(plan, scene, rows, level, is_exact) : fastest(plan, scene, rows, level, controls_step);
             const auto peer = fastest(plan, scene, rows, level, is_peer);
             std::vector<Cell> row{scene.label, level};
-            const auto add = [&](const std::optional<Runner>& runner, const char* otherwise) {
+            const auto add = [&](const std::optional<FastestCurve>& runner, const char* otherwise) {
                 row.emplace_back(runner ? curve_label(*runner->curve) : std::string(otherwise));
                 row.push_back(runner ? Cell(runner->time.median) : Cell());
             };
@@ -102,7 +102,7 @@ void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, cons
 
 void add_smallest(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
     for (const PlannedCurve& curve : plan.curves) {
-        const std::vector<const Result*> own = rows_of(rows, scene, curve);
+        const std::vector<const Result*> own = select_rows(rows, scene, curve);
         const Result* best = nullptr;
         for (const Result* row : own)
             if (row->status == Status::ok && row->errors["attitude"].max &&
@@ -152,7 +152,7 @@ Findings conclude_long(const Plan& plan, const std::vector<Result>& rows) {
                             [&](const PlannedScene& other) { return other.scene.name != first->scene.name; });
         for (const PlannedCurve& curve : plan.curves)
             for (auto scene = first; scene != last; ++scene)
-                for (const Result* row : rows_of(rows, *scene, curve)) add(*scene, *row);
+                for (const Result* row : select_rows(rows, *scene, curve)) add(*scene, *row);
     }
     return {{{"long", "Long runs of closed-form motions", std::move(table)}}};
 }
@@ -175,20 +175,20 @@ Plan long_runs(const Plan& plan) {
         }
     }
     for (const PlannedCurve& curve : plan.curves)
-        if (steps_by_itself(curve)) longer.curves.emplace_back(curve).settings = {curve.settings.back()};
+        if (controls_step(curve)) longer.curves.emplace_back(curve).settings = {curve.settings.back()};
     return longer;
 }
 
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows) {
-    NamedTable margins = headed_table("margins", "Run time of polhode and of other libraries at equal error",
-                                      {{"scene", "scene"},
-                                       {"attitude_error", "error (rad)"},
-                                       {"own", "polhode"},
-                                       {"own_seconds", "time (s)"},
-                                       {"peer", "against"},
-                                       {"peer_seconds", "time (s)"},
-                                       {"ratio", "factor"},
-                                       {"ratio_of_minima", ""}});
+    NamedTable margins = make_named_table("margins", "Run time of polhode and of other libraries at equal error",
+                                          {{"scene", "scene"},
+                                           {"attitude_error", "error (rad)"},
+                                           {"own", "polhode"},
+                                           {"own_seconds", "time (s)"},
+                                           {"peer", "against"},
+                                           {"peer_seconds", "time (s)"},
+                                           {"ratio", "factor"},
+                                           {"ratio_of_minima", ""}});
     NamedTable smallest{"smallest",
                         "Smallest error of each method, and its run time at given errors",
                         {{"scene", "method", "setting", "attitude_error_max", "momentum_error_max", "energy_error_max",

@@ -16,40 +16,40 @@
 namespace polhode {
 namespace {
 
-constexpr double duration = 6, begins = duration / 3;
+constexpr double discontinuity_duration = 6, event_start = discontinuity_duration / 3;
 
 Scene free_body() {
     Scene scene;
-    scene.name = "discontinuity", scene.duration = duration;
+    scene.name = "discontinuity", scene.duration = discontinuity_duration;
     scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
     scene.initial.angular_velocity = {0.3, 0.8, 0.5};
     return scene;
 }
 
-/// The torque about the second axis, N m, from `begins` until `ends`.
+/// The torque about the second axis, N m, from `event_start` until `event_end`.
 struct Discontinuity {
     const char* name;
-    double ends;
-    double (*torque)(double after);  ///< function of the time after `begins`
+    double event_end;
+    double (*torque)(double after);  ///< function of the time after `event_start`
     bool constant;                   ///< a scene file can represent the torque, so a truth exists
 };
 
-Scene with_torque(const Discontinuity& d, bool onto) {
+Scene make_torque_scene(const Discontinuity& d, bool onto) {
     Scene scene = free_body();
-    const Window window{begins, d.ends};
+    const Window window{event_start, d.event_end};
     if (onto && d.constant) {
         scene.loads = {Torque{{0, d.torque(0), 0}, Frame::body, window}};
         return scene;
     }
     const auto torque = [d](const LoadState& s) {
-        return Vector3<double>(0, s.t >= begins && s.t < d.ends ? d.torque(s.t - begins) : 0, 0);
+        return Vector3<double>(0, s.t >= event_start && s.t < d.event_end ? d.torque(s.t - event_start) : 0, 0);
     };
     scene.loads = {UserTorque{d.name, torque, onto ? window : Window{}}};
     return scene;
 }
 
-Quaternion<double> true_end(const Discontinuity& d) {
-    const Scene scene = with_torque(d, true);
+Quaternion<double> compute_end(const Discontinuity& d) {
+    const Scene scene = make_torque_scene(d, true);
     if (d.constant) {
         const Reference truth = reference(scene, 1);
         if (!truth.available) throw std::runtime_error(truth.message);
@@ -63,19 +63,19 @@ Quaternion<double> true_end(const Discontinuity& d) {
     return fine.samples.back().q;
 }
 
-constexpr const char* stepped[] = {"odeint_euler", "odeint_rk4", "munthe_kaas4", "odeint_fehlberg78"};
-constexpr const char* with_step_control[] = {"dop853", "extrapolation", "cvode_adams"};
+constexpr const char* fixed_step_methods[] = {"odeint_euler", "odeint_rk4", "munthe_kaas4", "odeint_fehlberg78"};
+constexpr const char* step_control_methods[] = {"dop853", "extrapolation", "cvode_adams"};
 
-std::vector<double> settings_of(bool by_step, bool quick) {
+std::vector<double> make_settings(bool by_step, bool quick) {
     std::vector<double> settings;
     for (int k = 0; k < (quick ? 4 : 5); ++k)
-        settings.push_back(by_step ? duration / (10 * std::pow(4.0, k)) : std::pow(10.0, -4 - 2 * k));
+        settings.push_back(by_step ? discontinuity_duration / (10 * std::pow(4.0, k)) : std::pow(10.0, -4 - 2 * k));
     return settings;
 }
 
-std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step, bool onto,
-                         const Quaternion<double>& truth, bool quick) {
-    const Problem problem = pose(with_torque(d, onto));
+std::vector<Cell> discontinuity_row(const Discontinuity& d, const char* name, bool by_step, bool onto,
+                                    const Quaternion<double>& truth, bool quick) {
+    const Problem problem = pose(make_torque_scene(d, onto));
     const Method& method = *find_method(name);
     constexpr double round_off = 1e-12;  // errors near it show no order
     std::vector<double> settings, errors;
@@ -83,7 +83,7 @@ std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step,
     bool ok = false;
     std::optional<double> order;
     Trajectory last;
-    for (const double setting : settings_of(by_step, quick)) {
+    for (const double setting : make_settings(by_step, quick)) {
         Settings s;
         s.samples = 1;
         (by_step ? s.step : s.tolerance) = setting;
@@ -114,32 +114,32 @@ std::vector<Cell> row_of(const Discontinuity& d, const char* name, bool by_step,
 
 NamedTable measure_discontinuities(bool quick) {
     const Discontinuity cases[] = {
-        {"torque jumps", 2 * begins, [](double) { return 0.7; }, true},
-        {"torque derivative jumps", duration, [](double after) { return 0.7 * after; }, false},
-        {"pulse shorter than a step", begins + 0x1p-10, [](double) { return 700.0; }, true},
+        {"torque jumps", 2 * event_start, [](double) { return 0.7; }, true},
+        {"torque derivative jumps", discontinuity_duration, [](double after) { return 0.7 * after; }, false},
+        {"pulse shorter than a step", event_start + 0x1p-10, [](double) { return 700.0; }, true},
     };
-    NamedTable table = headed_table("discontinuities", "Cost of stepping over a discontinuity",
-                                    {{"case", "case"},
-                                     {"method", "method"},
-                                     {"setting_kind", ""},
-                                     {"stepped", "stepped"},
-                                     {"claimed_order", "claimed order"},
-                                     {"observed_order", "observed order"},
-                                     {"finest_setting", "finest step (s) or tolerance"},
-                                     {"error_at_finest", "attitude error at the finest (rad)"},
-                                     {"steps", "steps"},
-                                     {"rhs_evaluations", ""},
-                                     {"rejected_steps", "rejected"},
-                                     {"status", "status"},
-                                     {"message", ""}});
+    NamedTable table = make_named_table("discontinuities", "Cost of stepping over a discontinuity",
+                                        {{"case", "case"},
+                                         {"method", "method"},
+                                         {"setting_kind", ""},
+                                         {"stepped", "stepped"},
+                                         {"claimed_order", "claimed order"},
+                                         {"observed_order", "observed order"},
+                                         {"finest_setting", "finest step (s) or tolerance"},
+                                         {"error_at_finest", "attitude error at the finest (rad)"},
+                                         {"steps", "steps"},
+                                         {"rhs_evaluations", ""},
+                                         {"rejected_steps", "rejected"},
+                                         {"status", "status"},
+                                         {"message", ""}});
     for (const Discontinuity& d : cases) {
-        const Quaternion<double> truth = true_end(d);
-        for (const char* method : stepped)
+        const Quaternion<double> truth = compute_end(d);
+        for (const char* method : fixed_step_methods)
             for (const bool onto : {true, false})
-                table.table.rows.push_back(row_of(d, method, true, onto, truth, quick));
-        for (const char* method : with_step_control)
+                table.table.rows.push_back(discontinuity_row(d, method, true, onto, truth, quick));
+        for (const char* method : step_control_methods)
             for (const bool onto : {true, false})
-                table.table.rows.push_back(row_of(d, method, false, onto, truth, quick));
+                table.table.rows.push_back(discontinuity_row(d, method, false, onto, truth, quick));
     }
     return table;
 }

@@ -25,7 +25,7 @@ struct LinearCase {
     std::complex<double> lambda;
     double theory;                     ///< largest h |lambda| without growth, by linear_stability.h
     std::optional<double> measured{};  ///< measured limit; empty if it was not found
-    bool grows_early = false;          ///< if theory gives no finite limit: whether the motion grows at probe_of()
+    bool grows_early = false;          ///< if theory gives no finite limit: whether the motion grows at probe_value()
 
     bool has_limit() const { return std::isfinite(theory) && theory > 0; }
 };
@@ -101,7 +101,7 @@ std::vector<LinearCase> linear_cases(const Plan& plan, const StabilityFindings& 
 }
 
 // h |lambda| for the test: large if theory gives no finite limit, small if the limit is 0
-double probe_of(const LinearCase& c) { return c.theory == 0 ? 0.1 : 100; }
+double probe_value(const LinearCase& c) { return c.theory == 0 ? 0.1 : 100; }
 
 // growth per step at 1.05 times the theoretical limit; below some 1e-4 the measurement has too few steps to detect it
 std::optional<double> growth_beyond(const LinearCase& c) {
@@ -110,7 +110,7 @@ std::optional<double> growth_beyond(const LinearCase& c) {
     return growth ? std::optional(*growth - 1) : std::nullopt;
 }
 
-const char* remark_of(const LinearCase& c) {
+const char* find_remark(const LinearCase& c) {
     if (c.theory == 0) return c.grows_early ? "grows at h |lambda| = 0.1" : "no growth observed at h |lambda| = 0.1";
     if (!c.has_limit()) return c.grows_early ? "fails or grows at h |lambda| = 100" : "no growth at h |lambda| = 100";
     return c.measured ? "" : "no limit found between 0.5 and 4 times the theoretical one";
@@ -119,7 +119,7 @@ const char* remark_of(const LinearCase& c) {
 using Complex = std::complex<double>;
 
 /// Methods with the same growth in linear theory.
-struct Alike {
+struct RegionGroup {
     const Method* method;  ///< the first one, with preference for Odeint's and for splitting methods
     int others = 0;
     std::string label() const {
@@ -151,12 +151,12 @@ bool is_well_known(const Method& method) {
     return method.library == odeint_library || method.family == Family::splitting;
 }
 
-std::vector<Alike> members(Region region) {
-    std::vector<Alike> found;
+std::vector<RegionGroup> members(Region region) {
+    std::vector<RegionGroup> found;
     for (const Method* method : methods()) {
         if ((!method->amplification && !method->pendulum_amplification) || region_of(*method) != region) continue;
-        const auto like =
-            std::find_if(found.begin(), found.end(), [&](const Alike& a) { return same_region(*a.method, *method); });
+        const auto like = std::find_if(found.begin(), found.end(),
+                                       [&](const RegionGroup& a) { return same_region(*a.method, *method); });
         if (like == found.end())
             found.push_back({method});
         else if (++like->others; !is_well_known(*like->method) && is_well_known(*method))
@@ -166,7 +166,7 @@ std::vector<Alike> members(Region region) {
 }
 
 template <class Growth>
-void add_boundary(Panel& panel, const Alike& alike, const Growth& growth) {
+void add_boundary(Panel& panel, const RegionGroup& group, const Growth& growth) {
     // on the axes the growth of a symmetric method is 1 up to rounding
     constexpr double allowed = 1 + 1e-9;
     const auto excess = [&](double x, double y) { return growth(x, y) - allowed; };
@@ -175,8 +175,8 @@ void add_boundary(Panel& panel, const Alike& alike, const Growth& growth) {
     std::erase_if(lines, [](const ContourLine& line) { return line.x.size() < 8; });
     for (ContourLine& line : lines) {
         Curve curve;
-        curve.label = alike.label();
-        set_style(curve, method_style(*alike.method));
+        curve.label = group.label();
+        set_style(curve, method_style(*group.method));
         curve.x = std::move(line.x), curve.y = std::move(line.y);
         panel.curves.push_back(std::move(curve));
     }
@@ -241,7 +241,7 @@ Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, in
         if (c.has_limit())
             c.measured = measured_limit(c, steps);
         else
-            c.grows_early = grows(c, steps, probe_of(c));
+            c.grows_early = grows(c, steps, probe_value(c));
     });
     Table table{{"scene", "method", "eigenvalue_real", "eigenvalue_imaginary", "theory", "measured", "deviation",
                  "growth_beyond", "remark"},
@@ -250,7 +250,7 @@ Table measure_linear_limits(const Plan& plan, const StabilityFindings& found, in
         table.rows.push_back({c.properties->label, std::string(c.method->name), c.lambda.real(), c.lambda.imag(),
                               std::isfinite(c.theory) ? Cell(c.theory) : Cell(std::string("no limit")),
                               cell_of(c.measured), c.measured ? Cell(*c.measured / c.theory - 1) : Cell(),
-                              cell_of(growth_beyond(c)), std::string(remark_of(c))});
+                              cell_of(growth_beyond(c)), std::string(find_remark(c))});
     return table;
 }
 
@@ -265,8 +265,8 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
     };
     for (const auto& [family, empty] : panels) {
         Panel panel = empty;
-        for (const Alike& alike : members(family))
-            add_boundary(panel, alike, [&](double x, double y) { return alike.method->amplification({x, y}); });
+        for (const RegionGroup& group : members(family))
+            add_boundary(panel, group, [&](double x, double y) { return group.method->amplification({x, y}); });
         int marker = 0;
         for (const Spectrum& spectrum : spectra) {
             Curve points;
@@ -288,8 +288,8 @@ std::vector<NamedFigure> draw_stability_regions(std::span<const PlannedScene> sc
     NamedFigure pendulum{"stability_pendulum", {"A damped pendulum: stable below the line", 1, {}, ""}};
     Panel panel{"", "h γ", "h ω", false, false, {}};
     panel.x_limits = Limits{0, 5}, panel.y_limits = Limits{0, 3.6};
-    for (const Alike& alike : members(Region::second_order))
-        add_boundary(panel, alike, [&](double x, double y) { return alike.method->pendulum_amplification(x, y * y); });
+    for (const RegionGroup& group : members(Region::second_order))
+        add_boundary(panel, group, [&](double x, double y) { return group.method->pendulum_amplification(x, y * y); });
     pendulum.figure.panels.push_back(std::move(panel));
     pendulum.figure.note = "θ'' = −γ θ' − ω² θ. Methods with the same growth share a line.";
     return {std::move(plane), std::move(pendulum)};

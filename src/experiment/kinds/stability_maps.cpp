@@ -194,7 +194,8 @@ void add_rows(Table& table, const StepMap& map, const std::vector<MethodMap>& ma
                         errors.push_back(error);
                 if (outcome == Outcome::unsupported || outcome == Outcome::no_truth) continue;
                 table.rows.push_back({std::string(m.method->name), map.name, map.columns[i].x, map.step(begin),
-                                      map.step(end - 1), std::string(name_of(outcome)), least(errors), most(errors)});
+                                      map.step(end - 1), std::string(name_of(outcome)), min_cell(errors),
+                                      max_cell(errors)});
             }
 }
 
@@ -260,53 +261,55 @@ void add_figures(std::vector<NamedFigure>& figures, const StepMap& map, const st
 }
 
 /// The cell with the smallest h w that satisfies a condition.
-struct Found {
-    double turned = std::numeric_limits<double>::infinity();  ///< h w, rad a step
+struct CellAngle {
+    double angle = std::numeric_limits<double>::infinity();  ///< h w, rad a step
     const MapCell* cell = nullptr;
 };
 template <class Passes>
-Found least_turn(const StepMap& map, const MethodMap& m, const Passes& passes) {
-    Found found;
+CellAngle find_smallest_angle(const StepMap& map, const MethodMap& m, const Passes& passes) {
+    CellAngle found;
     const std::size_t columns = map.columns.size();
     for (std::size_t k = 0; k < m.cells.size(); ++k) {
-        const double turned = map.step(k / columns) * map.columns[k % columns].x;
-        if (turned < found.turned && passes(m.cells[k])) found = {turned, &m.cells[k]};
+        const double angle = map.step(k / columns) * map.columns[k % columns].x;
+        if (angle < found.angle && passes(m.cells[k])) found = {angle, &m.cells[k]};
     }
     return found;
 }
 
 NamedTable gyroscopic_table(const StepMap& map, const std::vector<MethodMap>& maps) {
-    NamedTable named =
-        headed_table("gyroscopic",
-                     "Gyroscopic updates of game engines on a free body: smallest step times spin (rad) at which each "
-                     "error occurs within 2 s",
-                     {{"method", "method"},
-                      {"blows_up_from", "diverges from (rad)"},
-                      {"damps_from", "loses 10 % of its energy from (rad)"},
-                      {"energy_left", "remaining energy at this point"},
-                      {"momentum_off_there", "error of the direction of L at this point (rad)"},
-                      {"gains_from", "gains 10 % energy from (rad)"},
-                      {"attitude_alone_from", "|L| within 1e-6 but attitude error above 0.1 rad from (rad)"},
-                      {"momentum_off_then", "error of the direction of L at that point (rad)"},
-                      {"attitude_off_then", ""},
-                      {"runs_within_0.1", "fraction of runs within 0.1 rad"}});
+    NamedTable named = make_named_table(
+        "gyroscopic",
+        "Gyroscopic updates of game engines on a free body: smallest step times spin (rad) at which each "
+        "error occurs within 2 s",
+        {{"method", "method"},
+         {"blows_up_from", "diverges from (rad)"},
+         {"damps_from", "loses 10 % of its energy from (rad)"},
+         {"energy_left", "remaining energy at this point"},
+         {"momentum_off_there", "error of the direction of L at this point (rad)"},
+         {"gains_from", "gains 10 % energy from (rad)"},
+         {"attitude_alone_from", "|L| within 1e-6 but attitude error above 0.1 rad from (rad)"},
+         {"momentum_off_then", "error of the direction of L at that point (rad)"},
+         {"attitude_off_then", ""},
+         {"runs_within_0.1", "fraction of runs within 0.1 rad"}});
     for (const MethodMap& m : maps) {
         if (m.method->family != Family::engine_update) continue;
-        const Found blown = least_turn(map, m, [](const MapCell& c) { return c.outcome == Outcome::diverged; });
-        const Found damped = least_turn(map, m, [](const MapCell& c) { return c.energy_ratio < 0.9; });
-        const Found gaining = least_turn(map, m, [](const MapCell& c) { return c.energy_ratio > 1.1; });
-        const Found alone = least_turn(
+        const CellAngle diverging =
+            find_smallest_angle(map, m, [](const MapCell& c) { return c.outcome == Outcome::diverged; });
+        const CellAngle losing = find_smallest_angle(map, m, [](const MapCell& c) { return c.energy_ratio < 0.9; });
+        const CellAngle gaining = find_smallest_angle(map, m, [](const MapCell& c) { return c.energy_ratio > 1.1; });
+        const CellAngle attitude_only = find_smallest_angle(
             map, m, [](const MapCell& c) { return std::abs(c.momentum_ratio - 1) < 1e-6 && c.attitude_error > 0.1; });
-        const auto turned = [](const Found& found) { return found.cell ? Cell(found.turned) : Cell(); };
-        const auto of = [](const Found& found, double MapCell::*what) {
+        const auto angle = [](const CellAngle& found) { return found.cell ? Cell(found.angle) : Cell(); };
+        const auto of = [](const CellAngle& found, double MapCell::*what) {
             return found.cell ? Cell(found.cell->*what) : Cell();
         };
         const auto close =
             std::count_if(m.cells.begin(), m.cells.end(), [](const MapCell& c) { return c.outcome <= Outcome::close; });
-        named.table.rows.push_back(
-            {std::string(m.method->name), turned(blown), turned(damped), of(damped, &MapCell::energy_ratio),
-             of(damped, &MapCell::momentum_angle), turned(gaining), turned(alone), of(alone, &MapCell::momentum_angle),
-             of(alone, &MapCell::attitude_error), static_cast<double>(close) / static_cast<double>(m.cells.size())});
+        named.table.rows.push_back({std::string(m.method->name), angle(diverging), angle(losing),
+                                    of(losing, &MapCell::energy_ratio), of(losing, &MapCell::momentum_angle),
+                                    angle(gaining), angle(attitude_only), of(attitude_only, &MapCell::momentum_angle),
+                                    of(attitude_only, &MapCell::attitude_error),
+                                    static_cast<double>(close) / static_cast<double>(m.cells.size())});
     }
     return named;
 }

@@ -16,7 +16,7 @@ namespace {
 using Members = std::vector<const StabilityFinding*>;
 
 std::string number(double value) { return fmt::format("{:.3g}", value); }
-std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string join_words(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
 double tenth_percentile(std::vector<double> values) {
     std::sort(values.begin(), values.end());
@@ -114,7 +114,7 @@ class MethodPage {
         }
         const auto is_accurate = [](const StabilityFinding* f) { return f->accurate != nullptr; };
         if (const auto names = families_where(true, is_accurate); !names.empty())
-            page += fmt::format(" Families with all members within 1e-3 rad at some step: {}.", joined(names));
+            page += fmt::format(" Families with all members within 1e-3 rad at some step: {}.", join_words(names));
         if (!fine.empty())
             page += fmt::format(
                 " An attitude error of 1e-3 rad needs a step times fastest rate of {} and {} evaluations per unit of "
@@ -122,7 +122,7 @@ class MethodPage {
                 number(median(fine)), number(median(evaluations)), fine.size());
         if (const auto names = families_where(false, is_accurate); !names.empty())
             page += fmt::format(" Families with no member within 1e-3 rad in {} evaluations: {}.",
-                                plan_.experiment.max_evaluations, joined(names));
+                                plan_.experiment.max_evaluations, join_words(names));
         if (!stable.empty())
             page += fmt::format(
                 " The largest stable step times the fastest rate, on the scenes that have such a limit, is {} in the "
@@ -132,7 +132,7 @@ class MethodPage {
             page += fmt::format(" On {} scenes no step within the limit on evaluations is stable.", never_stable);
         std::vector<std::string> ends;
         for (const auto& [outcome, count] : beyond) ends.push_back(fmt::format("{} on {}", outcome, count));
-        if (!ends.empty()) page += fmt::format(" Outcomes above the stable step: {} scenes.", joined(ends));
+        if (!ends.empty()) page += fmt::format(" Outcomes above the stable step: {} scenes.", join_words(ends));
         const auto never_rests = [](const StabilityFinding* f) {
             return std::none_of(f->runs.begin(), f->runs.end(),
                                 [](const StabilityRun& run) { return run.outcome == Outcome::damped_to_rest; });
@@ -143,7 +143,7 @@ class MethodPage {
         std::sort(rests.begin(), rests.end());
         if (!rests.empty())
             page += fmt::format(" At large steps the body comes to rest although the true motion does not: {}.",
-                                joined(rests));
+                                join_words(rests));
         return page;
     }
 
@@ -167,9 +167,9 @@ class MethodPage {
                                [](const StabilityRun& r) { return r.result.status == Status::ok; });
         };
         if (const auto names = families_where(true, all_ok); !names.empty())
-            page += fmt::format(" Families with status `ok` on all members: {}.", joined(names));
+            page += fmt::format(" Families with status `ok` on all members: {}.", join_words(names));
         if (const auto names = families_where(false, all_ok); !names.empty())
-            page += fmt::format(" Families with another status on every member: {}.", joined(names));
+            page += fmt::format(" Families with another status on every member: {}.", join_words(names));
         for (const Status status : {Status::failed, Status::diverged, Status::tolerance_not_met})
             if (ended[status] > 0) page += fmt::format(" Runs with status `{}`: {}.", name_of(status), ended[status]);
         if (ratios.empty()) return page;
@@ -225,7 +225,7 @@ std::string summary(const StabilityFindings& found) {
             ++runs, ++ended[run.result.status];
             const double error = run.result.errors["attitude"].max.value_or(0);
             ok_beyond_one += run.result.status == Status::ok && error > 1;
-            for (const Cell& cell : row_of("", run.result))
+            for (const Cell& cell : result_row("", run.result))
                 if (const double* value = std::get_if<double>(&cell)) not_finite += !std::isfinite(*value);
             longest = std::max(longest, run.result.seconds_min.value_or(0));
         }

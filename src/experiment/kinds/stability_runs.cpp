@@ -55,7 +55,7 @@ void find_conditioning(const Problem& problem, long samples, StabilityScene& sce
     ConditioningSettings settings;
     settings.max_steps = 200'000;
     const Conditioning c = conditioning(problem, sample_times(problem.scene.duration, samples), settings);
-    scene.floors = floors_of(c);
+    scene.floors = compute_floors(c);
     if (c.available) scene.kappa = c.attitude.back();
 }
 
@@ -188,7 +188,7 @@ Table empty_runs_table() {
 void append_runs(Table& table, const std::string& experiment, const StabilityScene& scene,
                  const std::vector<StabilityRun>& runs) {
     for (const StabilityRun& run : runs) {
-        std::vector<Cell> row = row_of(experiment, run.result);
+        std::vector<Cell> row = result_row(experiment, run.result);
         row.insert(row.end(),
                    {scene.family, cell_of(scene.parameter), scene.fastest_rate, std::string(name_of(run.outcome))});
         table.rows.push_back(std::move(row));
@@ -200,7 +200,7 @@ std::vector<StabilityRun> runs_of(const Table& table) {
     std::vector<StabilityRun> runs;
     const std::size_t outcome = column_index(table, "outcome");
     for (std::size_t row = 0; row < table.rows.size(); ++row)
-        runs.push_back({result_of(table, row), outcome_named(text_of(table.rows[row][outcome]))});
+        runs.push_back({parse_result(table, row), outcome_named(text_of(table.rows[row][outcome]))});
     return runs;
 }
 

@@ -24,7 +24,7 @@ std::optional<double> smallest_error(const StabilityFinding& finding) {
 }
 
 // keeps every eighth scene if there are more than 20
-Plan thinned(Plan plan) {
+Plan thin_plan(Plan plan) {
     constexpr std::size_t few = 20, every = 8;
     if (plan.scenes.size() <= few) return plan;
     std::size_t i = 0;
@@ -100,7 +100,7 @@ Table binary32_table(const StabilityFindings& found) {
                 ratios.push_back(*error32 / *error64);
         }
         table.rows.push_back({std::string(method), static_cast<long>(members.size()), static_cast<long>(lost.size()),
-                              middle(ratios), fmt::format("{}", fmt::join(lost, ", "))});
+                              median_cell(ratios), fmt::format("{}", fmt::join(lost, ", "))});
     }
     return table;
 }
@@ -130,8 +130,8 @@ Table damping_table(const Plan& plan, const StabilityFindings& found) {
     return table;
 }
 
-Findings run_stability(const Plan& whole, const RunOptions& options) {
-    const Plan plan = options.quick ? thinned(whole) : whole;
+Findings run_stability(const Plan& full_plan, const RunOptions& options) {
+    const Plan plan = options.quick ? thin_plan(full_plan) : full_plan;
     const StabilityFindings found = run_stability_cases(plan, options);
     Findings result;
     result.missing = found.missing;

@@ -28,20 +28,20 @@ std::map<std::string, double> yardsticks(const std::vector<Result>& results) {
 }  // namespace
 
 NamedTable summary_table(const Plan& plan, const std::vector<Result>& results) {
-    NamedTable named = headed_table("summary", "Over all scenes",
-                                    {{"described_as", "description in the text"},
-                                     {"method", "method"},
-                                     {"order", "order"},
-                                     {"setting_kind", "setting"},
-                                     {"setting", "value"},
-                                     {"scenes_ok", "scenes ok"},
-                                     {"scenes_not_ok", "other outcomes"},
-                                     {"attitude_error_median", "attitude, median (rad)"},
-                                     {"attitude_error_worst", "attitude, worst (rad)"},
-                                     {"momentum_error_worst", "momentum, worst"},
-                                     {"energy_error_worst", "energy, worst"},
-                                     {"norm_error_worst", "norm, worst"},
-                                     {"step_time_ratio", "time per step, RK4 = 1"}});
+    NamedTable named = make_named_table("summary", "Over all scenes",
+                                        {{"described_as", "description in the text"},
+                                         {"method", "method"},
+                                         {"order", "order"},
+                                         {"setting_kind", "setting"},
+                                         {"setting", "value"},
+                                         {"scenes_ok", "scenes ok"},
+                                         {"scenes_not_ok", "other outcomes"},
+                                         {"attitude_error_median", "attitude, median (rad)"},
+                                         {"attitude_error_worst", "attitude, worst (rad)"},
+                                         {"momentum_error_worst", "momentum, worst"},
+                                         {"energy_error_worst", "energy, worst"},
+                                         {"norm_error_worst", "norm, worst"},
+                                         {"step_time_ratio", "time per step, RK4 = 1"}});
     const std::map<std::string, double> rk4 = yardsticks(results);
     for (const PlannedCurve& curve : plan.curves) {
         if (curve.formulation != Formulation::reduced) continue;
@@ -65,11 +65,12 @@ NamedTable summary_table(const Plan& plan, const std::vector<Result>& results) {
                 if (const auto scene = rk4.find(row.scene); scene != rk4.end() && has_step_time(row))
                     ratios.push_back(step_time(row) / scene->second);
             }
-            named.table.rows.push_back(
-                {std::string(curve.method->origin), std::string(curve.method->name),
-                 curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(), std::string(name_of(curve.kind)),
-                 curve.kind == SettingKind::none ? Cell() : Cell(setting), ok, listed_counts(others), middle(attitude),
-                 most(attitude), most(momentum), most(energy), most(norm), middle(ratios)});
+            named.table.rows.push_back({std::string(curve.method->origin), std::string(curve.method->name),
+                                        curve.method->order > 0 ? Cell(long(curve.method->order)) : Cell(),
+                                        std::string(name_of(curve.kind)),
+                                        curve.kind == SettingKind::none ? Cell() : Cell(setting), ok,
+                                        list_counts(others), median_cell(attitude), max_cell(attitude),
+                                        max_cell(momentum), max_cell(energy), max_cell(norm), median_cell(ratios)});
         }
     }
     return named;

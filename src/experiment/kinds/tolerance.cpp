@@ -36,9 +36,9 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
         for (const double tolerance : tolerances) {
             std::vector<double> all;
             for (const PlannedScene& scene : plan.scenes) {
-                if (const auto value = digits(rows_of(results, scene, curve), tolerance)) all.push_back(*value);
+                if (const auto value = digits(select_rows(results, scene, curve), tolerance)) all.push_back(*value);
             }
-            of_middle.push_back(middle(all)), of_worst.push_back(least(all));
+            of_middle.push_back(median_cell(all)), of_worst.push_back(min_cell(all));
         }
         middles.push_back(std::move(of_middle)), worsts.push_back(std::move(of_worst));
     }
@@ -47,7 +47,7 @@ Table digits_table(const Plan& plan, const std::vector<Result>& results) {
     for (const PlannedScene& scene : plan.scenes)
         for (const PlannedCurve& curve : plan.curves) {
             if (curve.kind != SettingKind::tolerance) continue;
-            const std::vector<const Result*> rows = rows_of(results, scene, curve);
+            const std::vector<const Result*> rows = select_rows(results, scene, curve);
             if (rows.empty()) continue;
             std::vector<Cell> row{scene.label, std::string(curve.method->name)};
             for (const double tolerance : tolerances) row.push_back(cell_of(digits(rows, tolerance)));

@@ -14,7 +14,7 @@ Table fastest_table(const Plan& plan, const std::vector<Result>& results) {
                 {}};
     for (const PlannedScene& scene : plan.scenes)
         for (const double wanted : accuracy_levels) {
-            const std::vector<const Result*> best = fastest_first(results, scene.label, wanted);
+            const std::vector<const Result*> best = sort_by_time(results, scene.label, wanted);
             if (best.empty()) {
                 table.rows.push_back(
                     {scene.label, wanted, std::string("no method reaches it"), {}, {}, {}, {}, {}, {}});
@@ -46,7 +46,7 @@ Findings conclude_sweep(const Plan& plan, const std::vector<Result>& rows) {
         return {};
     Findings findings{{{"fastest", "Fastest at each accuracy", fastest_table(plan, rows)}},
                       work_precision_figures(plan, rows)};
-    if (is_described(plan)) findings.tables.push_back(summary_table(plan, rows));
+    if (has_source_descriptions(plan)) findings.tables.push_back(summary_table(plan, rows));
     return findings;
 }
 

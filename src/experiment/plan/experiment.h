@@ -74,7 +74,7 @@ struct Plan {
 };
 
 /// Whether Method::origin is set for any method of the plan.
-bool is_described(const Plan& plan);
+bool has_source_descriptions(const Plan& plan);
 
 /// Which files `scenes` may name.
 enum class NamedFiles {

@@ -22,7 +22,7 @@ struct ExperimentKind {
     Findings (*conclude)(const Plan& plan, const std::vector<Result>& rows) = nullptr;
     /// With `conclude` only: returns a second plan, derived from the first. Its cases are run, timed and stored in the
     /// same way. The findings of its kind are appended to those of the first.
-    Plan (*sequel)(const Plan& plan) = nullptr;
+    Plan (*follow_up)(const Plan& plan) = nullptr;
     /// Computes rows, tables and figures itself, while no other run on this machine computes. `quick` of the options
     /// requests about a tenth of the work.
     Findings (*make)(const Plan& plan, const RunOptions& options) = nullptr;

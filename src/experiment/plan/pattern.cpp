@@ -18,7 +18,7 @@ namespace {
 // Counts the characters of an expression with its repetitions expanded. regcomp() expands all repetitions but * and ?.
 // These make their operand optional, and its time and memory grow quadratically with such operands. Each of *, ? and +
 // is therefore counted as doubling what it repeats.
-class Unrolled {
+class ExpandedSize {
   public:
     void character() { add(1); }
     void open() {
@@ -54,7 +54,7 @@ class Unrolled {
 };
 
 // Index of the last character of the bracket expression that starts at `i`.
-std::size_t end_of_bracket(const std::string& expression, std::size_t i) {
+std::size_t find_bracket_end(const std::string& expression, std::size_t i) {
     ++i;
     if (i < expression.size() && expression[i] == '^') ++i;
     const std::size_t first = i;
@@ -82,38 +82,38 @@ long largest_count(const std::string& expression, std::size_t& i) {
 
 // Refuses expressions that regcomp() and regexec() do not handle safely: deep nesting overflows the stack, and back
 // references take exponential time.
-void require_harmless(const std::string& expression) {
+void require_safe(const std::string& expression) {
     if (expression.size() > longest_expression)
         refuse(fmt::format("it has more than {} characters", longest_expression));
     if (expression.find('\0') != std::string::npos) refuse("it contains a zero byte");
-    Unrolled unrolled;
+    ExpandedSize size;
     for (std::size_t i = 0; i < expression.size(); ++i) switch (expression[i]) {
             case '\\':
                 ++i;
                 if (i < expression.size() && std::isdigit(static_cast<unsigned char>(expression[i])) != 0)
                     refuse("back references are not supported");
-                unrolled.character();
+                size.character();
                 break;
             case '(':
-                unrolled.open();
+                size.open();
                 break;
             case ')':
-                unrolled.close();
+                size.close();
                 break;
             case '[':
-                i = end_of_bracket(expression, i);
-                unrolled.character();
+                i = find_bracket_end(expression, i);
+                size.character();
                 break;
             case '{':
-                unrolled.repeat(largest_count(expression, i));
+                size.repeat(largest_count(expression, i));
                 break;
             case '*':
             case '?':
             case '+':
-                unrolled.repeat(2);
+                size.repeat(2);
                 break;
             default:
-                unrolled.character();
+                size.character();
         }
 }
 
@@ -126,7 +126,7 @@ struct Pattern::Compiled {
 
 Pattern::Pattern(const std::string& expression) {
     if (expression.empty()) return;
-    require_harmless(expression);
+    require_safe(expression);
     regex_t compiled{};
     if (const int fault = regcomp(&compiled, expression.c_str(), REG_EXTENDED | REG_NOSUB)) {
         char reason[128];

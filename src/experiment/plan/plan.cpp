@@ -50,7 +50,7 @@ std::vector<std::string> strings(const JsonNode& node) {
 }
 
 // Rounds to 12 digits, so that decades of a range are exact powers of ten.
-double tidy(double value) {
+double round_to_12_digits(double value) {
     const std::string decimal = fmt::format("{:.12g}", value);
     double rounded = value;
     std::from_chars(decimal.data(), decimal.data() + decimal.size(), rounded);
@@ -58,7 +58,7 @@ double tidy(double value) {
 }
 
 // Parses a list, or {"from", "to", "count"} with logarithmic spacing. Returns the values from coarse to fine.
-std::vector<double> settings_list(const JsonNode& node, const char* what) {
+std::vector<double> read_settings(const JsonNode& node, const char* what) {
     std::vector<double> values;
     if (node.is_object()) {
         node.require_known_keys(keys_of(experiment_keys(), "range"));
@@ -72,7 +72,7 @@ std::vector<double> settings_list(const JsonNode& node, const char* what) {
             const double value =
                 in_one ? from * std::pow(to / from, along) : std::pow(from, 1 - along) * std::pow(to, along);
             const bool end = i == 0 || i == count - 1;
-            values.push_back(end ? (i == 0 ? from : to) : tidy(value));
+            values.push_back(end ? (i == 0 ? from : to) : round_to_12_digits(value));
         }
     } else {
         for (const JsonNode* element : node.elements()) values.push_back(positive(*element, what));
@@ -90,7 +90,7 @@ const ExperimentKind* read_kind(const JsonNode& node) {
     node.fail(node.describe(), "give one of " + join_with_commas(names));
 }
 
-std::optional<Pattern> pattern_of(const std::string& entry, const std::string& file, const std::string& place) {
+std::optional<Pattern> parse_pattern(const std::string& entry, const std::string& file, const std::string& place) {
     if (entry.size() < 2 || entry.front() != '/' || entry.back() != '/') return {};
     try {
         if (entry.size() == 2) throw std::invalid_argument("it must not be empty");
@@ -108,10 +108,10 @@ std::string suggest_names(const std::string& name, const std::vector<std::string
 }
 
 // Whether an entry is a name ENGINE:SETTING, or a pattern for such names.
-bool names_engines(const std::string& entry) { return entry.find(':') != std::string::npos; }
+bool names_engine(const std::string& entry) { return entry.find(':') != std::string::npos; }
 
-std::vector<std::string> resolved(const std::vector<std::string>& entries, const std::vector<std::string>& known,
-                                  const std::string& file, const char* key, bool paths) {
+std::vector<std::string> resolve_names(const std::vector<std::string>& entries, const std::vector<std::string>& known,
+                                       const std::string& file, const char* key, bool paths) {
     std::vector<std::string> names;
     const auto add = [&](const std::string& name) {
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
@@ -119,11 +119,11 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::string place = fmt::format("/{}/{}", key, i);
         // /../ cannot be the path of a scene, because a path that ends in a slash is a directory
-        if (const auto pattern = pattern_of(entries[i], file, place)) {
+        if (const auto pattern = parse_pattern(entries[i], file, place)) {
             const std::size_t before = names.size();
             bool any = false;
             for (const std::string& name : known)
-                if (pattern->matches(name) && names_engines(name) <= names_engines(entries[i])) add(name), any = true;
+                if (pattern->matches(name) && names_engine(name) <= names_engine(entries[i])) add(name), any = true;
             if (!any && names.size() == before)
                 throw InputError(file, place, one_line(entries[i], 80) + " matches no name",
                                  "give a pattern that matches one of " + join_with_commas(known));
@@ -138,42 +138,42 @@ std::vector<std::string> resolved(const std::vector<std::string>& entries, const
 }
 
 // Resolves names and patterns of methods. Engines, which run other programs, are included only if an entry has a colon.
-std::vector<const Method*> planned_methods(const std::vector<std::string>& entries, const std::string& file) {
+std::vector<const Method*> resolve_methods(const std::vector<std::string>& entries, const std::string& file) {
     std::vector<const Method*> known(methods().begin(), methods().end());
-    if (std::ranges::any_of(entries, names_engines))
+    if (std::ranges::any_of(entries, names_engine))
         for (const EngineMethod& engine : engines()) known.push_back(engine.method.get());
     std::vector<std::string> names;
     for (const Method* method : known) names.emplace_back(method->name);
     std::vector<const Method*> planned;
-    for (const std::string& name : resolved(entries, names, file, "methods", false))
+    for (const std::string& name : resolve_names(entries, names, file, "methods", false))
         planned.push_back(*std::ranges::find(known, name, &Method::name));
     return planned;
 }
 
 // A scene's name for tables and terminals: control characters are escaped. A name that is too long is shortened, and a
 // hash is appended to keep it unique.
-std::string shown_label(const std::string& label) {
+std::string escape_label(const std::string& label) {
     std::string shown = one_line(label, 6 * label.size() + 16);
     if (shown.size() <= longest_label) return shown;
     return fmt::format("{}{{{}}}", one_line(shown, longest_label - 20), content_hash(label).substr(0, 16));
 }
 
 // Approximate memory of the meshes of a body, in bytes.
-std::size_t bytes_of_meshes(const BodySource& source) {
+std::size_t mesh_bytes(const BodySource& source) {
     if (const auto* mesh = std::get_if<MeshBody>(&source.definition))
         return mesh->mesh.vertices.size() * sizeof(Vector3<double>) + mesh->mesh.triangles.size() * 3 * sizeof(int);
     std::size_t bytes = 0;
     if (const auto* parts = std::get_if<PartsBody>(&source.definition))
-        for (const PartsBody::Part& part : parts->parts) bytes += bytes_of_meshes(*part.body);
+        for (const PartsBody::Part& part : parts->parts) bytes += mesh_bytes(*part.body);
     return bytes;
 }
 
 // Approximate memory of the texts and meshes of all variants of a scene, in bytes.
-double bytes_of_variants(const PlannedScene& base, const std::vector<Variation>& vary, double variants) {
+double variant_bytes(const PlannedScene& base, const std::vector<Variation>& vary, double variants) {
     std::size_t bytes = base.canonical.size();
-    if (base.scene.body.source) bytes += bytes_of_meshes(*base.scene.body.source);
+    if (base.scene.body.source) bytes += mesh_bytes(*base.scene.body.source);
     for (const NamedBody& one : base.scene.bodies)
-        if (one.body.source) bytes += bytes_of_meshes(*one.body.source);
+        if (one.body.source) bytes += mesh_bytes(*one.body.source);
     for (const Variation& variation : vary) {
         std::size_t longest = 0;
         for (const std::string& value : variation.values) longest = std::max(longest, value.size());
@@ -182,8 +182,9 @@ double bytes_of_variants(const PlannedScene& base, const std::vector<Variation>&
     return variants * static_cast<double>(bytes);
 }
 
-PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::string, std::string>>& changes,
-                    const std::string& file) {
+using Changes = std::vector<std::pair<std::string, std::string>>;  // JSON pointers and their values
+
+PlannedScene apply_changes(const PlannedScene& base, const Changes& changes, const std::string& file) {
     if (changes.empty()) return base;
     ordered_json json = ordered_json::parse(base.canonical, nullptr, true, true);
     std::string label;
@@ -200,7 +201,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
         label += fmt::format("{}{}={}", label.empty() ? "" : ",", pointer, value);
     }
     PlannedScene scene;
-    scene.label = shown_label(base.label + "{" + label + "}");
+    scene.label = escape_label(base.label + "{" + label + "}");
     try {
         scene.scene = parse_scene(json.dump(), scene.label, base.scene.directory);
     } catch (const InputError& error) {
@@ -212,7 +213,7 @@ PlannedScene varied(const PlannedScene& base, const std::vector<std::pair<std::s
 
 // Whether a name is 1 to 64 letters, digits, _ or -. It must not start with -, because it names files that commands
 // would take for options.
-bool names_files(const std::string& name) {
+bool is_file_name(const std::string& name) {
     return !name.empty() && name.size() <= 64 && name.front() != '-' &&
            std::all_of(name.begin(), name.end(), [](char c) {
                return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
@@ -220,7 +221,7 @@ bool names_files(const std::string& name) {
            });
 }
 
-std::string about_of(const JsonNode& node) {
+std::string read_about(const JsonNode& node) {
     const std::string& about = node.string();
     if (about.size() > longest_experiment_about)
         node.fail(fmt::format("has {} bytes", about.size()),
@@ -232,7 +233,7 @@ std::string about_of(const JsonNode& node) {
 
 // Reads a built-in scene or a scene file. A relative path is resolved against the directory of the experiment's file,
 // then against the working directory. Files outside the directory of the experiment's file are refused by default.
-Scene planned_scene(const std::string& name, const std::string& file, NamedFiles which) {
+Scene read_planned_scene(const std::string& name, const std::string& file, NamedFiles which) {
     if (!builtin_scene_text(name).empty() || which == NamedFiles::anywhere) return find_scene(name);
     const std::size_t slash = file.rfind('/');
     const std::string folder = slash == file.npos ? "" : file.substr(0, std::max<std::size_t>(slash, 1));
@@ -245,10 +246,115 @@ Scene planned_scene(const std::string& name, const std::string& file, NamedFiles
     return read_scene(path);
 }
 
-std::vector<double> thinned(const std::vector<double>& values) {
-    std::vector<double> kept;
-    for (std::size_t i = 0; i < values.size(); i += 3) kept.push_back(values[i]);
-    return kept;
+std::vector<double> take_every_third(const std::vector<double>& values) {
+    std::vector<double> result;
+    for (std::size_t i = 0; i < values.size(); i += 3) result.push_back(values[i]);
+    return result;
+}
+
+// --quick: every third setting, fewer repeats, and fewer evaluations.
+void reduce_experiment(Experiment& e) {
+    e.steps = take_every_third(e.steps), e.tolerances = take_every_third(e.tolerances);
+    e.evaluations_per_revolution = take_every_third(e.evaluations_per_revolution);
+    e.repeats = std::min(e.repeats, 3), e.max_evaluations = std::min(e.max_evaluations, quick_evaluations);
+}
+
+// The number of combinations of varied values.
+double count_variants(const Experiment& e, const std::string& file) {
+    double variants = 1;
+    for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
+    if (variants > most_variants)
+        throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
+                         fmt::format("give at most {:.0f}; all combinations of values are run", most_variants));
+    return variants;
+}
+
+void require_supported(const Scene& scene, const std::string& name, const Experiment& e, const std::string& file) {
+    if (e.kind->one_body && is_mechanism(scene))
+        throw InputError(file, "/scenes",
+                         fmt::format("{} has several bodies; experiments of kind {} support only one",
+                                     one_line(name, 80), e.kind->name),
+                         "give scenes of one body, or another kind");
+    if (static_cast<double>(e.samples) * static_cast<double>(std::max<std::size_t>(1, scene.bodies.size())) >
+        static_cast<double>(most_states))
+        throw InputError(
+            file, "/samples",
+            fmt::format("is {}, for the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
+            fmt::format("samples times bodies must be at most {}", most_states));
+}
+
+// The scenes of the experiment before their values are varied.
+std::vector<PlannedScene> read_scenes(const Experiment& e, const std::string& file, double variants, NamedFiles which) {
+    std::vector<PlannedScene> bases;
+    double bytes = 0;
+    for (const std::string& name : resolve_names(e.scenes, builtin_scene_names(), file, "scenes", true)) {
+        Scene scene;
+        try {
+            scene = read_planned_scene(name, file, which);
+        } catch (const InputError& error) {
+            throw InputError(file, "/scenes", error);
+        }
+        require_supported(scene, name, e, file);
+        bases.push_back({scene.name, scene, write_scene(scene)});
+        bytes += variant_bytes(bases.back(), e.vary, variants);
+        if (bytes > largest_plan)
+            throw InputError(file, "/vary", fmt::format("makes {:.3g} bytes of scenes and meshes", bytes),
+                             fmt::format("give fewer values or smaller meshes: at most {:.0f} bytes", largest_plan));
+    }
+    return bases;
+}
+
+// Adds the curves of a method: one per kind of setting, and per formulation if the experiment compares them.
+void add_curves(Plan& plan, const Method& method, const std::string& file) {
+    const Experiment& e = plan.experiment;
+    const std::string name(method.name);
+    const MethodStyle style = method_style(method);
+    const std::size_t before = plan.curves.size();
+    const bool calibrated = e.kind->calibrated;
+    const auto add = [&](SettingKind kind, const std::vector<double>& settings) {
+        if (settings.empty()) return;
+        plan.curves.push_back({&method, style, kind, settings, Formulation::reduced, calibrated});
+        if (!e.kind->all_formulations) return;
+        for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
+            plan.curves.push_back({&method, style, kind, settings, formulation, false});
+    };
+    if (takes_step(method))
+        add(SettingKind::step, calibrated              ? e.evaluations_per_revolution
+                               : e.kind->chooses_steps ? std::vector{std::nan("")}
+                                                       : e.steps);
+    if (takes_tolerance(method)) add(SettingKind::tolerance, calibrated ? e.evaluations_per_revolution : e.tolerances);
+    if (method.control == Control::none) add(SettingKind::none, {std::nan("")});
+    const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
+    if (plan.curves.size() == before && named)
+        throw InputError(file, "/settings", "has no setting for " + name,
+                         calibrated           ? "give evaluations_per_revolution"
+                         : takes_step(method) ? "give steps"
+                                              : "give tolerances");
+}
+
+void require_few_cases(const Plan& plan, double scenes, const std::string& file) {
+    double cases = 0;
+    for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
+    // at least one case per scene, because every scene is read and posed
+    cases = std::max(1.0, cases) * scenes;
+    if (cases > most_cases)
+        throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),
+                         fmt::format("give at most {:.0f} cases", most_cases));
+}
+
+// All combinations of the varied values.
+std::vector<Changes> combine_values(const std::vector<Variation>& vary) {
+    std::vector<Changes> combinations{{}};
+    for (const Variation& variation : vary) {
+        std::vector<Changes> next;
+        for (const Changes& combination : combinations)
+            for (const std::string& value : variation.values) {
+                next.push_back(combination);
+                next.back().emplace_back(variation.pointer, value);
+            }
+        combinations = std::move(next);
+    }
+    return combinations;
 }
 
 }  // namespace
@@ -264,10 +370,10 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
     Experiment e;
     e.text = text;
     e.name = root.require_member("name", "the experiment's name").string();
-    if (!names_files(e.name))
+    if (!is_file_name(e.name))
         root.find("name")->fail(root.find("name")->describe(),
                                 "give 1 to 64 letters, digits, _ or -; the first must not be -");
-    if (const JsonNode* node = root.find("about")) e.about = about_of(*node);
+    if (const JsonNode* node = root.find("about")) e.about = read_about(*node);
     if (const JsonNode* node = root.find("kind")) e.kind = read_kind(*node);
     std::vector<std::string_view> keys = {"name", "about", "kind"};
     keys.insert(keys.end(), e.kind->reads.begin(), e.kind->reads.end());
@@ -277,12 +383,12 @@ Experiment parse_experiment(std::string_view text, const std::string& file) {
             *list = strings(root.require_member(key, fmt::format("a list of {}", key)));
     if (const JsonNode* node = root.find("settings")) {
         node->require_known_keys(keys_of(experiment_keys(), "settings"));
-        if (const JsonNode* list = node->find("steps")) e.steps = settings_list(*list, "a step");
-        if (const JsonNode* list = node->find("tolerances")) e.tolerances = settings_list(*list, "a tolerance");
+        if (const JsonNode* list = node->find("steps")) e.steps = read_settings(*list, "a step");
+        if (const JsonNode* list = node->find("tolerances")) e.tolerances = read_settings(*list, "a tolerance");
         if (const JsonNode* list = node->find("evaluations_per_revolution")) {
             if (!e.kind->calibrated)
                 list->fail("is a key of experiments of kind conservation", "give steps or tolerances");
-            e.evaluations_per_revolution = settings_list(*list, "a number of evaluations per revolution");
+            e.evaluations_per_revolution = read_settings(*list, "a number of evaluations per revolution");
             std::reverse(e.evaluations_per_revolution.begin(), e.evaluations_per_revolution.end());
         }
     }
@@ -321,95 +427,21 @@ Experiment find_experiment(const std::string& name_or_path) {
                      suggest_names(name_or_path, names, "experiments"));
 }
 
-bool is_described(const Plan& plan) {
+bool has_source_descriptions(const Plan& plan) {
     return std::any_of(plan.curves.begin(), plan.curves.end(),
                        [](const PlannedCurve& c) { return !c.method->origin.empty(); });
 }
 
 Plan make_plan(const Experiment& experiment, const std::string& file, bool quick, NamedFiles which) {
     Plan plan{experiment, {}, {}, quick, file};
-    Experiment& e = plan.experiment;
-    if (quick) {
-        e.steps = thinned(e.steps), e.tolerances = thinned(e.tolerances);
-        e.evaluations_per_revolution = thinned(e.evaluations_per_revolution);
-        e.repeats = std::min(e.repeats, 3), e.max_evaluations = std::min(e.max_evaluations, quick_evaluations);
-    }
-    double variants = 1;
-    for (const Variation& variation : e.vary) variants *= static_cast<double>(variation.values.size());
-    if (variants > most_variants)
-        throw InputError(file, "/vary", fmt::format("makes {:.12g} variants of each scene", variants),
-                         fmt::format("give at most {:.0f}; all combinations of values are run", most_variants));
-    std::vector<PlannedScene> bases;
-    double bytes = 0;
-    for (const std::string& name : resolved(e.scenes, builtin_scene_names(), file, "scenes", true)) {
-        Scene scene;
-        try {
-            scene = planned_scene(name, file, which);
-        } catch (const InputError& error) {
-            throw InputError(file, "/scenes", error);
-        }
-        if (e.kind->one_body && is_mechanism(scene))
-            throw InputError(file, "/scenes",
-                             fmt::format("{} has several bodies; experiments of kind {} support only one",
-                                         one_line(name, 80), e.kind->name),
-                             "give scenes of one body, or another kind");
-        if (static_cast<double>(e.samples) * static_cast<double>(std::max<std::size_t>(1, scene.bodies.size())) >
-            static_cast<double>(most_states))
-            throw InputError(
-                file, "/samples",
-                fmt::format("is {}, for the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),
-                fmt::format("samples times bodies must be at most {}", most_states));
-        bases.push_back({scene.name, scene, write_scene(scene)});
-        bytes += bytes_of_variants(bases.back(), e.vary, variants);
-        if (bytes > largest_plan)
-            throw InputError(file, "/vary", fmt::format("makes {:.3g} bytes of scenes and meshes", bytes),
-                             fmt::format("give fewer values or smaller meshes: at most {:.0f} bytes", largest_plan));
-    }
-    for (const Method* method : planned_methods(e.methods, file)) {
-        const std::string name(method->name);
-        const MethodStyle style = method_style(*method);
-        const std::size_t before = plan.curves.size();
-        const bool calibrated = e.kind->calibrated;
-        const auto add = [&](SettingKind kind, const std::vector<double>& settings) {
-            if (settings.empty()) return;
-            plan.curves.push_back({method, style, kind, settings, Formulation::reduced, calibrated});
-            if (!e.kind->all_formulations) return;
-            for (const Formulation formulation : {Formulation::full_principal, Formulation::full})
-                plan.curves.push_back({method, style, kind, settings, formulation, false});
-        };
-        if (takes_step(*method))
-            add(SettingKind::step, calibrated              ? e.evaluations_per_revolution
-                                   : e.kind->chooses_steps ? std::vector{std::nan("")}
-                                                           : e.steps);
-        if (takes_tolerance(*method))
-            add(SettingKind::tolerance, calibrated ? e.evaluations_per_revolution : e.tolerances);
-        if (method->control == Control::none) add(SettingKind::none, {std::nan("")});
-        const bool named = std::find(e.methods.begin(), e.methods.end(), name) != e.methods.end();
-        if (plan.curves.size() == before && named)
-            throw InputError(file, "/settings", "has no setting for " + name,
-                             calibrated            ? "give evaluations_per_revolution"
-                             : takes_step(*method) ? "give steps"
-                                                   : "give tolerances");
-    }
-    double cases = 0;
-    for (const PlannedCurve& curve : plan.curves) cases += static_cast<double>(curve.settings.size());
-    // at least one case per scene, because every scene is read and posed
-    cases = std::max(1.0, cases) * static_cast<double>(bases.size()) * variants;
-    if (cases > most_cases)
-        throw InputError(file, "", fmt::format("makes {:.12g} cases", cases),
-                         fmt::format("give at most {:.0f} cases", most_cases));
-    std::vector<std::vector<std::pair<std::string, std::string>>> combinations{{}};
-    for (const Variation& variation : e.vary) {
-        std::vector<std::vector<std::pair<std::string, std::string>>> next;
-        for (const auto& combination : combinations)
-            for (const std::string& value : variation.values) {
-                next.push_back(combination);
-                next.back().emplace_back(variation.pointer, value);
-            }
-        combinations = std::move(next);
-    }
+    if (quick) reduce_experiment(plan.experiment);
+    const double variants = count_variants(plan.experiment, file);
+    const std::vector<PlannedScene> bases = read_scenes(plan.experiment, file, variants, which);
+    for (const Method* method : resolve_methods(plan.experiment.methods, file)) add_curves(plan, *method, file);
+    require_few_cases(plan, static_cast<double>(bases.size()) * variants, file);
+    const std::vector<Changes> combinations = combine_values(plan.experiment.vary);
     for (const PlannedScene& base : bases)
-        for (const auto& changes : combinations) plan.scenes.push_back(varied(base, changes, file));
+        for (const Changes& changes : combinations) plan.scenes.push_back(apply_changes(base, changes, file));
     return plan;
 }
 

@@ -65,15 +65,15 @@ std::optional<double> revolutions(const Reference& reference) {
 
 }  // namespace
 
-std::string words_of(const Plan& plan, const Case& c) {
-    std::string words = fmt::format("{} {} {}", plan.experiment.name, c.scene->label, c.curve->method->name);
-    if (c.curve->kind != SettingKind::none) words += fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
-    if (c.curve->calibrated) words += " evaluations per revolution";
-    if (c.curve->formulation != Formulation::reduced) words += fmt::format(" {}", name_of(c.curve->formulation));
-    return words;
+std::string describe_case(const Plan& plan, const Case& c) {
+    std::string description = fmt::format("{} {} {}", plan.experiment.name, c.scene->label, c.curve->method->name);
+    if (c.curve->kind != SettingKind::none) description += fmt::format(" {} {:g}", name_of(c.curve->kind), c.setting());
+    if (c.curve->calibrated) description += " evaluations per revolution";
+    if (c.curve->formulation != Formulation::reduced) description += fmt::format(" {}", name_of(c.curve->formulation));
+    return description;
 }
 
-Floors floors_of(const Conditioning& conditioning) {
+Floors compute_floors(const Conditioning& conditioning) {
     if (!conditioning.available) return {};
     const std::size_t last = conditioning.times.size() - 1;
     return {conditioning.floor_peak(float64_roundoff).value, conditioning.floor_peak(float32_roundoff).value,

@@ -25,10 +25,10 @@ struct Case {
 };
 
 /// Describes a case as "EXPERIMENT SCENE METHOD KIND SETTING". Does not depend on the program that ran it.
-std::string words_of(const Plan& plan, const Case& c);
+std::string describe_case(const Plan& plan, const Case& c);
 
 /// The floors of the attitude error; empty if the conditioning is not available.
-Floors floors_of(const Conditioning& conditioning);
+Floors compute_floors(const Conditioning& conditioning);
 
 /// Makes an untimed run that takes the steps of the timed run and records every sample. Sets the result except its
 /// timings; `seconds_min` is the time of this run. `kappa` is the condition number of the attitude at T

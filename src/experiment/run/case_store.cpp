@@ -81,10 +81,10 @@ std::optional<Result> load_case(const std::string& directory, const std::string&
     const auto row = load_table(path_of(directory, key, ".csv"));
     if (!row || row->rows.size() != 1) return {};
     try {
-        Result result = result_of(*row, 0);
+        Result result = parse_result(*row, 0);
         const std::filesystem::path path = path_of(directory, key, ".series.csv");
         if (const auto series = load_table(path))
-            result.series = series_of(*series);
+            result.series = parse_series(*series);
         else if (std::filesystem::exists(path))
             return {};
         return result;
@@ -98,7 +98,7 @@ void save_case(const std::string& directory, const std::string& key, const std::
     // the series first, so that a case with a row is complete
     if (!result.series.t.empty()) save(path_of(directory, key, ".series.csv"), csv(series_table(result.series)));
     save(path_of(directory, key, ".csv"),
-         csv({result_columns(TableOf::stored), {row_of(experiment, result, TableOf::stored)}}));
+         csv({result_columns(TableKind::stored), {result_row(experiment, result, TableKind::stored)}}));
 }
 
 std::optional<Table> load_rows(const std::string& directory, const std::string& key) {
@@ -117,12 +117,12 @@ bool is_done(const std::string& directory, const std::string& key) {
     return read_sealed(path_of(directory, key, ".done").string()) == done_text;
 }
 
-void save_duration(const std::string& directory, const std::string& words, double seconds) {
-    save(path_of(directory, content_hash(words), ".seconds"), fmt::format("{:.3g}\n", seconds));
+void save_duration(const std::string& directory, const std::string& description, double seconds) {
+    save(path_of(directory, content_hash(description), ".seconds"), fmt::format("{:.3g}\n", seconds));
 }
 
-std::optional<double> load_duration(const std::string& directory, const std::string& words) {
-    const std::string path = path_of(directory, content_hash(words), ".seconds").string();
+std::optional<double> load_duration(const std::string& directory, const std::string& description) {
+    const std::string path = path_of(directory, content_hash(description), ".seconds").string();
     std::ifstream file(path, std::ios::binary);
     const std::string text(std::istreambuf_iterator<char>(file), {});
     const std::optional<std::string> sealed = unseal(text);

@@ -34,9 +34,9 @@ void save_rows(const std::string& directory, const std::string& key, const Table
 void save_done(const std::string& directory, const std::string& key);
 bool is_done(const std::string& directory, const std::string& key);
 
-/// Store and load the run time of a case, in s, under its description words_of(). It is shared by all builds of the
-/// program, for the estimates of a dry run.
-void save_duration(const std::string& directory, const std::string& words, double seconds);
-std::optional<double> load_duration(const std::string& directory, const std::string& words);
+/// Store and load the run time of a case, in s, under its description describe_case(). It is shared by all builds of
+/// the program, for the estimates of a dry run.
+void save_duration(const std::string& directory, const std::string& description, double seconds);
+std::optional<double> load_duration(const std::string& directory, const std::string& description);
 
 }  // namespace polhode

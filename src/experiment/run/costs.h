@@ -22,9 +22,9 @@ class Costs {
     Costs(const Table& table, const std::string& file);
 
     /// Seconds for the truth of a scene; 0 if it is not in the table.
-    double of_truth(const Plan& plan, const PlannedScene& scene) const;
+    double truth_seconds(const Plan& plan, const PlannedScene& scene) const;
     /// Seconds for all settings of a curve; cases that are not in the table count 0.
-    double of_curve(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve) const;
+    double curve_seconds(const Plan& plan, const PlannedScene& scene, const PlannedCurve& curve) const;
 
   private:
     std::map<std::string, double> seconds_;
@@ -43,6 +43,6 @@ Table cost_table(const Plan& plan, const std::string& measured);
 /// the shard with the least work (R. L. Graham 1969: no shard gets more than 4/3 of the optimum). The curves of a scene
 /// stay together, so that one machine times the methods in turn. If they exceed an even share, they are divided into as
 /// few parts as needed; each part needs the truth.
-std::vector<std::vector<int>> deal_out(const Plan& plan, const Costs& costs, int shards);
+std::vector<std::vector<int>> assign_shards(const Plan& plan, const Costs& costs, int shards);
 
 }  // namespace polhode

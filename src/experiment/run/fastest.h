@@ -13,7 +13,7 @@ inline constexpr double accuracy_levels[] = {1e-3, 1e-6, 1e-9, 1e-12};
 
 /// For each method, the row of the scene with the smallest median time among those with a largest attitude error of at
 /// most `wanted` (rad). Sorted by time, fastest first.
-std::vector<const Result*> fastest_first(const std::vector<Result>& results, const std::string& scene, double wanted);
+std::vector<const Result*> sort_by_time(const std::vector<Result>& results, const std::string& scene, double wanted);
 
 struct RunTable {
     int width = 100;     ///< characters per line, at least 80
@@ -25,9 +25,9 @@ struct RunTable {
 std::string run_table(const std::vector<Result>& results, const RunTable& table);
 
 /// Formats a time with three digits and a unit prefix: "12.3 us", "4.50 ms", "1.25 s".
-std::string prefixed_seconds(double seconds);
+std::string format_seconds(double seconds);
 
 /// Shortens the text to at most `most` characters; ".." replaces the middle of a longer text.
-std::string shortened(const std::string& text, std::size_t most);
+std::string shorten(const std::string& text, std::size_t most);
 
 }  // namespace polhode

@@ -15,16 +15,16 @@ struct NamedTable {
     std::string name;   ///< files are named EXPERIMENT_name, or EXPERIMENT if the name is empty
     std::string title;  ///< title on the page; if empty, the experiment's `about`
     Table table;
-    std::vector<ColumnChoice> for_people{};  ///< columns and headings on a page; empty: all columns
-    bool only_csv = false;                   ///< no page: too long, or for programs only
+    std::vector<ColumnChoice> page_columns{};  ///< columns and headings on a page; empty: all columns
+    bool only_csv = false;                     ///< no page: too long, or for programs only
     /// Whether name.csv is shared by all experiments. Its last column is the experiment; rows of other experiments are
     /// kept.
     bool is_shared = false;
-    std::optional<Table> page{};  ///< the table on the page, instead of `for_people`
+    std::optional<Table> page{};  ///< the table on the page, instead of `page_columns`
 };
 
 /// Returns a table of these columns without rows. A page shows the columns that have a heading.
-NamedTable headed_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns);
+NamedTable make_named_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns);
 
 /// The table as shown on a page.
 Table page_of(const NamedTable& named);

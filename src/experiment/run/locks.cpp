@@ -61,7 +61,7 @@ std::string report_lock_file(const std::string& directory) { return file_of_case
 
 std::string claims_file(const std::string& directory) { return file_of_cases(directory, "claims"); }
 
-void remove_abandoned_of_runs(const std::string& directory) {
+void remove_abandoned_files(const std::string& directory) {
     remove_abandoned(directory);
     remove_abandoned((std::filesystem::path(directory) / ".cases").string());
 }

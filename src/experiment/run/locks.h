@@ -33,6 +33,6 @@ std::string report_lock_file(const std::string& directory);
 std::string claims_file(const std::string& directory);
 
 /// Removes temporary files of killed runs from the directory and its .cases; see remove_abandoned().
-void remove_abandoned_of_runs(const std::string& directory);
+void remove_abandoned_files(const std::string& directory);
 
 }  // namespace polhode

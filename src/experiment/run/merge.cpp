@@ -77,7 +77,7 @@ bool is_key(std::string_view text) {
 
 enum class CaseFile { none, table, seconds };
 
-// Rows, series and searches are tables. take_whole() copies the marks of finished studies with their tables.
+// Rows, series and searches are tables. copy_study() copies the marks of finished studies with their tables.
 CaseFile kind_of(const std::string& name) {
     const std::size_t dot = name.find('.');
     if (dot == name.npos || !is_key(std::string_view(name).substr(0, dot))) return CaseFile::none;
@@ -88,7 +88,7 @@ CaseFile kind_of(const std::string& name) {
 
 std::string content(const std::string& path) { return read_text(path, largest_case_file, "a readable case file"); }
 
-bool is_of_time(const std::string& column) {
+bool is_time_column(const std::string& column) {
     return column.starts_with("seconds") || column == "repeats" || column == "machine";
 }
 
@@ -100,13 +100,13 @@ double least_seconds(const Table& table) {
     return least;
 }
 
-std::string case_words(const Table& table, std::size_t row) {
-    std::string words;
+std::string describe_row(const Table& table, std::size_t row) {
+    std::string description;
     for (const char* column : {"scene", "method", "setting_kind", "setting", "formulation"})
         for (std::size_t c = 0; c < table.columns.size(); ++c)
             if (table.columns[c] == column && !text_of(table.rows[row][c]).empty())
-                words += (words.empty() ? "" : " ") + text_of(table.rows[row][c]);
-    return words;
+                description += (description.empty() ? "" : " ") + text_of(table.rows[row][c]);
+    return description;
 }
 
 // The first cell in which two tables of one case differ, apart from times; empty if they agree. One cell only, because
@@ -119,12 +119,12 @@ std::string difference(const Table& a, const Table& b) {
         long differing = 0;
         for (std::size_t c = 0; c < a.columns.size(); ++c) {
             const std::string one = text_of(a.rows[r][c]), other = text_of(b.rows[r][c]);
-            if (is_of_time(a.columns[c]) || one == other) continue;
+            if (is_time_column(a.columns[c]) || one == other) continue;
             if (++differing == 1)
                 cells = fmt::format("{} is {} against {}", a.columns[c], one_line(one, 32), one_line(other, 32));
         }
         if (differing > 1) cells += fmt::format(" ({} more columns differ)", differing - 1);
-        if (differing > 0) return fmt::format("{}: {}", one_line(case_words(a, r), 60), cells);
+        if (differing > 0) return fmt::format("{}: {}", one_line(describe_row(a, r), 60), cells);
     }
     return "";
 }
@@ -174,15 +174,15 @@ void read_records(const std::string& directory, Records& records) {
 
 struct Source {
     std::string path;
-    bool is_there = false;  // already in the output directory
+    bool in_output = false;  // already in the output directory
 };
 
-struct Gathering {
+struct CaseSources {
     std::map<std::string, Source> chosen;  // by file name
     long repeated = 0;
 };
 
-void gather(const std::string& directory, bool is_output, Gathering& gathering) {
+void collect_case_files(const std::string& directory, bool is_output, CaseSources& case_sources) {
     for (const std::string& name : files_in(directory)) {
         const CaseFile kind = kind_of(name);
         if (kind == CaseFile::none) continue;
@@ -190,9 +190,9 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
         // corrupted files are treated as missing, and so are rows whose series is corrupted
         const std::string series = path.substr(0, path.find(".csv", path.size() - 4)) + ".series.csv";
         if (!read_sealed(path) || (fs::exists(series) && !read_sealed(series))) continue;
-        const auto [known, is_new] = gathering.chosen.try_emplace(name, Source{path, is_output});
+        const auto [known, is_new] = case_sources.chosen.try_emplace(name, Source{path, is_output});
         if (is_new) continue;
-        ++gathering.repeated;
+        ++case_sources.repeated;
         Source& source = known->second;
         const bool better =
             kind == CaseFile::seconds ? seconds_in(path) > seconds_in(source.path) : is_better(path, source.path);
@@ -201,22 +201,22 @@ void gather(const std::string& directory, bool is_output, Gathering& gathering) 
 }
 
 // Copies tables and figures of a study that one shard computed as a whole. Returns false if no shard has finished it.
-bool take_whole(const Plan& plan, const std::vector<std::string>& directories, const std::string& output) {
+bool copy_study(const Plan& plan, const std::vector<std::string>& directories, const std::string& output) {
     // if several shards have it, take the smallest content, so that the result does not depend on their order
     std::optional<std::pair<std::map<std::string, std::string>, std::string>> least;
     for (const std::string& directory : directories) {
-        if (!is_whole_done(plan, directory)) continue;
+        if (!is_study_done(plan, directory)) continue;
         std::map<std::string, std::string> files;
         for (const std::string& name : recorded_files(directory, plan.experiment.name))
             files[name] = content((fs::path(directory) / name).string());
         if (!least || files < least->first) least.emplace(std::move(files), directory);
     }
-    if (!least) return is_whole_done(plan, output);
+    if (!least) return is_study_done(plan, output);
     fs::create_directories(output);
     for (const auto& [name, text] : least->first) write_atomically((fs::path(output) / name).string(), text);
     record_scenes(output, plan);
     copy_provenance(least->second, output, plan.experiment.name);
-    save_whole_done(plan, output);
+    save_study_done(plan, output);
     return true;
 }
 
@@ -245,11 +245,11 @@ bool has_results(const std::string& directory) {
                        [](const std::string& name) { return name.ends_with(record_ending); });
 }
 
-Merged merge_results(const std::vector<std::string>& directories, const RunOptions& options,
-                     const std::string& command_line) {
-    static const std::atomic<bool> patient{false};
+MergeResult merge_results(const std::vector<std::string>& directories, const RunOptions& options,
+                          const std::string& command_line) {
+    static const std::atomic<bool> never_stop{false};
     const std::string& output = options.directory;
-    Merged merged;
+    MergeResult merged;
     Records records;
     std::vector<std::string> sources;
     for (const std::string& directory : directories) {
@@ -275,32 +275,32 @@ Merged merge_results(const std::vector<std::string>& directories, const RunOptio
         plans.push_back(make_plan(parse_experiment(record.text, record.file), record.file, record.quick));
     }
     {
-        Gathering gathering;
-        gather(output, true, gathering);
-        for (const std::string& directory : sources) gather(directory, false, gathering);
+        CaseSources case_sources;
+        collect_case_files(output, true, case_sources);
+        for (const std::string& directory : sources) collect_case_files(directory, false, case_sources);
         fs::create_directories(cases_folder(output));
-        remove_abandoned_of_runs(output);
-        const FileLock one_writer(report_lock_file(output), FileLock::Kind::exclusive, patient);
+        remove_abandoned_files(output);
+        const FileLock report_lock(report_lock_file(output), FileLock::Kind::exclusive, never_stop);
         for (const Plan& plan : plans) record_experiment(plan, output);
         AtomicFiles cases(cases_folder(output));
-        for (const auto& [name, source] : gathering.chosen) {
-            if (source.is_there) continue;
+        for (const auto& [name, source] : case_sources.chosen) {
+            if (source.in_output) continue;
             cases.add(name, content(source.path));
             ++merged.taken;
         }
         cases.commit();
-        merged.repeated = gathering.repeated;
+        merged.repeated = case_sources.repeated;
     }
     for (const Plan& plan : plans) {
-        MergedExperiment one{plan.experiment.name, 0, ""};
+        ExperimentMerge one{plan.experiment.name, 0, ""};
         const ExperimentKind& kind = *plan.experiment.kind;
         if (kind.make && !kind.resumable) {
-            if (!take_whole(plan, sources, output)) one.missing = 1, one.first_missing = plan.experiment.name;
+            if (!copy_study(plan, sources, output)) one.missing = 1, one.first_missing = plan.experiment.name;
         } else {
             RunOptions each = options;
             each.quick = plan.quick;
-            const GatheredExperiment gathered = gather_experiment(plan, each, command_line);
-            one.missing = gathered.missing, one.first_missing = gathered.first_missing;
+            const GatherResult result = gather_results(plan, each, command_line);
+            one.missing = result.missing, one.first_missing = result.first_missing;
         }
         merged.experiments.push_back(std::move(one));
     }

@@ -15,14 +15,14 @@ void record_experiment(const Plan& plan, const std::string& directory);
 /// Whether the directory has a record written by record_experiment().
 bool has_results(const std::string& directory);
 
-struct MergedExperiment {
+struct ExperimentMerge {
     std::string name;
     long missing = 0;           ///< cases that are in no directory
     std::string first_missing;  ///< description of one of them
 };
 
-struct Merged {
-    std::vector<MergedExperiment> experiments;
+struct MergeResult {
+    std::vector<ExperimentMerge> experiments;
     long taken = 0;     ///< case files copied
     long repeated = 0;  ///< case files found in more than one directory
     std::vector<std::string> remarks;
@@ -35,7 +35,7 @@ struct Merged {
 /// missing, no directory has results, two experiments have the same name, results are from another build of the
 /// program, or rows of one case differ in anything but times and machine; the message then shows both. Throws
 /// std::runtime_error if results cannot be stored.
-Merged merge_results(const std::vector<std::string>& directories, const RunOptions& options,
-                     const std::string& command_line);
+MergeResult merge_results(const std::vector<std::string>& directories, const RunOptions& options,
+                          const std::string& command_line);
 
 }  // namespace polhode

@@ -19,7 +19,7 @@ void Progress::advance(const std::string& what) {
     show(what);
 }
 
-void Progress::say(const std::string& what) { show(what); }
+void Progress::report(const std::string& what) { show(what); }
 
 void Progress::show(const std::string& what) const {
     if (!shown_) return;

@@ -14,7 +14,7 @@ class Progress {
     Progress& operator=(const Progress&) = delete;
 
     void advance(const std::string& what);
-    void say(const std::string& what);
+    void report(const std::string& what);
 
   private:
     void show(const std::string& what) const;

@@ -67,18 +67,18 @@ class FileNames {
 
 }  // namespace
 
-NamedTable headed_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns) {
+NamedTable make_named_table(std::string name, std::string title, const std::vector<ColumnChoice>& columns) {
     NamedTable named{std::move(name), std::move(title), {}};
     for (const ColumnChoice& column : columns) {
         named.table.columns.push_back(column.column);
-        if (!column.heading.empty()) named.for_people.push_back(column);
+        if (!column.heading.empty()) named.page_columns.push_back(column);
     }
     return named;
 }
 
 Table page_of(const NamedTable& named) {
     if (named.page) return *named.page;
-    return named.for_people.empty() ? named.table : select(named.table, named.for_people);
+    return named.page_columns.empty() ? named.table : select(named.table, named.page_columns);
 }
 
 std::vector<std::string> write_report(const Plan& plan, const Findings& findings, const std::string& directory,

@@ -47,20 +47,20 @@ std::optional<double> error_over_tolerance(const Result& r) {
 // measures with standard columns, in order; the columns of other measures are at the end of a table
 const char* const standard_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
 
-std::vector<std::size_t> standard_indices() {
+std::vector<std::size_t> standard_measure_indices() {
     std::vector<std::size_t> result;
     for (const char* name : standard_measures) result.push_back(measure_index(name));
     return result;
 }
-std::vector<std::size_t> beyond_contract() {
+std::vector<std::size_t> extra_measures() {
     std::vector<std::size_t> result;
-    const std::vector<std::size_t> before = standard_indices();
+    const std::vector<std::size_t> before = standard_measure_indices();
     for (std::size_t m = 0; m < measures().size(); ++m)
         if (measures()[m].tabled && std::ranges::find(before, m) == before.end()) result.push_back(m);
     return result;
 }
 
-std::vector<std::size_t> of_systems() {
+std::vector<std::size_t> system_measures() {
     std::vector<std::size_t> result;
     for (std::size_t m = 0; m < measures().size(); ++m)
         if (measures()[m].tabled_of_systems) result.push_back(m);
@@ -72,7 +72,7 @@ std::string series_name(std::size_t measure) {
     return std::string(measures()[measure].name) + std::string(measures()[measure].suffix);
 }
 
-bool is_of_systems(const Result& result) { return !result.series["joint_turn"].empty(); }
+bool has_joint_errors(const Result& result) { return !result.series["joint_turn"].empty(); }
 
 template <class Number>
 Cell cell(const std::optional<Number>& value) {
@@ -147,7 +147,7 @@ std::vector<ResultColumn> make_columns() {
         column("steps", &Result::steps, "Number of steps", "steps", 7),
         column("rhs_evaluations", &Result::rhs_evaluations, "Number of evaluations of the right-hand side",
                "evaluations", 7)};
-    append_errors(all, standard_indices());
+    append_errors(all, standard_measure_indices());
     all.insert(all.end(), {column("message", &Result::message),
                            column("step_taken", &Result::step_taken),
                            {"cut", [](const Result& r) { return Cell(std::string(r.cut ? "cut" : "")); },
@@ -155,7 +155,7 @@ std::vector<ResultColumn> make_columns() {
                            column("formulation", &Result::formulation),
                            column("evaluations_per_revolution", &Result::evaluations_per_revolution),
                            column("revolutions", &Result::revolutions)});
-    const std::size_t first_later = all.size();
+    const std::size_t first_optional = all.size();
     const auto floor = [](const char* name, std::optional<double> Floors::*value, const char* page_name = "") {
         return column(
             name, [value](auto& r) -> auto& { return r.floors.*value; }, "", page_name, 3);
@@ -173,43 +173,43 @@ std::vector<ResultColumn> make_columns() {
                 count("newton_failures", &SolverCounts::newton_failures),
                 count("order_reductions", &SolverCounts::order_reductions),
                 {"error_over_tolerance", [](const Result& r) { return cell_of(error_over_tolerance(r)); }, {}}});
-    append_errors(all, beyond_contract());
-    const std::size_t first_of_systems = all.size();
-    append_errors(all, of_systems());
+    append_errors(all, extra_measures());
+    const std::size_t first_systems_only = all.size();
+    append_errors(all, system_measures());
     all.push_back(column(
         "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }));
-    for (std::size_t i = first_of_systems; i < all.size(); ++i) all[i].of_systems = true;
+    for (std::size_t i = first_systems_only; i < all.size(); ++i) all[i].only_systems = true;
     all.push_back(column("machine", &Result::machine));
     all.back().only_stored = true;
-    for (std::size_t i = first_later; i < all.size(); ++i) all[i].later = true;
+    for (std::size_t i = first_optional; i < all.size(); ++i) all[i].optional = true;
     return all;
 }
 
-bool stands(const ResultColumn& column, TableOf which) {
-    return which == TableOf::stored || (!column.only_stored && (which == TableOf::systems || !column.of_systems));
+bool includes_column(const ResultColumn& column, TableKind which) {
+    return which == TableKind::stored || (!column.only_stored && (which == TableKind::systems || !column.only_systems));
 }
 
 struct SeriesColumn {
     std::string name;
     std::function<std::vector<double>&(ErrorSeries&)> values;
-    bool later = false;
+    bool optional = false;
 };
 
-enum class SeriesOf { single_bodies, systems_alone, all };
+enum class SeriesKind { single_bodies, joints_only, all };
 
-std::vector<SeriesColumn> series_columns(SeriesOf which) {
+std::vector<SeriesColumn> series_columns(SeriesKind which) {
     using Values = std::vector<double>;
     std::vector<SeriesColumn> all{{"t", &ErrorSeries::t}};
-    const auto add = [&](const std::vector<std::size_t>& these, bool later) {
+    const auto add = [&](const std::vector<std::size_t>& these, bool optional) {
         for (const std::size_t m : these)
-            all.push_back({series_name(m), [m](ErrorSeries& s) -> Values& { return s[m]; }, later});
+            all.push_back({series_name(m), [m](ErrorSeries& s) -> Values& { return s[m]; }, optional});
     };
-    if (which != SeriesOf::systems_alone) {
-        add(standard_indices(), false);
+    if (which != SeriesKind::joints_only) {
+        add(standard_measure_indices(), false);
         all.push_back({"float64_floor", &ErrorSeries::float64_floor, true});
-        add(beyond_contract(), true);
+        add(extra_measures(), true);
     }
-    if (which != SeriesOf::single_bodies) add(of_systems(), true);
+    if (which != SeriesKind::single_bodies) add(system_measures(), true);
     return all;
 }
 
@@ -236,31 +236,31 @@ std::size_t result_column_index(std::string_view name) {
     return place->second;
 }
 
-std::vector<std::string> result_columns(TableOf which) {
+std::vector<std::string> result_columns(TableKind which) {
     std::vector<std::string> names{"experiment"};
     for (const ResultColumn& c : result_column_table())
-        if (stands(c, which)) names.push_back(c.name);
+        if (includes_column(c, which)) names.push_back(c.name);
     return names;
 }
 
-std::vector<Cell> row_of(const std::string& experiment, const Result& r, TableOf which) {
+std::vector<Cell> result_row(const std::string& experiment, const Result& r, TableKind which) {
     std::vector<Cell> row{experiment};
     for (const ResultColumn& c : result_column_table())
-        if (stands(c, which)) row.push_back(c.cell(r));
+        if (includes_column(c, which)) row.push_back(c.cell(r));
     return row;
 }
 
-Result result_of(const Table& table, std::size_t row) {
+Result parse_result(const Table& table, std::size_t row) {
     Result r;
     for (const ResultColumn& c : result_column_table())
-        if (c.read && (!c.later || has_column(table, c.name)))
+        if (c.read && (!c.optional || has_column(table, c.name)))
             c.read(text_of(table.rows[row][column_index(table, c.name)]), r);
     return r;
 }
 
 namespace {
 
-Table series_table(const ErrorSeries& series, SeriesOf which) {
+Table series_table(const ErrorSeries& series, SeriesKind which) {
     Table table;
     ErrorSeries s = series;
     for (const SeriesColumn& column : series_columns(which)) {
@@ -275,7 +275,7 @@ Table series_table(const ErrorSeries& series, SeriesOf which) {
 
 // the series of the results that satisfy has()
 template <class Has>
-Table drift_table(const std::string& experiment, const std::vector<Result>& results, SeriesOf which, const Has& has) {
+Table drift_table(const std::string& experiment, const std::vector<Result>& results, SeriesKind which, const Has& has) {
     Table table{{"scene", "method", "setting"}, {}};
     for (const SeriesColumn& column : series_columns(which)) table.columns.push_back(column.name);
     table.columns.emplace_back("experiment");
@@ -294,13 +294,13 @@ Table drift_table(const std::string& experiment, const std::vector<Result>& resu
 }  // namespace
 
 Table series_table(const ErrorSeries& series) {
-    return series_table(series, series["joint_turn"].empty() ? SeriesOf::single_bodies : SeriesOf::all);
+    return series_table(series, series["joint_turn"].empty() ? SeriesKind::single_bodies : SeriesKind::all);
 }
 
-ErrorSeries series_of(const Table& table) {
+ErrorSeries parse_series(const Table& table) {
     ErrorSeries s;
-    for (const SeriesColumn& column : series_columns(SeriesOf::all)) {
-        if (column.later && !has_column(table, column.name)) continue;
+    for (const SeriesColumn& column : series_columns(SeriesKind::all)) {
+        if (column.optional && !has_column(table, column.name)) continue;
         const std::size_t index = column_index(table, column.name);
         std::vector<double>& values = column.values(s);
         for (std::size_t k = 0; k < table.rows.size(); ++k) {
@@ -314,11 +314,11 @@ ErrorSeries series_of(const Table& table) {
 }
 
 Table drift_table(const std::string& experiment, const std::vector<Result>& results) {
-    return drift_table(experiment, results, SeriesOf::single_bodies, [](const Result&) { return true; });
+    return drift_table(experiment, results, SeriesKind::single_bodies, [](const Result&) { return true; });
 }
 
 Table joint_drift_table(const std::string& experiment, const std::vector<Result>& results) {
-    return drift_table(experiment, results, SeriesOf::systems_alone, is_of_systems);
+    return drift_table(experiment, results, SeriesKind::joints_only, has_joint_errors);
 }
 
 }  // namespace polhode

@@ -56,9 +56,9 @@ struct ResultColumn {
     std::string page_name = "";  ///< name in the report's document; empty: not in the document
     int page_digits = 0;         ///< significant digits there; <= 0: added to the digits of the whole document
     bool is_error = false;
-    bool later = false;        ///< optional when a table is read, because older tables do not have it
-    bool of_systems = false;   ///< only in tables of several bodies
-    bool only_stored = false;  ///< only in the table of a stored case
+    bool optional = false;      ///< optional when a table is read, because older tables do not have it
+    bool only_systems = false;  ///< only in tables of several bodies
+    bool only_stored = false;   ///< only in the table of a stored case
 };
 
 /// All columns in the order of tables, without the first column `experiment`.
@@ -67,7 +67,7 @@ const std::vector<ResultColumn>& result_column_table();
 std::size_t result_column_index(std::string_view name);
 
 /// Which columns a table has.
-enum class TableOf {
+enum class TableKind {
     single_bodies,  ///< the columns for scenes of one body
     systems,        ///< additionally, at the end, the columns for scenes of several bodies
     stored,         ///< additionally the machine: the table of a stored case
@@ -78,12 +78,13 @@ enum class TableOf {
 /// newton_failures, order_reductions and error_over_tolerance (largest attitude error in rad over the tolerance, for
 /// runs by tolerance), then those of further tabled measures. Tables of several bodies also have position_error_max,
 /// linear_momentum_error_max, joint_gap_max, joint_turn_max, reaction_error_max and worst_body.
-std::vector<std::string> result_columns(TableOf which = TableOf::single_bodies);
-std::vector<Cell> row_of(const std::string& experiment, const Result& result, TableOf which = TableOf::single_bodies);
+std::vector<std::string> result_columns(TableKind which = TableKind::single_bodies);
+std::vector<Cell> result_row(const std::string& experiment, const Result& result,
+                             TableKind which = TableKind::single_bodies);
 
-/// Reads a row written by row_of(). Columns after `revolutions` are optional. Throws std::invalid_argument if a cell
-/// cannot be read.
-Result result_of(const Table& table, std::size_t row);
+/// Reads a row written by result_row(). Columns after `revolutions` are optional. Throws std::invalid_argument if a
+/// cell cannot be read.
+Result parse_result(const Table& table, std::size_t row);
 
 /// The table drift.csv: scene, method, setting, t, the standard errors, float64_floor, the other tabled errors,
 /// experiment.
@@ -96,6 +97,6 @@ Table joint_drift_table(const std::string& experiment, const std::vector<Result>
 Table series_table(const ErrorSeries& series);
 /// Reads a table written by series_table(). Throws std::invalid_argument if a cell cannot be read, a time is missing
 /// or a column has a gap.
-ErrorSeries series_of(const Table& table);
+ErrorSeries parse_series(const Table& table);
 
 }  // namespace polhode

@@ -30,7 +30,7 @@
 namespace polhode {
 namespace {
 
-const std::atomic<bool> patient{false};
+const std::atomic<bool> never_stop{false};
 
 bool has_systems(const Plan& plan) {
     return std::ranges::any_of(plan.scenes, [](const PlannedScene& s) { return is_mechanism(s.scene); });
@@ -61,7 +61,7 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
                                      {"reaction_error_max", "reactions"}});
     choice.push_back({"message", "message"});
     Table page = select(rows, choice);
-    if (!is_described(plan)) return page;
+    if (!has_source_descriptions(plan)) return page;
     const auto behind_method = static_cast<long>(column_index(page, "method")) + 1;
     page.columns.insert(page.columns.begin() + behind_method, "described as");
     for (auto& row : page.rows) {
@@ -74,7 +74,7 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
 }
 
 /// The key of a study that is computed as a whole: a hash of program, experiment, scenes and curves.
-std::string whole_key(const Plan& plan, bool quick) {
+std::string study_key(const Plan& plan, bool quick) {
     const Experiment& e = plan.experiment;
     std::string text = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}\n", running_program_key(), e.name, e.about,
                                    e.kind->name, quick, e.repeats, e.samples, e.seconds_per_run, e.max_evaluations);
@@ -87,29 +87,29 @@ std::string whole_key(const Plan& plan, bool quick) {
     return content_hash(text);
 }
 
-void write_and_tell(const Plan& plan, const Findings& findings, const RunOptions& options,
-                    const std::string& command_line, const std::string& done) {
+void write_and_print(const Plan& plan, const Findings& findings, const RunOptions& options,
+                     const std::string& command_line, const std::string& done) {
     const auto remarks = write_report(plan, findings, options.directory, command_line, options.quick, options.formats);
     if (!options.quiet) fmt::print(stderr, "{}: {}\n", plan.experiment.name, one_line(done, 1000));
     for (const std::string& remark : remarks) fmt::print(stderr, "polhode: {}\n", one_line(remark, 500));
 }
 
 // Runs a kind with `make`. Returns the number of missing rows, or nothing if it was interrupted.
-std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+std::optional<long> run_study(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     const std::string& name = plan.experiment.name;
     const ExperimentKind& kind = *plan.experiment.kind;
-    const std::string key = whole_key(plan, options.quick);
-    const auto is_made = [&] {
+    const std::string key = study_key(plan, options.quick);
+    const auto is_complete = [&] {
         return is_done(options.directory, key) && has_table_formats(options.directory, name, options.formats);
     };
-    bool done = is_made();
+    bool done = is_complete();
     // One process computes the study and others wait for it. Processes of a resumable kind share its searches.
     const Claims claims(claims_file(options.directory));
     std::optional<Claims::Claim> claim;
     if (!done && !kind.resumable && options.shard == 1) {
         while (!(claim = claims.take(key)) && !sweep_interrupted())
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        done = is_made();
+        done = is_complete();
     }
     if (done || (options.shard > 1 && !kind.resumable)) {
         if (!options.quiet)
@@ -119,7 +119,7 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
     Findings findings;
     double seconds = 0;
     {
-        const FileLock alone(machine_lock_file(), FileLock::Kind::exclusive, patient);
+        const FileLock exclusive_lock(machine_lock_file(), FileLock::Kind::exclusive, never_stop);
         const Stopwatch stopwatch;
         findings = kind.make(plan, options);
         seconds = stopwatch.seconds();
@@ -128,27 +128,27 @@ std::optional<long> run_whole(const Plan& plan, const RunOptions& options, const
         fmt::print(stderr, "polhode: {} interrupted; run again to continue\n", name);
         return {};
     }
-    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
-    write_and_tell(plan, findings, options, command_line,
-                   fmt::format("{} tables and {} figures in {}, {:.3g} s", findings.tables.size(),
-                               findings.figures.size(), options.directory, seconds));
+    const FileLock report_lock(report_lock_file(options.directory), FileLock::Kind::exclusive, never_stop);
+    write_and_print(plan, findings, options, command_line,
+                    fmt::format("{} tables and {} figures in {}, {:.3g} s", findings.tables.size(),
+                                findings.figures.size(), options.directory, seconds));
     if (!options.only_gather) save_duration(options.directory, name, seconds);
     // the first shard also computes the parts that are not searches
     if (findings.missing == 0 && options.shard == 1) save_done(options.directory, key);
     return findings.missing;
 }
 
-// the plan, and its sequel if its kind has one
-std::vector<Plan> with_sequel(const Plan& plan) {
+// the plan, and its follow-up if its kind has one
+std::vector<Plan> expand_plan(const Plan& plan) {
     std::vector<Plan> plans{plan};
-    if (const auto sequel = plan.experiment.kind->sequel) plans.push_back(sequel(plan));
+    if (const auto follow_up = plan.experiment.kind->follow_up) plans.push_back(follow_up(plan));
     return plans;
 }
 
 void conclude_cases(const Plan& plan, const RunOptions& options, const std::string& command_line, long run) {
-    const FileLock one_writer(report_lock_file(options.directory), FileLock::Kind::exclusive, patient);
+    const FileLock report_lock(report_lock_file(options.directory), FileLock::Kind::exclusive, never_stop);
     const Findings findings = conclude_finished(plan, options.directory);
-    write_and_tell(
+    write_and_print(
         plan, findings, options, command_line,
         fmt::format("{} rows in {}, {} run now", findings.tables.front().table.rows.size(), options.directory, run));
     if (!options.quiet)
@@ -158,7 +158,7 @@ void conclude_cases(const Plan& plan, const RunOptions& options, const std::stri
 
 bool run_cases(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     SweepCount count;
-    for (const Plan& part : with_sequel(plan)) count.run += run_sweep(part, options).run;
+    for (const Plan& part : expand_plan(plan)) count.run += run_sweep(part, options).run;
     if (sweep_interrupted()) {
         fmt::print(stderr, "polhode: {} interrupted after {} cases; run again to continue\n", plan.experiment.name,
                    count.run);
@@ -171,11 +171,11 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
 }  // namespace
 
 Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
-    const TableOf which = has_systems(plan) ? TableOf::systems : TableOf::single_bodies;
+    const TableKind which = has_systems(plan) ? TableKind::systems : TableKind::single_bodies;
     Table table{result_columns(which), {}};
     std::set<std::string> machines;
     for (const Result& r : rows) {
-        table.rows.push_back(row_of(plan.experiment.name, r, which));
+        table.rows.push_back(result_row(plan.experiment.name, r, which));
         if (r.seconds_min) machines.insert(r.machine);
     }
     // identify the machine of each row if there are several
@@ -195,9 +195,9 @@ Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
 
 Findings conclude_finished(const Plan& plan, const std::string& directory) {
     Findings findings;
-    for (const Plan& part : with_sequel(plan)) {
+    for (const Plan& part : expand_plan(plan)) {
         const std::vector<Result> rows = finished_results(part, directory);
-        // the rows of a sequel have no table of their own
+        // the rows of a follow-up have no table of their own
         Findings more = findings.tables.empty() ? conclude(part, rows) : part.experiment.kind->conclude(part, rows);
         std::move(more.tables.begin(), more.tables.end(), std::back_inserter(findings.tables));
         std::move(more.figures.begin(), more.figures.end(), std::back_inserter(findings.figures));
@@ -210,54 +210,54 @@ Findings conclude_finished(const Plan& plan, const std::string& directory) {
 std::vector<PendingCase> pending_work(const Plan& plan, const RunOptions& options) {
     if (!plan.experiment.kind->make) {
         std::vector<PendingCase> pending;
-        for (const Plan& part : with_sequel(plan))
+        for (const Plan& part : expand_plan(plan))
             for (PendingCase& one : pending_cases(part, options)) pending.push_back(std::move(one));
         return pending;
     }
-    if (is_done(options.directory, whole_key(plan, options.quick))) return {};
+    if (is_done(options.directory, study_key(plan, options.quick))) return {};
     return {{plan.experiment.name, load_duration(options.directory, plan.experiment.name)}};
 }
 
-GatheredExperiment gather_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
+GatherResult gather_results(const Plan& plan, const RunOptions& options, const std::string& command_line) {
     RunOptions gathering = options;
     gathering.only_gather = true, gathering.shard = gathering.shards = 1;
     if (plan.experiment.kind->make) {
-        const long missing = run_whole(plan, gathering, command_line).value_or(0);
+        const long missing = run_study(plan, gathering, command_line).value_or(0);
         return {missing, missing > 0 ? plan.experiment.name : ""};
     }
     conclude_cases(plan, gathering, command_line, 0);
     const std::vector<PendingCase> pending = pending_work(plan, options);
-    return {static_cast<long>(pending.size()), pending.empty() ? "" : pending.front().words};
+    return {static_cast<long>(pending.size()), pending.empty() ? "" : pending.front().description};
 }
 
-bool is_whole_done(const Plan& plan, const std::string& directory) {
-    return is_done(directory, whole_key(plan, plan.quick));
+bool is_study_done(const Plan& plan, const std::string& directory) {
+    return is_done(directory, study_key(plan, plan.quick));
 }
 
-void save_whole_done(const Plan& plan, const std::string& directory) {
-    save_done(directory, whole_key(plan, plan.quick));
+void save_study_done(const Plan& plan, const std::string& directory) {
+    save_done(directory, study_key(plan, plan.quick));
 }
 
-Table costs_of_work(const Plan& plan, const std::string& measured) {
+Table work_cost_table(const Plan& plan, const std::string& measured) {
     Table costs{Costs::columns(), {}};
-    std::set<std::vector<std::string>> told;
-    for (const Plan& part : with_sequel(plan))
+    std::set<std::vector<std::string>> known;
+    for (const Plan& part : expand_plan(plan))
         for (std::vector<Cell>& row : cost_table(part, measured).rows) {
-            std::vector<std::string> named_by;
-            for (std::size_t c = 0; c + 2 < row.size(); ++c) named_by.push_back(text_of(row[c]));
-            // a sequel may need truths of the first plan
-            if (told.insert(std::move(named_by)).second) costs.rows.push_back(std::move(row));
+            std::vector<std::string> identity;
+            for (std::size_t c = 0; c + 2 < row.size(); ++c) identity.push_back(text_of(row[c]));
+            // a follow-up may need truths of the first plan
+            if (known.insert(std::move(identity)).second) costs.rows.push_back(std::move(row));
         }
     return costs;
 }
 
 bool run_experiment(const Plan& plan, const RunOptions& options, const std::string& command_line) {
-    remove_abandoned_of_runs(options.directory);
+    remove_abandoned_files(options.directory);
     record_experiment(plan, options.directory);
-    const bool ended = plan.experiment.kind->make ? run_whole(plan, options, command_line).has_value()
+    const bool ended = plan.experiment.kind->make ? run_study(plan, options, command_line).has_value()
                                                   : run_cases(plan, options, command_line);
     // of other runs in the directory that were killed meanwhile
-    remove_abandoned_of_runs(options.directory);
+    remove_abandoned_files(options.directory);
     return ended;
 }
 

@@ -33,13 +33,13 @@ std::vector<Search> find_searches(const Plan& plan, const std::string& directory
 void run_searches(const Plan& plan, const RunOptions& options, std::vector<Search>& searches,
                   const std::function<void(std::size_t scene, bool needed)>& prepare,
                   const std::function<Table(std::size_t search)>& run) {
-    const AskedFor is_asked_for(plan, options);
+    const CaseSelection selection(plan, options);
     std::vector<std::size_t> pending;
     std::vector<bool> needed(plan.scenes.size());
     for (std::size_t i = 0; i < searches.size(); ++i) {
         const Search& search = searches[i];
         const auto curve = static_cast<std::size_t>(search.curve - plan.curves.data());
-        if (search.rows || !is_asked_for(search.scene, curve)) continue;
+        if (search.rows || !selection.contains(search.scene, curve)) continue;
         pending.push_back(i), needed[search.scene] = true;
     }
     Progress progress(static_cast<long>(plan.scenes.size() + pending.size()), options.quiet);
@@ -70,7 +70,7 @@ void run_searches(const Plan& plan, const RunOptions& options, std::vector<Searc
             const std::size_t settings = search.curve->settings.size();
             for (std::size_t rank = 0; rank < settings; ++rank)
                 save_duration(options.directory,
-                              words_of(plan, Case{&plan.scenes[search.scene], search.curve, rank, search.key}),
+                              describe_case(plan, Case{&plan.scenes[search.scene], search.curve, rank, search.key}),
                               stopwatch.seconds() / static_cast<double>(settings));
             save_rows(options.directory, search.key, rows);
             search.rows = std::move(rows);

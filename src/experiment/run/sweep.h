@@ -25,19 +25,19 @@ struct RunOptions {
 };
 
 /// Whether shard and filter select a curve on a scene.
-class AskedFor {
+class CaseSelection {
   public:
     /// The plan must outlive this object. Throws std::invalid_argument if the filter is not a regular expression.
-    AskedFor(const Plan& plan, const RunOptions& options);
+    CaseSelection(const Plan& plan, const RunOptions& options);
     /// Takes the indices of scene and curve in the plan.
-    bool operator()(std::size_t scene, std::size_t curve) const;
+    bool contains(std::size_t scene, std::size_t curve) const;
 
   private:
     const Plan& plan_;
     Pattern filter_;
     int shard_, shards_;
-    bool none_;
-    std::vector<std::vector<int>> dealt_;  // shard by scene and curve; empty without costs
+    bool is_empty_;
+    std::vector<std::vector<int>> shard_of_curve_;  // shard by scene and curve; empty without costs
 };
 
 struct SweepCount {
@@ -57,7 +57,7 @@ SweepCount run_sweep(const Plan& plan, const RunOptions& options);
 std::vector<Result> finished_results(const Plan& plan, const std::string& directory);
 
 struct PendingCase {
-    std::string words;                     ///< experiment, scene, method, setting
+    std::string description;               ///< experiment, scene, method, setting
     std::optional<double> seconds_before;  ///< time of its last run in this directory, without the truth
 };
 

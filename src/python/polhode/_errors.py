@@ -58,11 +58,11 @@ class Errors:
         return plot_errors(self, **options)
 
     def _rows(self) -> list[list[str]]:
-        def told(value: float | None) -> str:
+        def format_error(value: float | None) -> str:
             return "" if value is None else f"{value:.3g}"
 
         units = {measure["name"]: measure["unit"] for measure in _MEASURES}
-        return [[name, told(self.max[name]), told(self.final[name]), units[name]] for name in self.series]
+        return [[name, format_error(self.max[name]), format_error(self.final[name]), units[name]] for name in self.series]
 
     def __repr__(self) -> str:
         return "<polhode.Errors, largest: " + ", ".join(f"{row[0]} {row[1]}" for row in self._rows()) + ">"

@@ -18,17 +18,17 @@ namespace {
 TEST(PublishedFigures, DecimalsKeepTheirDigits) {
     for (const char* text : {"-929.47789813801915283", "0.040822240119645808436", "16.000000000000000001",
                              "3.0000000000000000000", "-7.5000000000000000000e-9"})
-        EXPECT_EQ(decimal_of_wide(wide_of_decimal(text), 20), text);
-    EXPECT_EQ(decimal_of_wide(wide_of_decimal("9.9999"), 3), "10.0");
-    EXPECT_EQ(decimal_of_wide(wide_of_decimal("299792458.5"), 4), "299800000");
-    EXPECT_EQ(decimal_of_wide(Wide(0), 5), "0");
+        EXPECT_EQ(format_wide(parse_wide(text), 20), text);
+    EXPECT_EQ(format_wide(parse_wide("9.9999"), 3), "10.0");
+    EXPECT_EQ(format_wide(parse_wide("299792458.5"), 4), "299800000");
+    EXPECT_EQ(format_wide(Wide(0), 5), "0");
 }
 
 // The double four-bar moves like a pendulum, whose motion by quadrature is known to 15 digits.
 TEST(PublishedFigures, TheFourBarIsItsQuadrature) {
     const FreshCache cache;
     int of_quadrature = 0;
-    for (const ComparedFigure& figure : compared_figures(true, 2)) {
+    for (const PublishedFigure& figure : compare_figures(true, 2)) {
         ASSERT_TRUE(figure.difference) << figure.ours;
         if (figure.source == "Exudyn") {
             EXPECT_GE(*figure.digits_right, 5) << figure.quantity;

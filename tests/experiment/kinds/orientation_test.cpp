@@ -26,12 +26,12 @@ class OrientationStudy : public ::testing::Test {
     static inline Findings* result = nullptr;
 };
 
-TEST_F(OrientationStudy, WritesWholeTables) {
+TEST_F(OrientationStudy, WritesCompleteTables) {
     for (const NamedTable& table : result->tables) {
         EXPECT_NO_THROW(require_rectangular(table.table)) << table.name;
         EXPECT_GT(table.table.rows.size(), 2U) << table.name;
-        if (!table.for_people.empty()) {
-            EXPECT_NO_THROW(select(table.table, table.for_people)) << table.name;
+        if (!table.page_columns.empty()) {
+            EXPECT_NO_THROW(select(table.table, table.page_columns)) << table.name;
         }
     }
 }

@@ -79,7 +79,7 @@ TEST(SpeedStudy, ItsFactorsAreThoseOfItsRuns) {
     }
 }
 
-TEST(SpeedStudy, SaysWhoDoesNotReachAnError) {
+TEST(SpeedStudy, ReportsWhichMethodsDoNotReachAnError) {
     const FreshCache cache;
     const Plan plan = make_plan(parse_experiment(R"({"name": "x", "kind": "speed", "scenes": ["nasa_brick"],
         "methods": ["taylor", "odeint_dopri5"], "settings": {"tolerances": [0.1]}, "samples": 10, "repeats": 1})",

@@ -24,7 +24,7 @@ TEST(Calibrate, ARevolutionIsOneTurn) {
     EXPECT_DOUBLE_EQ(revolution_time(scene), 2 * std::numbers::pi / std::sqrt(3.0));
 }
 
-TEST(Calibrate, StepsAndTolerancesSpendWhatWasAskedFor) {
+TEST(Calibrate, StepsAndTolerancesUseTheRequestedBudget) {
     const Scene scene = find_scene("free_asymmetric");
     for (const double evaluations : {80.0, 400.0})
         for (const auto& [method, kind] : {std::pair{"odeint_rk4", SettingKind::step},
@@ -47,7 +47,7 @@ TEST(Calibrate, TheTightestToleranceIsTheEnd) {
     EXPECT_EQ(found.setting, 1e-15);
 }
 
-TEST(Calibrate, SaysWhatCannotBe) {
+TEST(Calibrate, ReportsUnreachableBudgets) {
     const Calibration dear =
         calibrate(find_scene("symmetric"), *find_method("odeint_dopri5"), SettingKind::tolerance, 3);
     EXPECT_FALSE(dear.found);

@@ -33,13 +33,13 @@ Costs costs_of(const Plan& plan, const std::function<double(const std::vector<Ce
     return {parse_csv(csv(table)), "plan.csv"};
 }
 
-double load_of(const Plan& plan, const Costs& costs, const std::vector<std::vector<int>>& dealt, int shard) {
+double load_of(const Plan& plan, const Costs& costs, const std::vector<std::vector<int>>& assignment, int shard) {
     double sum = 0;
-    for (std::size_t s = 0; s < dealt.size(); ++s) {
+    for (std::size_t s = 0; s < assignment.size(); ++s) {
         bool any = false;
-        for (std::size_t c = 0; c < dealt[s].size(); ++c)
-            if (dealt[s][c] == shard) sum += costs.of_curve(plan, plan.scenes[s], plan.curves[c]), any = true;
-        if (any) sum += costs.of_truth(plan, plan.scenes[s]);
+        for (std::size_t c = 0; c < assignment[s].size(); ++c)
+            if (assignment[s][c] == shard) sum += costs.curve_seconds(plan, plan.scenes[s], plan.curves[c]), any = true;
+        if (any) sum += costs.truth_seconds(plan, plan.scenes[s]);
     }
     return sum;
 }
@@ -58,7 +58,7 @@ TEST(Costs, ATableHasEachCaseAndEachTruthOnce) {
     }
 }
 
-TEST(Costs, WhatWasMeasuredIsTakenAndWhatWasNotIsLikeItsMethod) {
+TEST(Costs, UsesMeasuredTimesElseTheMedianOfTheMethod) {
     const Plan plan = plan_of("1, 2, 3");
     const fs::path directory = fs::path(testing::TempDir()) / "polhode_costs";
     fs::remove_all(directory);
@@ -90,15 +90,15 @@ TEST(Costs, NoShardGetsMoreThanGrahamsBound) {
         std::lognormal_distribution<double> seconds(0, 1);
         const Costs costs =
             costs_of(plan, [&](const auto& row) { return text_of(row[2]) == "truth" ? 0 : seconds(random); });
-        const auto dealt = deal_out(plan, costs, shards);
+        const auto assignment = assign_shards(plan, costs, shards);
         double most = 0, total = 0, longest = 0;
         for (int shard = 0; shard < shards; ++shard) {
-            const double load = load_of(plan, costs, dealt, shard);
+            const double load = load_of(plan, costs, assignment, shard);
             most = std::max(most, load), total += load;
         }
         for (const PlannedScene& scene : plan.scenes) {
             double sum = 0;
-            for (const PlannedCurve& curve : plan.curves) sum += costs.of_curve(plan, scene, curve);
+            for (const PlannedCurve& curve : plan.curves) sum += costs.curve_seconds(plan, scene, curve);
             longest = std::max(longest, sum);
         }
         EXPECT_LE(most, 4.0 / 3 * std::max(total / shards, longest)) << shards;
@@ -112,15 +112,16 @@ TEST(Costs, ASceneStaysTogetherUnlessItCostsMoreThanAShare) {
         if (text_of(row[2]) == "truth") return 0.0;
         return text_of(row[1]) == plan.scenes[0].label ? 3.0 : 1.0;
     });
-    const auto dealt = deal_out(plan, costs, 4);
-    EXPECT_GT(std::set<int>(dealt[0].begin(), dealt[0].end()).size(), 1U);
-    for (std::size_t s = 1; s < 4; ++s) EXPECT_EQ(std::set<int>(dealt[s].begin(), dealt[s].end()).size(), 1U) << s;
+    const auto assignment = assign_shards(plan, costs, 4);
+    EXPECT_GT(std::set<int>(assignment[0].begin(), assignment[0].end()).size(), 1U);
+    for (std::size_t s = 1; s < 4; ++s)
+        EXPECT_EQ(std::set<int>(assignment[s].begin(), assignment[s].end()).size(), 1U) << s;
     std::set<int> all;
-    for (const auto& scene : dealt) all.insert(scene.begin(), scene.end());
+    for (const auto& scene : assignment) all.insert(scene.begin(), scene.end());
     EXPECT_EQ(all.size(), 4U);
 }
 
-TEST(Costs, EveryShardTakesWhatNoOtherTakes) {
+TEST(Costs, EveryCurveIsInExactlyOneShard) {
     const Plan plan = plan_of("1, 2, 3, 4, 5");
     RunOptions options;
     options.shards = 3;
@@ -129,7 +130,8 @@ TEST(Costs, EveryShardTakesWhatNoOtherTakes) {
         for (std::size_t s = 0; s < plan.scenes.size(); ++s)
             for (std::size_t c = 0; c < plan.curves.size(); ++c) {
                 int taken = 0;
-                for (options.shard = 1; options.shard <= 3; ++options.shard) taken += AskedFor(plan, options)(s, c);
+                for (options.shard = 1; options.shard <= 3; ++options.shard)
+                    taken += CaseSelection(plan, options).contains(s, c);
                 EXPECT_EQ(taken, 1);
             }
     }
@@ -154,17 +156,17 @@ TEST(Costs, AWrongPlanIsRefusedByItsLine) {
               std::string::npos);
 }
 
-TEST(Costs, WhatIsMadeAsAWholeIsOneRow) {
+TEST(Costs, AStudyIsOneRow) {
     const Plan plan = make_plan(find_experiment("gimbal_lock"), "gimbal_lock", true);
-    const Table table = costs_of_work(plan, "/nowhere");
+    const Table table = work_cost_table(plan, "/nowhere");
     ASSERT_EQ(table.rows.size(), 1U);
     EXPECT_EQ(text_of(table.rows[0][0]), plan.experiment.name);
 }
 
-TEST(Costs, ASequelsCasesStandInThePlanToo) {
+TEST(Costs, IncludesTheCasesOfTheFollowUp) {
     const Plan plan = make_plan(find_experiment("speed"), "speed", true);
-    ASSERT_NE(plan.experiment.kind->sequel, nullptr);
-    const Table table = costs_of_work(plan, "/nowhere");
+    ASSERT_NE(plan.experiment.kind->follow_up, nullptr);
+    const Table table = work_cost_table(plan, "/nowhere");
     EXPECT_GT(table.rows.size(), cost_table(plan, "/nowhere").rows.size());
     EXPECT_NO_THROW(Costs(parse_csv(csv(table)), "plan.csv"));
 }

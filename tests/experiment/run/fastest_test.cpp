@@ -30,14 +30,14 @@ std::vector<Result> some_rows() {
 
 TEST(Fastest, IsTheFirstOfTheMethodsThatReachIt) {
     const std::vector<Result> rows = some_rows();
-    const auto coarse = fastest_first(rows, "free_asymmetric", 1e-3);
+    const auto coarse = sort_by_time(rows, "free_asymmetric", 1e-3);
     ASSERT_EQ(coarse.size(), 2U);
     EXPECT_EQ(coarse[0]->method, "dop853");
     EXPECT_EQ(coarse[1]->seconds_median, 12.3e-6) << "its fastest run, not its finest";
-    const auto fine = fastest_first(rows, "free_asymmetric", 1e-9);
+    const auto fine = sort_by_time(rows, "free_asymmetric", 1e-9);
     ASSERT_EQ(fine.size(), 1U);
     EXPECT_EQ(fine[0]->setting, 1e-12);
-    EXPECT_TRUE(fastest_first(rows, "free_asymmetric", 1e-15).empty());
+    EXPECT_TRUE(sort_by_time(rows, "free_asymmetric", 1e-15).empty());
 }
 
 TEST(RunTable, IsAligned) {
@@ -54,7 +54,7 @@ a_scene_o..ion=1000}         1e-3  cvode_adams  R 1e-6    1.25 s  odeint_fehlber
 )");
 }
 
-TEST(RunTable, FitsItsWidthAndHasColorsOnlyWhereAsked) {
+TEST(RunTable, FitsItsWidthAndHasColorsOnRequest) {
     for (const int width : {80, 100, 200}) {
         std::istringstream lines(run_table(some_rows(), {width, false}));
         for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), static_cast<std::size_t>(width));
@@ -75,21 +75,21 @@ TEST(RunTable, IsEmptyWithoutAChoice) {
 }
 
 TEST(PrefixedSeconds, HaveThreeDigits) {
-    EXPECT_EQ(prefixed_seconds(12.34e-6), "12.3 us");
-    EXPECT_EQ(prefixed_seconds(4.5e-3), "4.50 ms");
-    EXPECT_EQ(prefixed_seconds(999.6e-6), "1.00 ms");
-    EXPECT_EQ(prefixed_seconds(99.96e-9), "100 ns");
-    EXPECT_EQ(prefixed_seconds(1), "1.00 s");
-    EXPECT_EQ(prefixed_seconds(7265), "7265 s");
-    EXPECT_EQ(prefixed_seconds(0), "0 s");
-    EXPECT_EQ(prefixed_seconds(std::nan("")), "-");
+    EXPECT_EQ(format_seconds(12.34e-6), "12.3 us");
+    EXPECT_EQ(format_seconds(4.5e-3), "4.50 ms");
+    EXPECT_EQ(format_seconds(999.6e-6), "1.00 ms");
+    EXPECT_EQ(format_seconds(99.96e-9), "100 ns");
+    EXPECT_EQ(format_seconds(1), "1.00 s");
+    EXPECT_EQ(format_seconds(7265), "7265 s");
+    EXPECT_EQ(format_seconds(0), "0 s");
+    EXPECT_EQ(format_seconds(std::nan("")), "-");
 }
 
 TEST(Shortened, KeepsBothEnds) {
-    EXPECT_EQ(shortened("short", 10), "short");
-    EXPECT_EQ(shortened("0123456789abcdef", 10), "0123..cdef");
-    EXPECT_EQ(shortened("0123456789abcdef", 11).size(), 11U);
-    EXPECT_EQ(shortened("0123456789", 3), "012");
+    EXPECT_EQ(shorten("short", 10), "short");
+    EXPECT_EQ(shorten("0123456789abcdef", 10), "0123..cdef");
+    EXPECT_EQ(shorten("0123456789abcdef", 11).size(), 11U);
+    EXPECT_EQ(shorten("0123456789", 3), "012");
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ class Merge : public ::testing::Test {
         }
         return folders;
     }
-    Merged merge(const std::vector<std::string>& folders, const std::string& name) const {
+    MergeResult merge(const std::vector<std::string>& folders, const std::string& name) const {
         return merge_results(folders, options(name), "test");
     }
     // hashes of all files except the provenance, which has the date
@@ -90,7 +90,7 @@ class Merge : public ::testing::Test {
 
 TEST_F(Merge, GivesTheFilesOfAnyOrderAndNumberOfFolders) {
     std::vector<std::string> folders = run_shards(3);
-    const Merged merged = merge(folders, "all");
+    const MergeResult merged = merge(folders, "all");
     ASSERT_EQ(merged.experiments.size(), 1U);
     EXPECT_EQ(merged.experiments[0].missing, 0);
     EXPECT_EQ(merged.repeated, 0);
@@ -108,7 +108,7 @@ TEST_F(Merge, GivesTheFilesOfAnyOrderAndNumberOfFolders) {
     merge({folders[1], folders[0]}, "in_turn");
     merge({folders[2]}, "in_turn");
     EXPECT_EQ(files("in_turn"), files("all"));
-    const Merged again = merge(folders, "all");
+    const MergeResult again = merge(folders, "all");
     EXPECT_EQ(again.taken, 0);
     EXPECT_EQ(files("reversed"), files("all"));
     // the merged directory is a normal result directory
@@ -117,12 +117,12 @@ TEST_F(Merge, GivesTheFilesOfAnyOrderAndNumberOfFolders) {
 
 TEST_F(Merge, CountsWhatIsMissing) {
     const std::vector<std::string> folders = run_shards(3);
-    const Merged merged = merge({folders[0], folders[2]}, "part");
+    const MergeResult merged = merge({folders[0], folders[2]}, "part");
     EXPECT_EQ(merged.experiments[0].missing, 5);  // the five cases of one scene
     EXPECT_NE(merged.experiments[0].first_missing.find("duration=2"), std::string::npos);
 }
 
-TEST_F(Merge, OfTimesTheFastestStandsWhateverTheOrder) {
+TEST_F(Merge, KeepsTheFastestTimeInAnyOrder) {
     const std::vector<std::string> folders = run_shards(1);
     fs::copy(folders[0], directory_ / "slower", fs::copy_options::recursive);
     const fs::path changed = directory_ / "slower" / ".cases" / a_case(folders[0]).filename();
@@ -189,16 +189,16 @@ TEST_F(Merge, RefusesWhatIsNotOfOneExperiment) {
     EXPECT_EQ(merge({folders[0], (directory_ / "empty").string()}, "fine").remarks.size(), 1U);
 }
 
-TEST_F(Merge, TakesWhatOneShardMadeAsAWhole) {
+TEST_F(Merge, CopiesAStudyOfOneShard) {
     const Plan whole = make_plan(find_experiment("gimbal_lock"), "gimbal_lock", true);
     for (const int shard : {1, 2}) {
         RunOptions each = options("whole_" + std::to_string(shard));
         each.shard = shard, each.shards = 2, each.quick = true;
         run_experiment(whole, each, "test");
     }
-    const Merged none = merge({(directory_ / "whole_2").string()}, "none");
+    const MergeResult none = merge({(directory_ / "whole_2").string()}, "none");
     EXPECT_EQ(none.experiments[0].missing, 1);
-    const Merged all = merge({(directory_ / "whole_2").string(), (directory_ / "whole_1").string()}, "all");
+    const MergeResult all = merge({(directory_ / "whole_2").string(), (directory_ / "whole_1").string()}, "all");
     EXPECT_EQ(all.experiments[0].missing, 0);
     EXPECT_EQ(files("all"), files("whole_1"));
     EXPECT_TRUE(pending_work(whole,

@@ -19,31 +19,31 @@ Result of_a_mechanism() {
 }
 
 TEST(ResultOfSeveralBodies, HasColumnsAtTheEndOfTheTable) {
-    const std::vector<std::string> single = result_columns(), all = result_columns(TableOf::systems);
+    const std::vector<std::string> single = result_columns(), all = result_columns(TableKind::systems);
     const std::vector<std::string> further{"position_error_max", "linear_momentum_error_max", "joint_gap_max",
                                            "joint_turn_max",     "reaction_error_max",        "worst_body"};
     ASSERT_EQ(all.size(), single.size() + further.size());
     EXPECT_TRUE(std::equal(single.begin(), single.end(), all.begin()));
     EXPECT_TRUE(std::equal(further.begin(), further.end(), all.begin() + static_cast<long>(single.size())));
-    const Table table{all, {row_of("e", of_a_mechanism(), TableOf::systems)}};
+    const Table table{all, {result_row("e", of_a_mechanism(), TableKind::systems)}};
     EXPECT_EQ(text_of(table.rows[0][column_index(table, "joint_gap_max")]), "0.001");
     EXPECT_EQ(text_of(table.rows[0][column_index(table, "worst_body")]), "third");
-    EXPECT_EQ(row_of("e", of_a_mechanism()).size(), single.size());
+    EXPECT_EQ(result_row("e", of_a_mechanism()).size(), single.size());
 }
 
 TEST(ResultOfSeveralBodies, ReadsBack) {
     const Result r = of_a_mechanism();
-    const Table table = parse_csv(csv({result_columns(TableOf::systems), {row_of("e", r, TableOf::systems)}}));
-    const Result back = result_of(table, 0);
-    EXPECT_EQ(row_of("e", back, TableOf::systems), row_of("e", r, TableOf::systems));
+    const Table table = parse_csv(csv({result_columns(TableKind::systems), {result_row("e", r, TableKind::systems)}}));
+    const Result back = parse_result(table, 0);
+    EXPECT_EQ(result_row("e", back, TableKind::systems), result_row("e", r, TableKind::systems));
     EXPECT_EQ(back.errors.worst_body, "third");
     EXPECT_EQ(back.errors["reaction"].max, 0.5);
     // a table of single bodies has no columns for joints
-    const Result without = result_of(parse_csv(csv({result_columns(), {row_of("e", r)}})), 0);
+    const Result without = parse_result(parse_csv(csv({result_columns(), {result_row("e", r)}})), 0);
     EXPECT_EQ(without.errors["attitude"].max, 0.25);
     EXPECT_FALSE(without.errors["joint_gap"].max || without.errors["position"].max);
     EXPECT_EQ(without.errors.worst_body, "");
-    const ErrorSeries series = series_of(parse_csv(csv(series_table(r.series))));
+    const ErrorSeries series = parse_series(parse_csv(csv(series_table(r.series))));
     EXPECT_EQ(series["joint_gap"], r.series["joint_gap"]);
     EXPECT_EQ(series["attitude"], r.series["attitude"]);
 }

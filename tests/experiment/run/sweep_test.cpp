@@ -54,7 +54,7 @@ class Sweep : public ::testing::Test {
         Table table{result_columns(), {}};
         for (Result r : finished_results(plan(), options_.directory)) {
             r.seconds_min.reset(), r.seconds_median.reset();
-            table.rows.push_back(row_of("t", r));
+            table.rows.push_back(result_row("t", r));
         }
         return csv(table);
     }
@@ -101,7 +101,7 @@ TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
     EXPECT_EQ(rows(), before);
 }
 
-TEST_F(Sweep, FindsAFlippedBitTellsOfItOnceAndRunsTheCaseAgain) {
+TEST_F(Sweep, ReportsACorruptedCaseOnceAndRerunsIt) {
     const Plan p = plan(R"(, "kind": "drift")", R"("odeint_rk4")");
     const long cases = run_sweep(p, options_).run;
     std::vector<std::string> files;
@@ -149,7 +149,7 @@ TEST_F(Sweep, ADryRunKnowsHowLongACaseTookEvenByAnotherProgram) {
     // another limit changes the keys but not the descriptions of the cases
     const auto again = pending_cases(plan(R"(, "max_steps": 500000)"), options_);
     ASSERT_EQ(again.size(), 12U);
-    for (const PendingCase& one : again) EXPECT_GT(one.seconds_before.value_or(0), 0) << one.words;
+    for (const PendingCase& one : again) EXPECT_GT(one.seconds_before.value_or(0), 0) << one.description;
 }
 
 TEST_F(Sweep, ALimitOnEvaluationsCutsByCountAlone) {
@@ -255,7 +255,7 @@ TEST_F(Sweep, WritesTablesPicturesAndProvenance) {
         EXPECT_NE(text("provenance.json").find(key), std::string::npos) << key;
 }
 
-TEST_F(Sweep, WritesTheFormatsThatAreAskedFor) {
+TEST_F(Sweep, WritesTheRequestedFormats) {
     const Plan p = plan(R"(, "kind": "convergence")");
     run_sweep(p, options_);
     write_report(p, conclude(p, finished_results(p, options_.directory)), options_.directory, "polhode run t", false,
@@ -322,7 +322,7 @@ TEST_F(Sweep, RowsCarryTheFloorsOfTheirScene) {
     EXPECT_GE(cut, 4);
 }
 
-TEST_F(Sweep, DriftTellsTheFloorOverTime) {
+TEST_F(Sweep, DriftContainsTheFloorOverTime) {
     const Plan p = plan(R"(, "kind": "drift")");
     run_sweep(p, options_);
     for (const Result& r : finished_results(p, options_.directory)) {
@@ -380,7 +380,7 @@ TEST(Result, HasTheContractsColumnsFirst) {
         EXPECT_EQ(std::count(columns.begin() + static_cast<long>(standard.size()), columns.end(), floor), 1) << floor;
 }
 
-TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
+TEST_F(Sweep, ReportsTheExpectedErrorOfAnInaccurateRun) {
     // a long unstable spin: errors grow by a factor of e in about a second
     const Plan p = make_plan(parse_experiment(R"({"name": "t", "scenes": ["dzhanibekov"], "vary": {"/duration": [60]},
                                                    "methods": ["odeint_dopri5"], "settings": {"tolerances": [1e-2]},
@@ -399,40 +399,40 @@ TEST_F(Sweep, ARunThatEndsFarOffTellsWhatWasToBeExpected) {
     EXPECT_TRUE(r.counts.rejected_steps.has_value());
 }
 
-TEST(Result, TellsWhatTheSolverDidAndTheErrorInTolerances) {
+TEST(Result, ContainsSolverCountsAndErrorOverTolerance) {
     Result r;
     r.scene = "s", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 0.25;
     r.counts = {12, 3, std::nullopt}, r.errors["attitude"].max = 1.25;
-    Table row{result_columns(), {row_of("e", r)}};
+    Table row{result_columns(), {result_row("e", r)}};
     EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "5");
-    const Result back = result_of(parse_csv(csv(row)), 0);
+    const Result back = parse_result(parse_csv(csv(row)), 0);
     EXPECT_EQ(back.counts.rejected_steps, 12);
     EXPECT_EQ(back.counts.newton_failures, 3);
     EXPECT_FALSE(back.counts.order_reductions.has_value());
     // a run by step has no tolerance
     r.setting_kind = SettingKind::step;
-    row.rows = {row_of("e", r)};
+    row.rows = {result_row("e", r)};
     EXPECT_EQ(text_of(row.rows[0][column_index(row, "error_over_tolerance")]), "");
     // older rows have no counts
     row.columns.resize(row.columns.size() - 4), row.rows[0].resize(row.columns.size());
-    EXPECT_FALSE(result_of(row, 0).counts.rejected_steps.has_value());
+    EXPECT_FALSE(parse_result(row, 0).counts.rejected_steps.has_value());
 }
 
 TEST(Result, RowsFromBeforeTheFloorsReadBack) {
     Result r;
     r.scene = "s", r.method = "m", r.floors.float64 = 1e-13, r.series.t = {0, 1}, r.series["attitude"] = {0, 0.5};
     r.series.float64_floor = {1e-16, 2e-16};
-    Table row{result_columns(), {row_of("e", r)}}, series = series_table(r.series);
-    EXPECT_EQ(result_of(row, 0).floors.float64, 1e-13);
-    EXPECT_EQ(series_of(series).float64_floor, r.series.float64_floor);
+    Table row{result_columns(), {result_row("e", r)}}, series = series_table(r.series);
+    EXPECT_EQ(parse_result(row, 0).floors.float64, 1e-13);
+    EXPECT_EQ(parse_series(series).float64_floor, r.series.float64_floor);
     while (row.columns.back() != "revolutions") row.columns.pop_back(), row.rows[0].pop_back();
     ASSERT_EQ(row.columns.back(), "revolutions");
-    EXPECT_FALSE(result_of(row, 0).floors.float64.has_value());
-    EXPECT_EQ(result_of(row, 0).method, "m");
+    EXPECT_FALSE(parse_result(row, 0).floors.float64.has_value());
+    EXPECT_EQ(parse_result(row, 0).method, "m");
     series.columns.pop_back();
     for (auto& line : series.rows) line.pop_back();
-    EXPECT_TRUE(series_of(series).float64_floor.empty());
-    EXPECT_EQ(series_of(series)["attitude"], r.series["attitude"]);
+    EXPECT_TRUE(parse_series(series).float64_floor.empty());
+    EXPECT_EQ(parse_series(series)["attitude"], r.series["attitude"]);
 }
 
 TEST(Result, RowsReadBack) {
@@ -440,8 +440,8 @@ TEST(Result, RowsReadBack) {
     r.scene = "a,\"b\"", r.method = "m", r.setting_kind = SettingKind::tolerance, r.setting = 1e-7;
     r.status = Status::tolerance_not_met, r.message = "ends, badly\nindeed";
     r.seconds_min = 0.1, r.steps = 12, r.errors["attitude"].max = 1.0 / 3, r.cut = true, r.repeats = 4;
-    const Result back = result_of(parse_csv(csv({result_columns(), {row_of("e", r)}})), 0);
-    EXPECT_EQ(csv({result_columns(), {row_of("e", back)}}), csv({result_columns(), {row_of("e", r)}}));
+    const Result back = parse_result(parse_csv(csv({result_columns(), {result_row("e", r)}})), 0);
+    EXPECT_EQ(csv({result_columns(), {result_row("e", back)}}), csv({result_columns(), {result_row("e", r)}}));
     EXPECT_EQ(back.scene, r.scene);
     EXPECT_EQ(back.message, r.message);
     EXPECT_EQ(*back.errors["attitude"].max, 1.0 / 3);

@@ -13,26 +13,26 @@ namespace {
 
 // A method with prescribed run times: `times` in order, then the last of them repeatedly. Records the requested
 // repetitions.
-struct Told {
+struct FakeTimes {
     std::vector<double> times;  // s
     std::vector<int> repetitions{};
 
     static Trajectory solve(const void* context, const Problem&, const Settings& settings) {
-        Told& told = *static_cast<Told*>(const_cast<void*>(context));
-        const std::size_t run = told.repetitions.size();
-        told.repetitions.push_back(settings.repetitions);
+        FakeTimes& fake = *static_cast<FakeTimes*>(const_cast<void*>(context));
+        const std::size_t run = fake.repetitions.size();
+        fake.repetitions.push_back(settings.repetitions);
         EXPECT_FALSE(settings.record);
         Trajectory end;
-        end.seconds = told.times[std::min(run, told.times.size() - 1)];
+        end.seconds = fake.times[std::min(run, fake.times.size() - 1)];
         return end;
     }
 };
 
 // Times this method in `rounds` rounds, with `expected` s as the estimated time of a run.
-TimedRun time_told(Told& told, double expected, int rounds) {
+TimedRun time_fake_run(FakeTimes& fake, double expected, int rounds) {
     const Problem problem = pose(find_scene("free_asymmetric"));
     Method method;
-    method.name = "told", method.solve_in = Told::solve, method.context = &told;
+    method.name = "told", method.solve_in = FakeTimes::solve, method.context = &fake;
     std::vector<TimedRun> runs{{&problem, &method, Settings{}, expected}};
     time_interleaved(runs, rounds, false);
     return runs[0];
@@ -40,9 +40,9 @@ TimedRun time_told(Told& told, double expected, int rounds) {
 
 // a closed form takes less than a microsecond, but its first run, with cold caches, takes ten thousand times longer
 TEST(Timing, IsOfManyRunsWhereTheFirstGuessWasACold) {
-    Told told{{2e-3, 3e-7}};
-    const TimedRun run = time_told(told, 5e-3, 3);
-    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 334, 334, 334}))
+    FakeTimes fake{{2e-3, 3e-7}};
+    const TimedRun run = time_fake_run(fake, 5e-3, 3);
+    EXPECT_EQ(fake.repetitions, (std::vector<int>{1, 1, 334, 334, 334}))
         << "two pilot runs, because the first one is cold too";
     EXPECT_EQ(run.seconds.size(), 3u);
     EXPECT_EQ(run.median(), 3e-7);
@@ -50,9 +50,9 @@ TEST(Timing, IsOfManyRunsWhereTheFirstGuessWasACold) {
 
 // a long run is not repeated within a timing
 TEST(Timing, IsOfOneRunThatTakesLong) {
-    Told told{{0.3, 0.1, 0.2}};
-    const TimedRun run = time_told(told, 0.05, 3);
-    EXPECT_EQ(told.repetitions, (std::vector<int>{1, 1, 1}));
+    FakeTimes fake{{0.3, 0.1, 0.2}};
+    const TimedRun run = time_fake_run(fake, 0.05, 3);
+    EXPECT_EQ(fake.repetitions, (std::vector<int>{1, 1, 1}));
     EXPECT_EQ(run.minimum(), 0.1);
     EXPECT_EQ(run.median(), 0.2);
 }

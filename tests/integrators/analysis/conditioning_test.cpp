@@ -293,7 +293,7 @@ TEST(Conditioning, ShowsTheMotionAfterAnEventAndGoesOnBeyondTheDuration) {
     EXPECT_LT(difference(conditioning(scene, times), reference_conditioning(pose(scene), times, 18)), 1e-10);
 }
 
-TEST(Conditioning, SaysWhereItEnds) {
+TEST(Conditioning, ReportsWhereItEnds) {
     const Scene scene = free_body(100);
     ConditioningSettings settings;
     settings.max_steps = 500;
@@ -311,7 +311,7 @@ TEST(Conditioning, SaysWhereItEnds) {
 }
 
 // On the separatrix kappa grows as e^(t / sqrt 2) and exceeds 2^53 at about t = 52 s. The message reports it.
-TEST(Conditioning, SaysWhereBinary64CannotFollow) {
+TEST(Conditioning, ReportsWhereBinary64IsInsufficient) {
     Scene scene = find_scene("separatrix");
     scene.duration = 70;
     const Conditioning c = conditioning(scene, sample_times(70, 70));

@@ -48,7 +48,7 @@ Scene rod() {
 }
 
 // By hand: the rod points along -x from (0, 0, 5), and its centre of mass rises.
-TEST(EngineMechanism, IsAskedForInPlainNumbers) {
+TEST(EngineMechanism, SendsNumbersInTheRequest) {
     const Scene scene = rod();
     Settings settings;
     settings.samples = 7;
@@ -126,7 +126,7 @@ TEST(EngineMechanism, AgreesWithItselfOnTheCatalogue) {
     EXPECT_GT(asked, 10);
 }
 
-TEST(EngineMechanism, AnEngineWithoutJointsIsToldSo) {
+TEST(EngineMechanism, ReportsAnEngineWithoutJoints) {
     const Trajectory silent =
         scripted(R"(echo '{"version": "1", "settings": {"default": ""}}' >&3; read -r request)", rod());
     EXPECT_EQ(silent.status, Status::unsupported);
@@ -140,7 +140,7 @@ TEST(EngineMechanism, AnEngineWithoutJointsIsToldSo) {
     EXPECT_EQ(open.message, "scripted: it does not support loops closed by a revolute joint");
 }
 
-TEST(EngineMechanism, SpringsAreRefusedBeforeAnybodyIsAsked) {
+TEST(EngineMechanism, RefusesSpringsWithoutStartingAnEngine) {
     const Trajectory run = scripted("exit 1", find_scene("mechanisms/ball_joint_arm"));
     EXPECT_EQ(run.status, Status::unsupported);
     EXPECT_EQ(run.message, "the engine protocol does not support springs and dampers of joints");

@@ -95,7 +95,7 @@ TEST(EngineMethods, ReadsBackWhatTheEngineHas) {
     EXPECT_NEAR(readback_difference(scene, back), 0.1, 1e-14);
 }
 
-TEST(EngineMethods, WhateverGoesWrongIsTold) {
+TEST(EngineMethods, ReportsEveryFailure) {
     const auto message = [](const std::string& script, Status status) {
         const Trajectory run = ScriptedEngine(script).solved(simple_scene(), 0.5);
         EXPECT_EQ(run.status, status) << run.message;
@@ -117,7 +117,7 @@ TEST(EngineMethods, WhateverGoesWrongIsTold) {
               "scripted is not available: the package is not installed");
 }
 
-TEST(EngineMethods, AnEngineThatIsNotThereNamesWhatItNeeds) {
+TEST(EngineMethods, ReportsTheRequirementsOfAMissingEngine) {
     const ScriptedEngine none("", {{"command", {"/no/such/engine"}}, {"needs", "Debian's libnone-dev"}});
     const Trajectory run = none.solved(simple_scene());
     EXPECT_EQ(run.status, Status::unsupported);

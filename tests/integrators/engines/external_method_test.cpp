@@ -70,7 +70,7 @@ TEST(ExternalMethod, IsTimedByItsEndAlone) {
     EXPECT_GT(end.seconds, 0);
 }
 
-TEST(ExternalMethod, SaysWhichSettingsItsCommandTakes) {
+TEST(ExternalMethod, DeclaresItsSettings) {
     EXPECT_EQ(polhode_itself("dop853")->control, Control::fixed_step_or_tolerance);
     EXPECT_EQ(engine("true")->control, Control::none);
     Settings settings;
@@ -95,7 +95,7 @@ TEST(ExternalMethod, PassesOnTheFailureOfItsCommand) {
               "exited with code 2: polhode: exact does not take a tolerance; remove --tolerance");
 }
 
-TEST(ExternalMethod, NamesWhatWentWrong) {
+TEST(ExternalMethod, ReportsTheCause) {
     const std::string header = "t,qw,qx,qy,qz,wx,wy,wz,px,py,pz,vx,vy,vz";
     const std::string at_rest = ",1,0,0,0,0,0,0,0,0,0,0,0,0";
     struct {

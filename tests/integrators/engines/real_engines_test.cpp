@@ -192,7 +192,7 @@ TEST(RealEngines, BounceFromAPlane) {
 }
 
 // The engine's body is the requested one, and repeating a request gives the same answer, also in another process.
-TEST(RealEngines, HaveTheBodyAskedForAndRepeat) {
+TEST(RealEngines, HaveTheRequestedBodyAndRepeat) {
     SKIP_WITHOUT_ENGINES();
     const auto list = std::filesystem::path(program_path()).parent_path() / "engines" / "engines.json";
     const std::vector<EngineMethod> others = read_engines(list.string());

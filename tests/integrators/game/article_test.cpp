@@ -143,7 +143,7 @@ TEST(ArticleMended, ConvergesToTheMotionUnderEveryLoad) {
 }
 
 /// A user-defined torque receives the body's state, and a pivoted body takes forces and drag at its centre of mass.
-TEST(ArticleMended, ConvergesOnAHeldBodyWithDragAndAUsersTorque) {
+TEST(ArticleMended, ConvergesOnAPivotedBodyWithDragAndUserTorque) {
     Scene scene = heavy_top(1);
     scene.loads.push_back(Drag{{0.1, 0.2, 0.3}, 0.5, {}});
     scene.loads.push_back(Force{{1, 2, 0}, Frame::body, {0.1, 0.2, 0.4}, Frame::body, {}});

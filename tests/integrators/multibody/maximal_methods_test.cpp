@@ -181,7 +181,7 @@ TEST(MaximalMethods, InBinary32ErrAsInBinary64AtCoarseSteps) {
 }
 
 // An impulse inside a step splits it. A second run takes the same steps: no impulses remain from the first run.
-TEST(MaximalMethods, MeetEventsAndBeginAnew) {
+TEST(MaximalMethods, RestartAtEvents) {
     Scene scene = mechanism("double_pendulum", 0.5);
     scene.loads.push_back(Impulse{{0.5, 0, 0}, Frame::world, {0, 0, -0.25}, Frame::body, 0.1234, "lower"});
     scene.loads.push_back(Motor{"elbow", 2, {0.2111, 0.4}});

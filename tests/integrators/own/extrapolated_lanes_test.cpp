@@ -29,7 +29,7 @@ struct Many {
 };
 
 // more oscillators than lanes, from slow to fast, in two spans
-TEST(ExtrapolatedLanes, OscillatorsGoTheirOwnWays) {
+TEST(ExtrapolatedLanes, OscillatorsAreIndependent) {
     constexpr std::size_t count = 37;
     for (const double tolerance : {1e-4, 1e-7, 1e-10, 1e-13}) {
         std::vector<double> y;
@@ -50,7 +50,7 @@ TEST(ExtrapolatedLanes, OscillatorsGoTheirOwnWays) {
     }
 }
 
-TEST(ExtrapolatedLanes, SayWhereTheyEnd) {
+TEST(ExtrapolatedLanes, ReportWhereTheyEnd) {
     Many many({1, 0.5, 1, 2, 0, 1, 1, std::numeric_limits<double>::quiet_NaN()}, 2);
     ExtrapolatedLanes lanes(record<double>(Pole{}, 2), {0, 1}, 1e-9, 10'000);
     lanes.advance(many.motions, 1);

@@ -246,7 +246,7 @@ TEST(Certified, AnyTimeCostsTheSame) {
                       R(certified.columns[k][c].radius) + R(finer.columns[k][c].radius));
 }
 
-TEST(Certified, SaysHowManyDigitsCanBeHad) {
+TEST(Certified, ReportsTheAvailableDigits) {
     const CertifiedReference refused = certified_reference(heavy_top(), 1, 5000);
     EXPECT_FALSE(refused.available);
     EXPECT_NE(refused.message.find("are available"), std::string::npos) << refused.message;
@@ -264,7 +264,7 @@ TEST(Certified, SaysHowManyDigitsCanBeHad) {
 }
 
 // A spring with 10^8 oscillations is refused after a thousand steps at one working precision.
-TEST(Certified, SaysThatStepsWouldBeTooMany) {
+TEST(Certified, ReportsTooManySteps) {
     Scene scene = body("hard spring", {1, 2, 3}, {1, 2, 3}, 100);
     scene.loads.push_back(Spring{1e14, {0.6, 0.8, 0, 0}, {}});
     const CertifiedReference refused = certified_reference(scene, 1, 15);

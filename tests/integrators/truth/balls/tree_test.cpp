@@ -201,7 +201,7 @@ int outside(const Scene& scene, const CertifiedReference& certified) {
 }
 
 // Every type of joint, with loads that start and end, a force at a world point and an impulse.
-TEST(CertifiedTree, HoldsWhatTwoFormulationsAgreeOn) {
+TEST(CertifiedTree, EnclosesTheAgreementOfTwoFormulations) {
     const FreshCache cache;
     const int count = optimised_build ? 5 : 1;
     for (int i = 0; i < count; ++i) {
@@ -219,7 +219,7 @@ TEST(CertifiedTree, HoldsWhatTwoFormulationsAgreeOn) {
     }
 }
 
-TEST(CertifiedTree, HoldsScenesOfTheCatalogue) {
+TEST(CertifiedTree, EnclosesScenesOfTheCatalogue) {
     const FreshCache cache;
     for (const auto& [name, duration] :
          {std::pair("mechanisms/double_pendulum", 2.0), std::pair("mechanisms/gimbal_gyroscope", 0.125),
@@ -248,7 +248,7 @@ TEST(CertifiedTree, OfOneBodyIsThatBodys) {
         }
 }
 
-TEST(CertifiedTree, SaysWhatItHasNoProofOf) {
+TEST(CertifiedTree, ReportsWhatItCannotProve) {
     const FreshCache cache;
     Scene four_bar = find_scene("mechanisms/four_bar");
     four_bar.duration = 0.1;

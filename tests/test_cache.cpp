@@ -8,7 +8,7 @@
 
 namespace {
 
-class OwnCache : public testing::Environment {
+class TestCache : public testing::Environment {
   public:
     void SetUp() override {
         std::string pattern = (std::filesystem::temp_directory_path() / "polhode-test-cache-XXXXXX").string();
@@ -23,6 +23,6 @@ class OwnCache : public testing::Environment {
     std::filesystem::path directory_;
 };
 
-[[maybe_unused]] const testing::Environment* const own_cache = testing::AddGlobalTestEnvironment(new OwnCache);
+[[maybe_unused]] const testing::Environment* const test_cache = testing::AddGlobalTestEnvironment(new TestCache);
 
 }  // namespace

@@ -2,8 +2,8 @@
 //
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
 // advances both by DOP853 with step control. Dual numbers give df/dy S, jacobian_directions columns per evaluation.
-// Norms are taken in minimal coordinates (to_minimal_coordinates()). Above max_full_directions, initial_directions() mixes
-// them at random. VariationRun advances it between samples, within the limits of the run.
+// Norms are taken in minimal coordinates (to_minimal_coordinates()). Above max_full_directions, initial_directions()
+// mixes them at random. VariationRun advances it between samples, within the limits of the run.
 #include "integrators/analysis/mechanism_conditioning.h"
 
 #include <fmt/format.h>

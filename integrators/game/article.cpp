@@ -266,14 +266,15 @@ constexpr Method article_variants[] = {
      .solve = solve_article<ArticleForm::body_frame>},
 };
 
-constexpr auto article_binary64_family = apply_defaults({.source = article_source,
-                                             .conserves = "|q| to round-off",
-                                             .control = Control::fixed_step,
-                                             .order = 1,
-                                             .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
-                                             .family = Family::published_update,
-                                             .refusal = article_refusal},
-                                                 article_variants);
+constexpr auto article_binary64_family =
+    apply_defaults({.source = article_source,
+                    .conserves = "|q| to round-off",
+                    .control = Control::fixed_step,
+                    .order = 1,
+                    .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
+                    .family = Family::published_update,
+                    .refusal = article_refusal},
+                   article_variants);
 
 constexpr auto article_family =
     with_binary32<article_binary64_family, binary32_refusal, solve_article<ArticleForm::as_written, float>,

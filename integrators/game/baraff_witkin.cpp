@@ -142,11 +142,11 @@ constexpr Method baraff_witkin_variants[] = {
 };
 
 constexpr auto baraff_witkin_binary64_family = apply_defaults({.source = baraff_witkin_source,
-                                             .conserves = baraff_witkin_invariants,
-                                             .control = Control::fixed_step,
-                                             .family = Family::published_update,
-                                             .formulation = Formulation::full},
-                                                       baraff_witkin_variants);
+                                                               .conserves = baraff_witkin_invariants,
+                                                               .control = Control::fixed_step,
+                                                               .family = Family::published_update,
+                                                               .formulation = Formulation::full},
+                                                              baraff_witkin_variants);
 
 constexpr auto baraff_witkin_family =
     with_binary32<baraff_witkin_binary64_family, binary32_refusal, solve_baraff_witkin<ClassicalRungeKutta, float>,

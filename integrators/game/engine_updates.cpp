@@ -195,9 +195,10 @@ constexpr auto engine_update_binary64_family = apply_defaults(
     {.control = Control::fixed_step, .order = 1, .family = Family::engine_update, .formulation = Formulation::full},
     engine_update_variants);
 
-constexpr auto engine_update_family = with_binary32<engine_update_binary64_family, binary32_refusal, solve_engine_update<MomentumUpdate<float>>,
-                                           solve_engine_update<DampedImplicitUpdate<float>>,
-                                           solve_engine_update<MujocoRungeKutta<float>>, solve_position_based<float>>();
+constexpr auto engine_update_family =
+    with_binary32<engine_update_binary64_family, binary32_refusal, solve_engine_update<MomentumUpdate<float>>,
+                  solve_engine_update<DampedImplicitUpdate<float>>, solve_engine_update<MujocoRungeKutta<float>>,
+                  solve_position_based<float>>();
 
 }  // namespace
 

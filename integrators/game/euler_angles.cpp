@@ -194,10 +194,10 @@ constexpr Method euler_angles_variants[] = {
 };
 
 constexpr auto euler_angles_family = apply_defaults({.source = euler_angles_source,
-                                        .conserves = "nothing; |q| = 1 by construction",
-                                        .family = Family::published_update,
-                                        .formulation = Formulation::full},
-                                             euler_angles_variants);
+                                                     .conserves = "nothing; |q| = 1 by construction",
+                                                     .family = Family::published_update,
+                                                     .formulation = Formulation::full},
+                                                    euler_angles_variants);
 
 }  // namespace
 

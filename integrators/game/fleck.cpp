@@ -265,7 +265,7 @@ constexpr auto fleck_binary64_family =
                     .amplification = explicit_euler_amplification,
                     .family = Family::published_update,
                     .formulation = Formulation::full},
-            fleck_variants);
+                   fleck_variants);
 
 constexpr auto fleck_family =
     with_binary32<fleck_binary64_family, binary32_refusal, solve_fleck<RepairedMatrix, TransformedInertia, float>,

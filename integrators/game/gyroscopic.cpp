@@ -135,24 +135,26 @@ constexpr Method gyroscopic_variants[] = {
      .solve = solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::first_order>},
 };
 
-constexpr auto gyroscopic_binary64_family = apply_defaults({.source = "the sources of the engines named",
-                                             .conserves = "|q|",
-                                             .control = Control::fixed_step,
-                                             .order = 1,
-                                             .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
-                                             .family = Family::engine_update,
-                                             .formulation = Formulation::full},
-                                                    gyroscopic_variants);
+constexpr auto gyroscopic_binary64_family =
+    apply_defaults({.source = "the sources of the engines named",
+                    .conserves = "|q|",
+                    .control = Control::fixed_step,
+                    .order = 1,
+                    .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
+                    .family = Family::engine_update,
+                    .formulation = Formulation::full},
+                   gyroscopic_variants);
 
-constexpr auto gyroscopic_family = with_binary32<gyroscopic_binary64_family, binary32_refusal,
+constexpr auto gyroscopic_family =
+    with_binary32<gyroscopic_binary64_family, binary32_refusal,
                   solve_gyroscopic<GyroscopicTerm::none, AttitudeUpdate::exponential, 1, float>,
-                                      solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::exponential, 1, float>,
-                                      solve_gyroscopic<GyroscopicTerm::one_newton_step, AttitudeUpdate::exponential, 1, float>,
-                                      solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 1, float>,
-                                      solve_gyroscopic<GyroscopicTerm::linearly_implicit, AttitudeUpdate::exponential, 1, float>,
-                                      solve_gyroscopic<GyroscopicTerm::midpoint, AttitudeUpdate::exponential, 1, float>,
-                                      solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 4, float>,
-                                      solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::first_order, 1, float>>();
+                  solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::exponential, 1, float>,
+                  solve_gyroscopic<GyroscopicTerm::one_newton_step, AttitudeUpdate::exponential, 1, float>,
+                  solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 1, float>,
+                  solve_gyroscopic<GyroscopicTerm::linearly_implicit, AttitudeUpdate::exponential, 1, float>,
+                  solve_gyroscopic<GyroscopicTerm::midpoint, AttitudeUpdate::exponential, 1, float>,
+                  solve_gyroscopic<GyroscopicTerm::rescaled_momentum, AttitudeUpdate::exponential, 4, float>,
+                  solve_gyroscopic<GyroscopicTerm::explicit_euler, AttitudeUpdate::first_order, 1, float>>();
 
 }  // namespace
 

@@ -128,13 +128,14 @@ constexpr Method impact_stepping_variants[] = {
      .solve = solve_impact_stepping<Detection::halving>},
 };
 
-constexpr auto impact_stepping_family = apply_defaults({.conserves = "|q|; at an impact, the invariants of the impulse",
-                                      .control = Control::fixed_step,
-                                      .planes = true,
-                                      .order = 1,
-                                      .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
-                                      .family = Family::published_update},
-                                                impact_stepping_variants);
+constexpr auto impact_stepping_family =
+    apply_defaults({.conserves = "|q|; at an impact, the invariants of the impulse",
+                    .control = Control::fixed_step,
+                    .planes = true,
+                    .order = 1,
+                    .pendulum_amplification = semi_implicit_euler_pendulum_amplification,
+                    .family = Family::published_update},
+                   impact_stepping_variants);
 
 }  // namespace
 

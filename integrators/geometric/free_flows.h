@@ -4,7 +4,8 @@
 //
 // The flows are ThreeRotations, ExactFreeMotion and DiscreteMoserVeselov. A flow has `void prepare(const
 // Vector3<double>& y)`, called whenever the momentum's length or the energy has changed by more than rounding, and
-// `bool compute_rotation(const Vector3<double>& y, double h, RotationIncrement& d)`, which returns false if it finds no solution.
+// `bool compute_rotation(const Vector3<double>& y, double h, RotationIncrement& d)`, which returns false if it finds no
+// solution.
 #pragma once
 
 #include <array>

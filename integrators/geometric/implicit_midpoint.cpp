@@ -169,7 +169,8 @@ constexpr Method implicit_midpoint_variants[] = {
      .amplification = midpoint_amplification},
 };
 
-constexpr auto implicit_midpoint_binary64_family = apply_defaults({.family = Family::runge_kutta}, implicit_midpoint_variants);
+constexpr auto implicit_midpoint_binary64_family =
+    apply_defaults({.family = Family::runge_kutta}, implicit_midpoint_variants);
 
 constexpr auto implicit_midpoint_family =
     with_binary32<implicit_midpoint_binary64_family, binary32_system_refusal, solve_implicit_midpoint<float>>();

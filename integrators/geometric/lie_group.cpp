@@ -56,7 +56,8 @@ class LieGroupStepper : public MomentumState {
 /// Classical tableau for the rotation vector u of q exp(u), du/dt = w + u x w / 2 + u x (u x w) / 12 + O(u^4).
 struct MuntheKaas {
     template <class RateFunction>
-    static void advance_attitude(double h, const RateFunction& rates_at, VectorState* k, CompensatedAttitude& attitude) {
+    static void advance_attitude(double h, const RateFunction& rates_at, VectorState* k,
+                                 CompensatedAttitude& attitude) {
         const auto pulled_back = [](const Vector3<double>& u, const Vector3<double>& w) {
             const Vector3<double> across = cross(u, w);
             return w + (0.5 * across + (1.0 / 12) * cross(u, across));
@@ -75,7 +76,8 @@ struct MuntheKaas {
 /// Five exponentials, no commutators.
 struct CommutatorFree {
     template <class RateFunction>
-    static void advance_attitude(double h, const RateFunction& rates_at, VectorState* k, CompensatedAttitude& attitude) {
+    static void advance_attitude(double h, const RateFunction& rates_at, VectorState* k,
+                                 CompensatedAttitude& attitude) {
         const Vector3<double> k1 = rates_at(0, RotationIncrement{}, k[0], k[0]);
         const RotationIncrement half = rotation_increment((h / 2) * k1);
         const Vector3<double> k2 = rates_at(0.5, half, k[0], k[1]);
@@ -112,11 +114,11 @@ constexpr Method lie_group_variants[] = {
 };
 
 constexpr auto lie_group_family = apply_defaults({.conserves = lie_group_invariants,
-                                        .control = Control::fixed_step,
-                                        .order = 4,
-                                        .amplification = classical_amplification,
-                                        .family = Family::rotation_group},
-                                          lie_group_variants);
+                                                  .control = Control::fixed_step,
+                                                  .order = 4,
+                                                  .amplification = classical_amplification,
+                                                  .family = Family::rotation_group},
+                                                 lie_group_variants);
 
 }  // namespace
 

@@ -63,7 +63,8 @@ constexpr Method moser_veselov_variants[] = {
                       "same equations, order 10. Free bodies only."),
 };
 
-constexpr auto moser_veselov_binary64_family = apply_defaults({.family = Family::rotation_group}, moser_veselov_variants);
+constexpr auto moser_veselov_binary64_family =
+    apply_defaults({.family = Family::rotation_group}, moser_veselov_variants);
 
 constexpr auto moser_veselov_family =
     with_binary32<moser_veselov_binary64_family, binary32_refusal, solve_moser_veselov<2, float>, nullptr, nullptr,

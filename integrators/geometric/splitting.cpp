@@ -81,9 +81,10 @@ constexpr Method splitting_variants[] = {
 constexpr auto splitting_binary64_family =
     apply_defaults({.family = Family::splitting, .refusal = kick_refusal}, splitting_variants);
 
-constexpr auto splitting_family = with_binary32<
-    splitting_binary64_family, binary32_refusal, solve_splitting<ThreeRotations<float>, false, 2, float>,
-    solve_splitting<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();
+constexpr auto splitting_family =
+    with_binary32<splitting_binary64_family, binary32_refusal, solve_splitting<ThreeRotations<float>, false, 2, float>,
+                  solve_splitting<ThreeRotations<float>, false, 4, float>, nullptr, nullptr, nullptr, nullptr, nullptr,
+                  nullptr>();
 
 }  // namespace
 

@@ -283,8 +283,9 @@ constexpr Method gsl_variants[] = {
      .refusal = no_jacobian_of_user_torque},
 };
 
-constexpr auto gsl_family = apply_defaults( 
-    {.conserves = "nothing", .control = Control::tolerance, .general_systems = true, .library = gsl_library}, gsl_variants);
+constexpr auto gsl_family = apply_defaults(
+    {.conserves = "nothing", .control = Control::tolerance, .general_systems = true, .library = gsl_library},
+    gsl_variants);
 
 }  // namespace
 

@@ -94,11 +94,11 @@ constexpr Method reduced_variants[] = {
 };
 
 constexpr auto reduced_family = apply_defaults({.control = Control::fixed_step,
-                                           .general_systems = true,
-                                           .order = 1,
-                                           .family = Family::engine_update,
-                                           .refusal = multibody::mechanism_refusal},
-                                        reduced_variants);
+                                                .general_systems = true,
+                                                .order = 1,
+                                                .family = Family::engine_update,
+                                                .refusal = multibody::mechanism_refusal},
+                                               reduced_variants);
 
 }  // namespace
 

@@ -100,7 +100,7 @@ constexpr auto soft_step_binary64_family =
                     .order = 1,
                     .family = Family::engine_update,
                     .refusal = multibody::inertia_refusal},
-            soft_step_variants);
+                   soft_step_variants);
 
 constexpr auto soft_step_family =
     multibody::with_binary32_variants<soft_step_binary64_family, solve_soft_step<float, 4>,

@@ -188,11 +188,11 @@ constexpr Method odeint_variants[] = {
 };
 
 constexpr auto odeint_binary64_family = apply_defaults({.conserves = "nothing",
-                                             .control = Control::fixed_step_or_tolerance,
-                                             .general_systems = true,
-                                             .family = Family::runge_kutta,
-                                             .library = odeint_library},
-                                                odeint_variants);
+                                                        .control = Control::fixed_step_or_tolerance,
+                                                        .general_systems = true,
+                                                        .family = Family::runge_kutta,
+                                                        .library = odeint_library},
+                                                       odeint_variants);
 
 constexpr auto odeint_family = with_binary32<odeint_binary64_family, binary32_system_refusal, solve_euler_float32,
                                              solve_rk4_float32, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr>();

@@ -88,7 +88,7 @@ constexpr Method odeint_projected_variants[] = {
 
 constexpr auto odeint_projected_family =
     apply_defaults({.conserves = projected_invariants, .family = Family::runge_kutta, .library = odeint_library},
-            odeint_projected_variants);
+                   odeint_projected_variants);
 
 }  // namespace
 

@@ -193,7 +193,7 @@ constexpr Method point_springs_variants[] = {
      .pendulum_amplification = verlet_pendulum_growth},
 };
 
-constexpr auto point_springs_family = apply_defaults( 
+constexpr auto point_springs_family = apply_defaults(
     {.control = Control::fixed_step, .family = Family::points, .refusal = point_body_refusal}, point_springs_variants);
 
 }  // namespace

@@ -148,7 +148,7 @@ constexpr Method point_springs_cvode_variants[] = {
 
 constexpr auto point_springs_cvode_family =
     apply_defaults({.family = Family::points, .library = sundials_library, .refusal = point_body_refusal},
-            point_springs_cvode_variants);
+                   point_springs_cvode_variants);
 
 }  // namespace
 

@@ -164,7 +164,8 @@ constexpr Method arkode_variants[] = {
      .solve = solve_arkode_by_stiffness},
 };
 
-constexpr auto arkode_family = apply_defaults({.family = Family::runge_kutta, .library = sundials_library}, arkode_variants);
+constexpr auto arkode_family =
+    apply_defaults({.family = Family::runge_kutta, .library = sundials_library}, arkode_variants);
 
 }  // namespace
 

@@ -216,12 +216,12 @@ constexpr Method relaxed_variants[] = {
 };
 
 constexpr auto relaxed_family = apply_defaults({.source = relaxation_source,
-                                      .conserves = relaxation_invariants,
-                                      .control = Control::fixed_step_or_tolerance,
-                                      .family = Family::runge_kutta,
-                                      .library = sundials_library,
-                                      .refusal = relaxation_refusal},
-                                        relaxed_variants);
+                                                .conserves = relaxation_invariants,
+                                                .control = Control::fixed_step_or_tolerance,
+                                                .family = Family::runge_kutta,
+                                                .library = sundials_library,
+                                                .refusal = relaxation_refusal},
+                                               relaxed_variants);
 
 }  // namespace
 

@@ -80,11 +80,11 @@ constexpr Method cvode_variants[] = {
 };
 
 constexpr auto cvode_family = apply_defaults({.source = cvode_source,
-                                      .conserves = "nothing",
-                                      .control = Control::tolerance,
-                                      .family = Family::multistep,
-                                      .library = sundials_library},
-                                      cvode_variants);
+                                              .conserves = "nothing",
+                                              .control = Control::tolerance,
+                                              .family = Family::multistep,
+                                              .library = sundials_library},
+                                             cvode_variants);
 
 }  // namespace
 

@@ -150,7 +150,8 @@ TEST(BodyFile, SurfacesConverge) {
     const auto error = [](const Mesh& mesh, const Shape& shape) {
         EXPECT_EQ(mesh_fault(mesh), "");
         const Extent<double> extent = mesh_extent<double>(mesh);
-        const MassProperties<double> body = uniform_body(extent, 2 * extent.size), truth = body_from_density<double>(shape, 2);
+        const MassProperties<double> body = uniform_body(extent, 2 * extent.size),
+                                     truth = body_from_density<double>(shape, 2);
         return std::abs(body.inertia[0][0] / truth.inertia[0][0] - 1);
     };
     const Box box{{0.3, 0.7, 1.1}};
@@ -159,8 +160,7 @@ TEST(BodyFile, SurfacesConverge) {
     const Torus torus{1.3, 0.4};
     for (int level = 3; level < 6; ++level) {
         EXPECT_NEAR(error(tessellate(ball, level), ball) / error(tessellate(ball, level + 1), ball), 4, 0.1);
-        EXPECT_NEAR(error(tessellate(torus, 4 << level), torus) / error(tessellate(torus, 8 << level), torus), 4,
-                    0.05);
+        EXPECT_NEAR(error(tessellate(torus, 4 << level), torus) / error(tessellate(torus, 8 << level), torus), 4, 0.05);
     }
     EXPECT_LT(error(tessellate(ball, 5), ball), 1e-3);
 }

@@ -41,11 +41,11 @@ std::string program_path() {
 // Returns the expected time of the longest shard, s.
 double longest_shard_seconds(const Plan& plan, const Costs& costs, int shards) {
     std::vector<double> seconds(static_cast<std::size_t>(shards), 0.0);
-    const std::vector<std::vector<int>> shards = assign_shards(plan, costs, shards);
-    for (std::size_t s = 0; s < shards.size(); ++s) {
+    const std::vector<std::vector<int>> assignment = assign_shards(plan, costs, shards);
+    for (std::size_t s = 0; s < assignment.size(); ++s) {
         std::vector<int> with_truth;
-        for (std::size_t c = 0; c < shards[s].size(); ++c) {
-            const int shard = shards[s][c];
+        for (std::size_t c = 0; c < assignment[s].size(); ++c) {
+            const int shard = assignment[s][c];
             seconds[static_cast<std::size_t>(shard)] += costs.curve_seconds(plan, plan.scenes[s], plan.curves[c]);
             if (std::find(with_truth.begin(), with_truth.end(), shard) != with_truth.end()) continue;
             with_truth.push_back(shard);

@@ -81,7 +81,7 @@ class SceneTruth {
     }
 
     // like at(), but reuses the cache if `times` are the first of the cached times
-    Reference begin_of(const std::vector<double>& times) {
+    Reference reference_at(const std::vector<double>& times) {
         if (dense_.available || times.size() > times_.size() || !std::equal(times.begin(), times.end(), times_.begin()))
             return at(times);
         Reference truth = known_;
@@ -293,25 +293,24 @@ class MotionWriter {
         if (trajectory.moments() == 0) return false;
         // differences from the truth are computed in 128 bits, which is slow: only at a few hundred times
         const std::size_t bodies = static_cast<std::size_t>(trajectory.bodies);
-        Trajectory error_indices = trajectory;
-        error_indices.samples.clear(), error_indices.orthogonality_defect.clear(), error_indices.reactions.clear();
+        Trajectory error_run = trajectory;
+        error_run.samples.clear(), error_run.orthogonality_defect.clear(), error_run.reactions.clear();
         std::vector<double> times;
         for (const std::size_t k :
              spread_indices(trajectory.moments(), dense_ ? error_samples : trajectory.moments())) {
             const auto first = trajectory.samples.begin() + static_cast<std::ptrdiff_t>(k * bodies);
             if (!std::all_of(first, first + static_cast<std::ptrdiff_t>(bodies), is_drawable)) break;
             times.push_back(first->t);
-            error_indices.samples.insert(error_indices.samples.end(), first,
-                                         first + static_cast<std::ptrdiff_t>(bodies));
+            error_run.samples.insert(error_run.samples.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
         }
         if (times.empty() || times.back() == 0) return false;
-        const Reference reference = truth.begin_of(times);
+        const Reference reference = truth.reference_at(times);
         if (!reference.available) return false;
-        const std::vector<double> errors = error_series(scene_, error_indices, reference)["attitude"];
+        const std::vector<double> errors = error_series(scene_, error_run, reference)["attitude"];
         const double largest = std::ranges::max(errors, {}, [](double e) { return std::isfinite(e) ? e : -1; });
         json["difference"] = number_json(largest, 3);
         const bool as_truth =
-            trajectory.status == Status::ok && largest <= visible_angle && moves_alike(error_indices, reference);
+            trajectory.status == Status::ok && largest <= visible_angle && moves_alike(error_run, reference);
         for (const std::size_t k : spread_indices(errors.size(), as_truth ? fewer_error_points : error_points)) {
             json["t"].push_back(number_json(times[k], 5));
             json["attitude"].push_back(number_json(errors[k], 3));

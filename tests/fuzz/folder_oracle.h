@@ -93,11 +93,11 @@ inline void folder(std::string_view text) {
     for (const FolderSeries& series : read->series)
         for (const std::vector<double>& errors : series.errors)
             require(errors.size() == series.t.size(), "a series has different numbers of errors and times");
-    require(findings_of(*read).size() <= 3, "too many findings");
+    require(make_findings(*read).size() <= 3, "too many findings");
     const Motions motions;
     const Json checks = Json::array();
     // planning the experiments again to get their scenes is slow
-    const std::map<std::string, Scene> scenes = one_in(32, text) ? scenes_of(*read) : std::map<std::string, Scene>();
+    const std::map<std::string, Scene> scenes = one_in(32, text) ? read_scenes(*read) : std::map<std::string, Scene>();
     const Json document = report_document({*read, scenes, motions, checks}, {1000, 5, 50, 20, 20, 0});
     const std::string dumped = document.dump(-1, ' ', false, Json::error_handler_t::replace);
     require(Json::accept(dumped), "the document is not valid JSON");

@@ -383,10 +383,11 @@ inline void table(std::string_view text) {
         if (table.columns == result_columns()) {
             Table rows{result_columns(), {}};
             for (std::size_t i = 0; i < table.rows.size(); ++i)
-                rows.rows.push_back(row_of("e", parse_result(table, i)));
+                rows.rows.push_back(result_row("e", parse_result(table, i)));
             Table again{result_columns(), {}};
             const Table read = parse_csv(csv(rows));
-            for (std::size_t i = 0; i < read.rows.size(); ++i) again.rows.push_back(row_of("e", parse_result(read, i)));
+            for (std::size_t i = 0; i < read.rows.size(); ++i)
+                again.rows.push_back(result_row("e", parse_result(read, i)));
             require(csv(again) == csv(rows), "results do not read back");
         } else if (table.columns == series_table({}).columns) {
             const std::string series = csv(series_table(parse_series(table)));

@@ -14,7 +14,6 @@
 #include <string_view>
 
 #include "body/mesh.h"
-#include "body/orientation.h"
 #include "check/check_files.h"
 #include "check/convention.h"
 #include "check/foreign_table.h"
@@ -350,12 +349,6 @@ inline void words(std::string_view bytes) {
     } catch (const std::invalid_argument& error) {
         require_one_line(error.what());
     }
-    try {
-        const EulerSequence sequence = parse_euler_sequence(text);
-        require(std::string(name_of(sequence)) == text, "a sequence of angles does not read back");
-    } catch (const std::invalid_argument& error) {
-        require_one_line(error.what());
-    }
 }
 
 /// Values of --convention are refused by one line or survive writing and reading.
@@ -383,10 +376,11 @@ inline void table(std::string_view text) {
         if (table.columns == result_columns()) {
             Table rows{result_columns(), {}};
             for (std::size_t i = 0; i < table.rows.size(); ++i)
-                rows.rows.push_back(row_of("e", parse_result(table, i)));
+                rows.rows.push_back(result_row("e", parse_result(table, i)));
             Table again{result_columns(), {}};
             const Table read = parse_csv(csv(rows));
-            for (std::size_t i = 0; i < read.rows.size(); ++i) again.rows.push_back(row_of("e", parse_result(read, i)));
+            for (std::size_t i = 0; i < read.rows.size(); ++i)
+                again.rows.push_back(result_row("e", parse_result(read, i)));
             require(csv(again) == csv(rows), "results do not read back");
         } else if (table.columns == series_table({}).columns) {
             const std::string series = csv(series_table(parse_series(table)));

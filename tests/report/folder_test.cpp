@@ -103,7 +103,7 @@ TEST_F(Folder, ReadsEachColumnThatATableMayHave) {
     result.setting = 0.25, result.status = Status::diverged, result.message = "why", result.cut = true;
     result.formulation = Formulation::full, result.steps = 7, result.counts.rejected_steps = 3;
     result.errors["reaction"].max = 0.125, result.errors["attitude"].max = 0.5, result.floors.float32_final = 2;
-    write("t.csv", csv({result_columns(TableKind::systems), {row_of("t", result, TableKind::systems)}}));
+    write("t.csv", csv({result_columns(TableKind::systems), {result_row("t", result, TableKind::systems)}}));
     const ResultFolder folder = read_folder(path, 1);
     ASSERT_EQ(folder.rows.size(), 1u);
     const FolderRow& row = folder.rows[0];

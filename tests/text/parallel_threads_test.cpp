@@ -73,7 +73,7 @@ TEST(SweepThreads, FourJobsGiveTheRowsOfOne) {
         Table table{result_columns(), {}};
         for (Result r : finished_results(plan, options.directory)) {
             r.seconds_min.reset(), r.seconds_median.reset();
-            table.rows.push_back(row_of("t", r));
+            table.rows.push_back(result_row("t", r));
         }
         fs::remove_all(directory);
         return csv(table);

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <mutex>
 #include <stdexcept>
+#include <variant>
 
 #include "integrators/engines/engine_mechanism.h"
 #include "integrators/engines/engine_session.h"
@@ -34,14 +35,17 @@ struct EngineEntry {
     bool planes = false;
 };
 
+// The scene in the engines' terms. Throws std::invalid_argument if an engine cannot represent it.
+std::variant<EngineScene, EngineMechanism> engine_bodies(const Problem& problem) {
+    if (std::holds_alternative<MechanismSystem>(problem.system)) return engine_mechanism(problem);
+    return engine_scene(problem);
+}
+
 std::string engine_refusal(const Problem& problem) {
     if (std::holds_alternative<UserSystem>(problem.system)) return "engines do not support user-defined systems";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {
-        if (is_mechanism(problem.scene))
-            engine_mechanism(problem);
-        else
-            engine_scene(problem);
+        engine_bodies(problem);
     } catch (const std::invalid_argument& error) {
         return error.what();
     }
@@ -70,14 +74,14 @@ struct EngineContext {
             trajectory.limit_reached = true;
             return result;
         }
-        is_mechanism(problem.scene) ? solve_mechanism(problem, settings, steps, trajectory)
-                                    : solve_body(problem, settings, steps, result);
+        std::visit([&](const auto& bodies) { solve_bodies(bodies, problem, settings, steps, result); },
+                   engine_bodies(problem));
         return result;
     }
 
   private:
-    void solve_body(const Problem& problem, const Settings& settings, long steps, EngineAnswer& result) const {
-        const EngineScene scene = engine_scene(problem);
+    void solve_bodies(const EngineScene& scene, const Problem& problem, const Settings& settings, long steps,
+                      EngineAnswer& result) const {
         EngineHello hello;
         const LineAnswer reply =
             session->send(engine_request(scene, setting, settings, steps), settings.seconds_limit, hello);
@@ -85,8 +89,9 @@ struct EngineContext {
         result = read_answer(reply.line, problem, scene, settings, steps);
         prefix_message(result.trajectory);
     }
-    void solve_mechanism(const Problem& problem, const Settings& settings, long steps, Trajectory& trajectory) const {
-        const EngineMechanism mechanism = engine_mechanism(problem);
+    void solve_bodies(const EngineMechanism& mechanism, const Problem& problem, const Settings& settings, long steps,
+                      EngineAnswer& result) const {
+        Trajectory& trajectory = result.trajectory;
         EngineHello hello;
         if (!check_answer(session->request_hello(hello), hello, trajectory)) return;
         if (const std::string why = joints_refusal(mechanism, hello); !why.empty()) {

@@ -103,9 +103,10 @@ struct ExtrapolatedLanes::Kernels {
             put(s.start + 8 * i, select(accepted, octet_at(s.next + 8 * i), octet_at(s.start + 8 * i)));
             put(s.lost + 8 * i, select(accepted, octet_at(s.next_lost + 8 * i), octet_at(s.lost + 8 * i)));
         }
-        constexpr double log2_of_aim = -2.32, ln2 = 0x1.62e42fefa39efp-1;
-        const Octet exponent = (log2_of_aim - 0.5 * rough_log2(squared)) * (1.0 / (2 * s.row->columns - 1));
-        const Octet factor = 0.94 * exponential(ln2 * smaller(larger(exponent, octet(-3)), octet(1.5)));
+        constexpr double ln2 = 0x1.62e42fefa39efp-1;
+        const Octet exponent = (usual_log2_aim - 0.5 * rough_log2(squared)) * (1.0 / (2 * s.row->columns - 1));
+        const Octet factor = step_safety * exponential(ln2 * smaller(larger(exponent, octet(least_log2_factor)),
+                                                                     octet(largest_log2_factor)));
         Octet least = H * select(is_finite, factor, octet(0.1));
         least = select(accepted, least, smaller(least, 0.9 * H));
         for (double* const suggested : c.suggested) {

@@ -85,7 +85,7 @@ class OrderControl {
     double work(int K, double H) const { return (*table_)[K].work / H; }
     /// With careful columns the aim keeps even the worst error of T_KK along the motion below rounding.
     double factor(double squared_error, int K) const {
-        return step_factor(row_ == compensated_row ? -7 : -2.32, squared_error, K);
+        return step_factor(row_ == compensated_row ? -7 : usual_log2_aim, squared_error, K);
     }
 
     const ExtrapolationTable* table_;

@@ -26,10 +26,14 @@ inline int initial_row(double tolerance, int most) {
     return std::clamp(static_cast<int>(std::lround(2.5 - std::log10(tolerance) / 2)), 3, most);
 }
 
-/// H_new / H for an error of order 2K - 1: 0.94 (aim / error)^(1/(2K - 1)), limited.
+/// The step rule, the same for one motion and for lanes: safety factor, limits of log2 (H_new / H) without it, and log2
+/// of the usual aim.
+inline constexpr double step_safety = 0.94, least_log2_factor = -3, largest_log2_factor = 1.5, usual_log2_aim = -2.32;
+
+/// H_new / H for an error of order 2K - 1: step_safety (aim / error)^(1/(2K - 1)), limited.
 inline double step_factor(double log2_of_aim, double squared_error, int K) {
     const double exponent = (log2_of_aim - rough_log2(squared_error) / 2) / (2 * K - 1);
-    return 0.94 * rough_exp2(std::clamp(exponent, -3.0, 1.5));
+    return step_safety * rough_exp2(std::clamp(exponent, least_log2_factor, largest_log2_factor));
 }
 
 /// Rounds H down to few binary digits and a multiple of all n_j, so that every H/n_j and the sum of the steps are

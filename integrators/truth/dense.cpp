@@ -59,14 +59,14 @@ ReferenceSample DenseTruth::at(double t) const {
 
 DenseTruth dense_reference(const Scene& scene, double end) {
     DenseTruth dense;
-    dense.scene_ = scene;
-    // slightly longer, so that an event at the end also starts a piece
-    dense.scene_.duration = end * (1 + 1e-6);
-    validate(dense.scene_, scene.name);
     if (is_mechanism(scene)) {
         dense.message = "polynomial references support only one body";
         return dense;
     }
+    dense.scene_ = scene;
+    // slightly longer, so that an event at the end also starts a piece
+    dense.scene_.duration = end * (1 + 1e-6);
+    validate(dense.scene_, scene.name);
     const Problem problem = pose(dense.scene_);
     if (problem.needs.user_torque) {
         dense.message = "user-defined torques have no reference solution";

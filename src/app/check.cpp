@@ -112,7 +112,7 @@ int check_command(const CheckOptions& options) {
     ErrorLimits limits(scene);
     limits.report_only = options.report_only;
     for (const auto& [block, text] : options.limits)
-        if (!text.empty() && is_of_joints(block) && !is_mechanism(scene))
+        if (!text.empty() && !has_quantity(scene, block))
             throw UsageError(fmt::format("--max-{} applies to joints, and the scene has one body; remove the option",
                                          block == "joint_gap" ? "joint-gap" : "joint-turn"));
         else if (!text.empty())

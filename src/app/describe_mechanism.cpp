@@ -299,7 +299,7 @@ void description::mechanism(Report& report, const Problem& problem) {
     report.line("computed by", std::string(truth_method(problem)) +
                                    " in joint coordinates and, by independent code, in maximal coordinates with "
                                    "multipliers");
-    invariants(report, problem);
+    invariants(report, problem, "none known: loads or joints change energy and momenta");
 }
 
 }  // namespace polhode

@@ -166,6 +166,16 @@ void polhode_drawing(Report& report, const Problem& problem) {
     for (const std::string& line : polhode_text(polhode)) report.line(line);
 }
 
+// Equally spaced times, and 50 per decade from T / 10^8, so that a run that stops early is resolved.
+std::vector<double> conditioning_times(double T) {
+    constexpr long decades = 8, per_decade = 50;
+    std::vector<double> times = sample_times(T, 2000);
+    for (long k = 1; k <= decades * per_decade; ++k)
+        times.push_back(T * std::pow(10, -static_cast<double>(k) / static_cast<double>(per_decade)));
+    std::sort(times.begin(), times.end());
+    return times;
+}
+
 }  // namespace
 
 std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
@@ -177,7 +187,7 @@ std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     report.line("duration", number(scene.duration) + " s");
     if (is_mechanism(scene)) {
         description::mechanism(report, problem);
-        growth(report, problem, budget);
+        growth(report, problem, budget, sample_times(scene.duration, 200));
         return report.text();
     }
     mass_properties(report, problem);
@@ -190,8 +200,8 @@ std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     planes(report, problem);
     system_posed(report, problem);
     choice(report, problem);
-    invariants(report, problem);
-    growth(report, problem, budget);
+    invariants(report, problem, "none: the loads change energy and every component of momentum");
+    growth(report, problem, budget, conditioning_times(scene.duration));
     polhode_drawing(report, problem);
     return report.text();
 }

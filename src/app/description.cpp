@@ -79,12 +79,10 @@ void description::choice(Report& report, const Problem& problem) {
                                 found.rotation));
 }
 
-void description::invariants(Report& report, const Problem& problem) {
+void description::invariants(Report& report, const Problem& problem, const char* without) {
     report.title("Invariants, with their values at t = 0");
     const std::vector<Conserved> all = conserved(problem);
-    if (all.empty())
-        report.line(is_mechanism(problem.scene) ? "none known: loads or joints change energy and momenta"
-                                                : "none: the loads change energy and every component of momentum");
+    if (all.empty()) report.line(without);
     for (const Conserved& one : all) {
         const bool vector = one.value.size() == 3;
         std::string value =
@@ -99,16 +97,9 @@ void description::invariants(Report& report, const Problem& problem) {
 }
 
 // Prints how small changes of the initial state grow, and until when an engine's error can be attributed to the engine.
-void description::growth(Report& report, const Problem& problem, ConditioningBudget budget) {
+void description::growth(Report& report, const Problem& problem, ConditioningBudget budget,
+                         const std::vector<double>& times) {
     report.title("Conditioning");
-    const double T = problem.scene.duration;
-    // equally spaced; for one body also 50 per decade from T / 10^8, so that a run that stops early is resolved
-    constexpr long intervals = 2000, of_several_bodies = 200, decades = 8, a_decade = 50;
-    const bool several = is_mechanism(problem.scene);
-    std::vector<double> times = sample_times(T, several ? of_several_bodies : intervals);
-    for (long k = 1; !several && k <= decades * a_decade; ++k)
-        times.push_back(T * std::pow(10, -static_cast<double>(k) / static_cast<double>(a_decade)));
-    std::sort(times.begin(), times.end());
     ConditioningSettings settings;
     if (budget == ConditioningBudget::brief) {
         settings.max_steps = prompt_conditioning_steps;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <vector>
 
 #include "body/algebra.h"
 #include "motion/problem.h"
@@ -44,16 +45,16 @@ class Report {
 void loads(Report& report, const Scene& scene);
 /// Appends the block on the method that auto selects.
 void choice(Report& report, const Problem& problem);
-/// Appends the block on invariants of the motion.
-void invariants(Report& report, const Problem& problem);
+/// Appends the block on invariants of the motion. `without`: the text if no invariant is known.
+void invariants(Report& report, const Problem& problem, const char* without);
 /// How far the conditioning of a scene is computed.
 enum class ConditioningBudget {
     brief,  ///< for a fixed number of steps: a fraction of a second
     whole,  ///< for the whole run, without a time limit
 };
 /// Appends the block on conditioning: growth of small changes of the initial state, and until when an engine's error
-/// can be attributed to the engine.
-void growth(Report& report, const Problem& problem, ConditioningBudget budget);
+/// can be attributed to the engine. `times`: ascending, s.
+void growth(Report& report, const Problem& problem, ConditioningBudget budget, const std::vector<double>& times);
 /// Appends the blocks of a scene of several bodies, except title and conditioning.
 void mechanism(Report& report, const Problem& problem);
 

@@ -107,7 +107,7 @@ class EnsembleRun {
             until.duration = sample_time(scene.duration, k, options.samples);
             solvers_.emplace_back(until, single_thread);
         }
-        const long records = options.samples * std::max(1L, static_cast<long>(scene.bodies.size()));
+        const long records = options.samples * static_cast<long>(body_count(scene));
         largest_piece_ = static_cast<std::size_t>(std::max(64L, options.rows_at_once / records));
         piece_rows_ = std::min(mechanism_ ? mechanism_->block() : solvers_.front().block(), largest_piece_);
     }

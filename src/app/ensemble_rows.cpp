@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "motion/mechanism_motion.h"
 #include "motion/trajectory_columns.h"
 #include "text/message.h"
 #include "text/npy.h"
@@ -124,12 +125,13 @@ void append_row(std::string& text, const SolvedPiece& piece, std::size_t i, std:
 
 std::unique_ptr<EnsembleFormat> make_format(const std::string& path, const Scene& scene, const EnsembleStream& table,
                                             const std::string& file) {
-    if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids(), is_mechanism(scene));
+    const std::vector<std::string> bodies = body_names(scene);
+    if (!path.ends_with(".npy")) return std::make_unique<CsvFormat>(table.has_ids(), !bodies.empty());
     if (table.has_ids() && table.id_width() == 0)
         throw InputError(file, "column id", "has ids of variable length, which .npy output does not support",
                          "remove the column (rows are numbered), give an .npy table, or write CSV");
     std::size_t longest_name = 0;
-    for (const NamedBody& body : scene.bodies) longest_name = std::max(longest_name, body.name.size());
+    for (const std::string& name : bodies) longest_name = std::max(longest_name, name.size());
     return std::make_unique<NpyFormat>(table.id_width(), longest_name);
 }
 

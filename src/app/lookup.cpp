@@ -63,7 +63,7 @@ void add_outside_option(CLI::App& command) {
 }
 
 void require_states(const Scene& scene, long samples) {
-    const long bodies = std::max<long>(1, static_cast<long>(scene.bodies.size()));
+    const long bodies = static_cast<long>(body_count(scene));
     if (samples > most_states / bodies)
         throw UsageError(fmt::format("--samples is {}; give at most {} for a scene of {} {}", samples,
                                      most_states / bodies, bodies, bodies == 1 ? "body" : "bodies"));

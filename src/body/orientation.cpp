@@ -14,7 +14,6 @@
 
 #include "body/elementary.h"
 #include "body/mass_properties.h"
-#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -105,13 +104,6 @@ Quaternion<double> quaternion_from_axis_angle(const AxisAngle& turn) {
     return {std::cos(turn.angle / 2), s * n[0], s * n[1], s * n[2]};
 }
 
-AxisAngle axis_angle_from_quaternion(const Quaternion<double>& q) {
-    const Vector3<double> v = rotation_vector_from_quaternion(q);
-    const double angle = hypotenuse(v);
-    if (angle == 0) return {};
-    return {unit(v), angle};
-}
-
 double orthogonality_defect(const Matrix3<double>& A) {
     double sum = 0;
     for (int i = 0; i < 3; ++i)
@@ -197,14 +189,6 @@ std::string_view name_of(EulerSequence sequence) {
     constexpr std::array<std::string_view, 12> names{"xyz", "xzy", "yxz", "yzx", "zxy", "zyx",
                                                      "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"};
     return names.at(static_cast<std::size_t>(sequence));
-}
-
-EulerSequence parse_euler_sequence(std::string_view name) {
-    for (const EulerSequence sequence : euler_sequences)
-        if (name_of(sequence) == name) return sequence;
-    throw std::invalid_argument(
-        "\"" + one_line(name, 100) +
-        "\" is not an Euler angle sequence; must be one of xyz, xzy, yxz, yzx, zxy, zyx, xyx, xzx, yxy, yzy, zxz, zyz");
 }
 
 bool is_proper(EulerSequence sequence) {

@@ -54,11 +54,6 @@ struct AxisAngle {
 /// nonzero angle.
 Quaternion<double> quaternion_from_axis_angle(const AxisAngle& turn);
 
-/// Axis and angle in [0, pi]. The identity has no axis; z is returned then. The axis jumps to its opposite where the
-/// angle would pass pi. As the angle goes to 0, the axis is lost in rounding (its error is about 1e-16 / angle for a
-/// rounded q).
-AxisAngle axis_angle_from_quaternion(const Quaternion<double>& q);
-
 // Matrices
 
 /// Frobenius norm of A^T A - 1.
@@ -103,8 +98,6 @@ inline constexpr std::array<EulerSequence, 12> euler_sequences{
 
 /// The sequence as text: "xyz", ..
 std::string_view name_of(EulerSequence sequence);
-/// Throws std::invalid_argument unless `name` is one of the twelve names.
-EulerSequence parse_euler_sequence(std::string_view name);
 /// Whether the first and the last axis are the same.
 bool is_proper(EulerSequence sequence);
 

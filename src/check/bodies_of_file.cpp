@@ -12,9 +12,11 @@ std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile
 }
 
 std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file) {
-    std::vector<std::string> missing = body_names(scene);
-    for (const std::size_t b : bodies_of_file(scene, file)) missing[b].clear();
-    std::erase(missing, std::string());
+    std::vector<bool> is_missing(body_count(scene), true);
+    for (const std::size_t b : bodies_of_file(scene, file)) is_missing[b] = false;
+    std::vector<std::string> missing;
+    for (std::size_t b = 0; b < is_missing.size(); ++b)
+        if (is_missing[b]) missing.emplace_back(scene_body(scene, b).name);
     return missing;
 }
 

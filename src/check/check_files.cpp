@@ -27,23 +27,18 @@ namespace {
 
 // Lists the columns and blocks that a file of this scene could have but lacks.
 std::string list_missing_blocks(const Scene& scene, const TrajectoryFile& file) {
+    const bool several = is_mechanism(scene), has_place = file.has_position || file.has_origin;
     std::vector<std::string> all;
     if (!file.has_angular_velocity) all.emplace_back("angular velocity (therefore also energy and angular momentum)");
-    if (is_mechanism(scene)) {
-        if (const std::vector<std::string> missing = missing_bodies(scene, file); !missing.empty())
-            all.push_back(fmt::format("bod{} {} (therefore also energy, momentum and joints)",
-                                      missing.size() > 1 ? "ies" : "y", one_line(join_with_commas(missing), 200)));
-        if (!file.has_position && !file.has_origin) all.emplace_back("position (therefore also joint gaps)");
-        if (!file.has_velocity) all.emplace_back("velocity");
-        if (file.has_angular_velocity && (!file.has_velocity || !(file.has_position || file.has_origin)))
-            all.emplace_back("energy and momentum (they need position and velocity)");
-        return fmt::format("{}", fmt::join(all, "; "));
-    }
-    if (!scene.pivot && !file.has_position && !file.has_origin) all.emplace_back("position");
+    if (const std::vector<std::string> missing = missing_bodies(scene, file); !missing.empty())
+        all.push_back(fmt::format("bod{} {} (therefore also energy, momentum and joints)",
+                                  missing.size() > 1 ? "ies" : "y", one_line(join_with_commas(missing), 200)));
+    if (!scene.pivot && !has_place) all.emplace_back(several ? "position (therefore also joint gaps)" : "position");
     if (!scene.pivot && !file.has_velocity) all.emplace_back("velocity");
-    if (!scene.pivot && file.has_angular_velocity && !(file.has_velocity && (file.has_position || file.has_origin)))
-        all.emplace_back(rotation_is_independent(scene) ? "translational energy (the rotational energy is compared)"
-                                                        : "energy");
+    if (!scene.pivot && file.has_angular_velocity && !(file.has_velocity && has_place))
+        all.emplace_back(several                          ? "energy and momentum (they need position and velocity)"
+                         : rotation_is_independent(scene) ? "translational energy (the rotational energy is compared)"
+                                                          : "energy");
     return fmt::format("{}", fmt::join(all, "; "));
 }
 
@@ -74,7 +69,7 @@ void compare_in_binary64(const Scene& scene, const TrajectoryFile& file, const D
 // Compares a file with the truth. Returns why there is no truth, or an empty string.
 std::string compare_with_truth(const Scene& scene, TrajectoryFile& file, CheckedFile& checked) {
     constexpr std::size_t many = 2000;
-    if (!is_mechanism(scene) && file.rows.size() > many && file.rows.back().t > 0)
+    if (file.rows.size() > many && file.rows.back().t > 0)
         if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available) {
             compare_in_binary64(scene, file, truth, checked);
             return "";
@@ -223,8 +218,8 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
 
 TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, const ColumnNames& columns,
                             std::string_view text, CheckedFile& checked, std::vector<std::size_t>* gaps) {
-    ForeignTable table = find_foreign_columns(text, checked.path, columns, scene == nullptr || is_mechanism(*scene));
     const std::vector<std::string> bodies = scene != nullptr ? body_names(*scene) : std::vector<std::string>();
+    ForeignTable table = find_foreign_columns(text, checked.path, columns, scene == nullptr || !bodies.empty());
     TrajectoryFile file =
         parse_foreign_trajectory(text, checked.path, table.columns, convention.quaternion, bodies, gaps);
     checked.remarks = std::move(table.remarks);
@@ -233,7 +228,7 @@ TrajectoryFile prepare_file(const Scene* scene, const Convention& convention, co
         convert(file, convention);
         return file;
     }
-    if (!is_mechanism(*scene) && !file.bodies.empty())
+    if (bodies.empty() && !file.bodies.empty())
         throw InputError(checked.path, "column body", "is not allowed for a scene of one body",
                          "remove it, or give a scene of several bodies");
     convert(file, convention);

@@ -8,6 +8,7 @@
 #include "check/file_errors.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
+#include "measure/scene_measure.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -17,11 +18,10 @@ constexpr std::size_t many = 2000;
 
 // Lists the columns that the measure needs and the file lacks.
 std::string lacking(const Scene& scene, const TrajectoryFile& file, const Measure& measure) {
-    const bool whole = is_mechanism(scene) && measure.whole_error;
-    const bool center = (measure.needs & known_center) != 0 || (whole && (measure.needs & known_angular_velocity) != 0);
+    const bool center = (SceneMeasure<double>(scene).needs(measure) & known_center) != 0;
     const bool place = file.has_position || file.has_origin;
     std::vector<std::string> all;
-    if (whole)
+    if (measure.whole_error)
         for (const std::string& name : missing_bodies(scene, file)) all.push_back("body \"" + name + '"');
     if ((measure.needs & known_angular_velocity) != 0 && !file.has_angular_velocity) all.emplace_back("wx,wy,wz");
     if (((measure.needs & known_position) != 0 || (center && !scene.pivot)) && !place) all.emplace_back("px,py,pz");
@@ -65,7 +65,7 @@ ErrorOverTime error_over_time(const Scene& scene, const TrajectoryFile& file, st
         throw InputError(name, "", fmt::format("has no {}, needed for the error of {}", missing, measure),
                          "add them, or choose another error");
     const std::size_t at_once = file.bodies_at_once(), moments = file.rows.size() / at_once;
-    if (!is_mechanism(scene) && moments > many && file.rows.back().t > 0)
+    if (moments > many && file.rows.back().t > 0)
         if (const DenseTruth truth = dense_reference(scene, file.rows.back().t); truth.available)
             return by_polynomials(scene, file, index, truth);
 

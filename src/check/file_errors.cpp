@@ -85,23 +85,24 @@ struct FileErrorAccumulator::State {
                 turn = measure_index("joint_turn"), omega = measure_index("omega");
 
     bool has_position() const { return file->has_position || file->has_origin; }
-    bool has_all_bodies() const { return !is_mechanism(*scene) || places.size() == scene->bodies.size(); }
+    bool has_all_bodies() const { return places.size() == body_count(*scene); }
+    bool is_of_several() const {
+        return std::visit([](const auto& a) { return a.measure.is_of_several(); }, arithmetic);
+    }
 
     // Whether the file has the columns that a measure needs.
     bool can_compute(const Measure& measure) const {
-        const bool several = is_mechanism(*scene);
-        if (!std::visit([&](const auto& a) { return a.measure.has(measure); }, arithmetic)) return false;
-        const bool center = (!several && scene->pivot) || (has_position() && file->has_velocity) ||
-                            (rotational && measure.name == "energy");
+        const bool center =
+            scene->pivot || (has_position() && file->has_velocity) || (rotational && measure.name == "energy");
         const unsigned known = known_truth | known_free_system |
                                (file->has_angular_velocity ? known_angular_velocity : 0U) |
                                (has_position() ? known_position : 0U) | (file->has_velocity ? known_velocity : 0U) |
                                (center ? known_center : 0U);
         // momenta and energy of several bodies need the states of all bodies
-        if (several && measure.whole_error &&
-            (!has_all_bodies() || ((measure.needs & known_angular_velocity) != 0 && !center)))
-            return false;
-        return (measure.needs & ~known) == 0;
+        if (measure.whole_error && !has_all_bodies()) return false;
+        return std::visit(
+            [&](const auto& a) { return a.measure.has(measure) && (a.measure.needs(measure) & ~known) == 0; },
+            arithmetic);
     }
 
     std::size_t span_of(double t) const { return polhode::span_of(t, file->rows.front().t, file->rows.back().t); }
@@ -176,7 +177,7 @@ struct FileErrorAccumulator::State {
     template <class S>
     void store_worst(std::size_t m, std::size_t body, const JointViolations<S>& violations) {
         const auto joint = [&](std::size_t j) { return j < joints.size() ? joints[j] : std::string(); };
-        if (m == attitude && is_mechanism(*scene)) worst_body = scene->bodies[body].name;
+        if (m == attitude) worst_body = scene_body(*scene, body).name;
         if (m == gap) worst_gap = joint(violations.gap_joint);
         if (m == turn) worst_turn = joint(violations.turn_joint);
     }
@@ -189,7 +190,7 @@ FileErrorAccumulator::FileErrorAccumulator(const Scene& scene, const TrajectoryF
                                                ? Arithmetics(State::Arithmetic<double>(scene))
                                                : Arithmetics(State::Arithmetic<Wide>(scene)),
                                            JointCoordinates(scene), JointCoordinates(scene)});
-    state_->rotational = !is_mechanism(scene) && !scene.pivot && !(state_->has_position() && file.has_velocity) &&
+    state_->rotational = !state_->is_of_several() && !scene.pivot && !(state_->has_position() && file.has_velocity) &&
                          rotation_is_independent(scene);
 }
 FileErrorAccumulator::~FileErrorAccumulator() = default;
@@ -197,7 +198,7 @@ FileErrorAccumulator::FileErrorAccumulator(FileErrorAccumulator&&) noexcept = de
 
 void FileErrorAccumulator::add(std::size_t first, std::span<const ReferenceSample> truth) {
     const std::span<const TrajectoryRow> rows = state_->file->rows;
-    const std::size_t at_once = state_->places.size(), bodies = std::max<std::size_t>(1, state_->scene->bodies.size()),
+    const std::size_t at_once = state_->places.size(), bodies = body_count(*state_->scene),
                       moments = truth.size() / bodies;
     if ((first + moments) * at_once > rows.size())
         throw std::invalid_argument("the truth has more samples than the file");
@@ -235,8 +236,7 @@ FileErrors FileErrorAccumulator::result() const {
     PerMeasure<Tally> tallies = state_->tallies;
     PerMeasure<double> scales = state_->scales;
     // the rate of several bodies at rest is only the truth's round-off
-    if (double& rate = scales[state_->omega];
-        is_mechanism(*state_->scene) && rate * state_->scene->duration < vanishing)
+    if (double& rate = scales[state_->omega]; state_->is_of_several() && rate * state_->scene->duration < vanishing)
         rate = 0;
     FileErrors result;
     result.worst_body = state_->worst_body, result.worst_gap = state_->worst_gap,

@@ -58,7 +58,7 @@ FileErrors compute_file_errors(const Scene& scene, const TrajectoryFile& file, c
 
 /// Indices in the scene of the bodies of a file.
 std::vector<std::size_t> bodies_of_file(const Scene& scene, const TrajectoryFile& file);
-/// Names of the scene's bodies that are missing in a file of several bodies.
+/// Names of the scene's bodies that are missing in a file. No body is missing in a file of one body.
 std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile& file);
 
 /// Converts a file of several bodies to a trajectory. Missing blocks and bodies are filled in from the truth.

@@ -47,6 +47,8 @@ struct Numbers {
     }
 };
 
+// Whether the rows have a column `body`.
+inline bool has_several_bodies(const Golden& g) { return !g.motion.bodies.empty(); }
 inline bool scalar_last(const Golden& g) { return g.convention.quaternion == QuaternionColumns::scalar_last; }
 
 inline std::string axes_of(const Golden& g) {

@@ -19,7 +19,7 @@ using namespace golden_code;
 
 // The body, its shape, planes and loads.
 ordered_json surroundings(const Golden& g, const Numbers& number) {
-    if (is_mechanism(g.scene)) return system_surroundings(g, number);
+    if (has_several_bodies(g)) return system_surroundings(g, number);
     ordered_json all;
     const Body& body = g.scene.body;
     all["body"] = {{"mass", number(body.mass)},
@@ -157,7 +157,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
                 add_members(fmt::format("{}_{}_", type, i), one, type);
             }
     };
-    const bool several = is_mechanism(g.scene);
+    const bool several = has_several_bodies(g);
     add("samples", g.motion.rows.size() / g.motion.bodies_at_once(), "");
     if (several)
         for (Field& field : system_fields(g, around, m)) all.push_back(std::move(field));
@@ -223,7 +223,7 @@ std::vector<std::string> preface(const Golden& g) {
         "loads, steps to each t and passes the engine's state to compare, with null for blocks that the engine does",
         "not have. Tolerances of energy and momentum are relative to their largest value over the run. Loads, planes",
         "and the pieces whose convex hull is the body's shape are numbered and use the same axes."};
-    if (!is_mechanism(g.scene)) return lines;
+    if (!has_several_bodies(g)) return lines;
     lines.resize(lines.size() - 4);
     for (const char* line :
          {"A test creates the bodies from mass, center_of_mass and inertia, connects them by the joints and loops,",
@@ -377,7 +377,7 @@ std::string code(const Golden& g, GoldenFormat format, const Numbers& number) {
     if (format == GoldenFormat::cpp)
         compare = names_of_cpp + replace_all(compare, "static inline", "inline") + compare_cpp;
     for (const auto& [what, of_one, of_several] : marks_of_bodies)
-        compare = replace_all(std::move(compare), what, is_mechanism(g.scene) ? of_several : of_one);
+        compare = replace_all(std::move(compare), what, has_several_bodies(g) ? of_several : of_one);
     // the name comes last: it may contain any word
     for (const auto& [what, by] : {std::pair<std::string, std::string>{"REAL", language.real()},
                                    {"SCALAR", scalar_last(g) ? "3" : "0"},

@@ -126,8 +126,8 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
             if (!known(all[m], k)) continue;
             const auto [error, body] = error_in(all[m], c);
             series[m].push_back(double(scale[m] > 0 ? error / scale[m] : error));
-            if (m == attitude && measure.is_of_several() && is_larger(error, worst_attitude))
-                worst_attitude = error, series.worst_body = scene.bodies[body].name;
+            if (m == attitude && is_larger(error, worst_attitude))
+                worst_attitude = error, series.worst_body = scene_body(scene, body).name;
         }
     }
     return series;

@@ -25,6 +25,12 @@ bool SceneMeasure<S>::has(const Measure& measure) const {
 }
 
 template <class S>
+unsigned SceneMeasure<S>::needs(const Measure& measure) const {
+    const bool whole = is_of_several() && measure.whole_error && (measure.needs & known_angular_velocity) != 0;
+    return measure.needs | (whole ? known_center : 0U);
+}
+
+template <class S>
 Vector3<S> SceneMeasure<S>::start_W() const {
     const auto* body = std::get_if<ExactBody<S>>(&kind_);
     if (!body) return {};

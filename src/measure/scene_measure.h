@@ -28,6 +28,9 @@ class SceneMeasure {
     /// Whether the measure is defined for the scene: a single body has no joint measures, and bodies connected to the
     /// world by a joint have no free-system measures.
     bool has(const Measure& measure) const;
+    /// The data that the measure needs, flags of Known: the energy and momenta of several bodies also need the
+    /// positions and velocities of all bodies.
+    unsigned needs(const Measure& measure) const;
     /// From a body's origin to its centre of mass, m, body axes.
     const Vector3<S>& center(std::size_t body) const { return centers_[body]; }
     /// Initial position of the centre of mass of a single body, m, world axes; the world's origin for several bodies.

@@ -362,7 +362,7 @@ Sample first_sample(const Problem& problem) {
 }  // namespace
 
 std::vector<Conserved> conserved(const Problem& problem) {
-    if (is_mechanism(problem.scene)) return conserved_by_mechanism(problem);
+    if (std::holds_alternative<MechanismSystem>(problem.system)) return conserved_by_mechanism(problem);
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
     const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,

@@ -13,7 +13,7 @@
 namespace polhode {
 
 /// An open table of initial states, for one body or several, whose columns have been read. Gives the same rows and
-/// errors as read_ensemble(), but holds only one piece of the table in memory.
+/// errors as parse_ensemble(), but holds only one piece of the table in memory.
 class EnsembleStream {
   public:
     virtual ~EnsembleStream() = default;

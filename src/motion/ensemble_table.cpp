@@ -11,12 +11,10 @@
 #include "body/fast_principal_frame.h"
 #include "motion/ensemble_stream.h"
 #include "text/decimal.h"
-#include "text/json_document.h"
 
 namespace polhode {
 namespace {
 
-constexpr std::size_t largest_file = std::size_t{4} << 30;
 constexpr double norm_tolerance = 1e-6, shape_tolerance = 1e-12;
 
 bool is_diagonal(const Matrix3<double>& J) {
@@ -107,10 +105,6 @@ EnsembleTable parse_ensemble(std::string_view text, const std::string& file, con
     rows->next(table, std::numeric_limits<std::size_t>::max(), bad);
     rows->require_rows();
     return table;
-}
-
-EnsembleTable read_ensemble(const std::string& path, const Scene& scene, BadRows bad) {
-    return parse_ensemble(read_text(path, largest_file, "a readable CSV file"), path, scene, bad);
 }
 
 }  // namespace polhode

@@ -73,7 +73,4 @@ enum class BadRows { refuse_all, pass_over };
 EnsembleTable parse_ensemble(std::string_view text, const std::string& file, const Scene& scene,
                              BadRows bad = BadRows::refuse_all);
 
-/// Reads and parses a file of at most 4 GiB. Throws InputError, also when it cannot be read.
-EnsembleTable read_ensemble(const std::string& path, const Scene& scene, BadRows bad = BadRows::refuse_all);
-
 }  // namespace polhode

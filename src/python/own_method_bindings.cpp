@@ -119,7 +119,7 @@ Trajectory by_function(const py::function& solve, const Problem& problem, const 
         const py::tuple given = solve(write_scene(problem.scene), problem.scene.directory, times, settings.step,
                                       settings.tolerance, settings.seconds_limit);
         const auto rows = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given[0]);
-        const std::size_t bodies = std::max<std::size_t>(1, problem.scene.bodies.size());
+        const std::size_t bodies = body_count(problem.scene);
         if (!rows || rows.ndim() != 2 || rows.shape(1) != 13 ||
             static_cast<std::size_t>(rows.shape(0)) != times.size() * bodies)
             throw py::value_error("the solver returned a wrong number of rows; return one row per time and body");

@@ -30,10 +30,7 @@ Vector3<double> mean_rate(const Quaternion<double>& from, const Quaternion<doubl
 // the centre of mass of a single body stays at its initial position.
 std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file) {
     std::vector<Vector3<double>> centers;
-    if (is_mechanism(scene))
-        for (const std::size_t b : bodies_of_file(scene, file)) centers.push_back(scene.bodies[b].body.center_of_mass);
-    else
-        centers.push_back(scene.body.center_of_mass);
+    for (const std::size_t b : bodies_of_file(scene, file)) centers.push_back(scene_body(scene, b).body.center_of_mass);
     std::vector<Sample> samples = samples_of(file, centers);
     const std::size_t bodies = file.bodies_at_once();
     // the previous and the next sample of the same body
@@ -119,7 +116,7 @@ CheckedTrajectories check_trajectories(const Scene& scene, int place, const std:
         checked.list.push_back(check_json(one, limits, place));
         DrawnFile drawn{std::filesystem::path(one.path).filename().string(), place, {}, 1};
         // files that lack bodies are not drawn
-        if (one.file && (!is_mechanism(scene) || missing_bodies(scene, *one.file).empty())) {
+        if (one.file && missing_bodies(scene, *one.file).empty()) {
             drawn.samples = drawn_samples(scene, *one.file);
             drawn.bodies = static_cast<int>(one.file->bodies_at_once());
         }

@@ -285,10 +285,10 @@ class DocumentWriter {
                       {"t", thin(series.t, 6)}};
             Json growth = Json::object();
             const auto fits = fit_growth(series);
-            for (std::size_t i = 0; i < drift_measures.size(); ++i) {
-                json[std::string(drift_measures[i])] = thin(series.errors[i], 3);
+            for (std::size_t i = 0; i < standard_measures.size(); ++i) {
+                json[std::string(standard_measures[i])] = thin(series.errors[i], 3);
                 if (fits[i])
-                    growth[std::string(drift_measures[i])] =
+                    growth[std::string(standard_measures[i])] =
                         Json::array({number_json(fits[i]->first, 3), number_json(fits[i]->second, 2)});
             }
             json["growth"] = std::move(growth);

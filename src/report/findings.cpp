@@ -294,13 +294,13 @@ Fastest fastest_within(const ResultFolder& folder, const std::vector<std::size_t
 
 std::vector<std::optional<std::pair<double, double>>> fit_growth(const FolderSeries& series) {
     std::vector<std::optional<std::pair<double, double>>> all;
-    for (std::size_t i = 0; i < drift_measures.size(); ++i) {
+    for (std::size_t i = 0; i < standard_measures.size(); ++i) {
         all.emplace_back();
         const std::vector<double>& error = series.errors[i];
         if (std::ranges::any_of(error, [](double e) { return !std::isfinite(e); })) continue;
         // attitude errors saturate at about 1 rad
         const auto growth =
-            drift_measures[i] == "attitude" ? error_growth(series.t, error, 1.0) : error_growth(series.t, error);
+            standard_measures[i] == "attitude" ? error_growth(series.t, error, 1.0) : error_growth(series.t, error);
         if (growth) all.back() = {growth->exponent, growth->uncertainty};
     }
     return all;

@@ -33,7 +33,7 @@ std::vector<std::vector<std::size_t>> rows_by_scene(const ResultFolder& folder);
 /// formulation. Findings without data are omitted.
 std::vector<Finding> make_findings(const ResultFolder& folder);
 
-/// Growth exponent and its uncertainty for each of drift_measures; nullopt if no power law fits.
+/// Growth exponent and its uncertainty for each of standard_measures; nullopt if no power law fits.
 std::vector<std::optional<std::pair<double, double>>> fit_growth(const FolderSeries& series);
 
 /// Order of convergence fitted to one curve.

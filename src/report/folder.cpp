@@ -163,8 +163,8 @@ class FolderReader {
             folder_.series.push_back({whose, scene, method, setting, {}, {}});
         FolderSeries& series = folder_.series.back();
         series.t.push_back(t);
-        for (std::size_t i = 0; i < drift_measures.size(); ++i) {
-            const auto at = std::ranges::find(columns, std::string(drift_measures[i]) + "_error");
+        for (std::size_t i = 0; i < standard_measures.size(); ++i) {
+            const auto at = std::ranges::find(columns, std::string(standard_measures[i]) + "_error");
             series.errors[i].push_back(
                 at == columns.end() ? absent : number_of(fields[static_cast<std::size_t>(at - columns.begin())]));
         }

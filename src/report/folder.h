@@ -62,15 +62,12 @@ struct FolderRow {
     bool is_within(double error) const { return status == Status::ok && attitude() <= error && seconds() > 0; }
 };
 
-/// Errors over time; the columns of drift.csv are these names with "_error".
-inline constexpr std::array<std::string_view, 5> drift_measures{"attitude", "omega", "energy", "momentum", "norm"};
-
 /// The errors over time of one run.
 struct FolderSeries {
     int experiment = 0, scene = 0, method = 0;
     double setting = absent;
-    std::vector<double> t;                                          ///< s
-    std::array<std::vector<double>, drift_measures.size()> errors;  ///< by index in drift_measures
+    std::vector<double> t;                                             ///< s
+    std::array<std::vector<double>, standard_measures.size()> errors;  ///< by index in standard_measures
 };
 
 /// Any other table.

@@ -62,9 +62,7 @@ bool precedes(const DrawnRun& a, const DrawnRun& b, double step) {
 // The truth at arbitrary times, with a cache for scenes without dense output.
 class SceneTruth {
   public:
-    explicit SceneTruth(const Scene& scene) : scene_(scene) {
-        if (!is_mechanism(scene)) dense_ = dense_reference(scene, scene.duration);
-    }
+    explicit SceneTruth(const Scene& scene) : scene_(scene) { dense_ = dense_reference(scene, scene.duration); }
 
     // whether new times are inexpensive
     bool is_dense() const { return dense_.available; }
@@ -165,10 +163,9 @@ class MotionWriter {
             fault_ = "its values are too large to draw";
             return nullptr;
         }
-        const std::vector<NamedBody> bodies =
-            is_mechanism(scene_) ? scene_.bodies : std::vector<NamedBody>{{scene_.name, scene_.body, {}}};
+        const std::size_t bodies = body_count(scene_);
         double size = 0;
-        for (const NamedBody& body : bodies) size = std::max(size, size_of(body.body));
+        for (std::size_t b = 0; b < bodies; ++b) size = std::max(size, size_of(scene_body(scene_, b).body));
         // bodies without extent: use the distances from their joints
         if (size == 0)
             for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
@@ -182,9 +179,13 @@ class MotionWriter {
                   {"thinning", Json::object()},
                   {"bodies", Json::array()},
                   {"joints", joints_json(scene_)}};
-        for (const NamedBody& body : bodies) json["bodies"].push_back(body_shape_json(body.name, body.body));
+        const bool several = is_mechanism(scene_);
+        for (std::size_t b = 0; b < bodies; ++b) {
+            const SceneBody body = scene_body(scene_, b);
+            json["bodies"].push_back(body_shape_json(several ? std::string(body.name) : scene_.name, body.body));
+        }
         json["pivot"] = scene_.pivot ? vector_json(*scene_.pivot - scene_.body.center_of_mass) : Json();
-        json["about"] = is_mechanism(scene_) ? Json() : principal_json(scene_.body, scene_.pivot);
+        json["about"] = several ? Json() : principal_json(scene_.body, scene_.pivot);
         json["planes"] = Json::array();
         for (const Plane& plane : scene_.planes)
             json["planes"].push_back(
@@ -198,9 +199,8 @@ class MotionWriter {
             for (int b = 0; b < motion.bodies; ++b)
                 moving = moving || !(motion.at(k, b).position_W == motion.at(0, b).position_W);
         json["moving"] = moving;
-        json["free"] =
-            !is_mechanism(scene_) && problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
-        json["energy"] = number_json(is_mechanism(scene_) ? 0 : energy(motion.at(0, 0)), 6);
+        json["free"] = problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
+        json["energy"] = number_json(several ? 0 : energy(motion.at(0, 0)), 6);
         json["truth"] = track_json(motion, keyframes);
         json["how"] = fmt::format("{}; error bound {:.1e}", reference.message, reference.bound);
         json["methods"] = Json::array();

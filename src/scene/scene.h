@@ -250,11 +250,28 @@ struct Scene {
 /// Whether a scene has several bodies with joints: `bodies` in place of `body`.
 inline bool is_mechanism(const Scene& scene) { return !scene.bodies.empty(); }
 
+/// A body of a scene, for code that treats one body and several alike. It refers to the scene.
+struct SceneBody {
+    std::string_view name;  ///< empty in a scene of one body
+    const Body& body;       ///< its mass properties
+};
+/// The number of bodies of a scene, 1 or more.
+inline std::size_t body_count(const Scene& scene) { return scene.bodies.empty() ? 1 : scene.bodies.size(); }
+/// A body of a scene by its index below body_count().
+inline SceneBody scene_body(const Scene& scene, std::size_t index) {
+    if (scene.bodies.empty()) return {{}, scene.body};
+    return {scene.bodies[index].name, scene.bodies[index].body};
+}
+
 /// The quantities for which a scene can set error limits.
 inline constexpr std::array<std::string_view, 8> tolerated_blocks{
     "attitude", "angular_velocity", "position", "velocity", "energy", "momentum", "joint_gap", "joint_turn"};
 /// Whether the quantity exists only for several bodies.
 constexpr bool is_of_joints(std::string_view block) { return block == "joint_gap" || block == "joint_turn"; }
+/// Whether the quantity exists for the scene.
+inline bool has_quantity(const Scene& scene, std::string_view block) {
+    return is_mechanism(scene) || !is_of_joints(block);
+}
 
 /// The scene's error limit of a quantity, if it sets one.
 std::optional<double> tolerated_error(const Scene& scene, std::string_view block);

@@ -279,7 +279,7 @@ void validate(const Scene& scene, const std::string& file) {
     }
     check_planes(check, scene);
     for (const auto& [block, error] : scene.tolerated) {
-        if (is_of_joints(block) && !is_mechanism(scene))
+        if (!has_quantity(scene, block))
             throw InputError(file, "/tolerated/" + block, "applies to joints, but the scene has one body", "remove it");
         if (std::ranges::find(tolerated_blocks, block) == tolerated_blocks.end())
             throw InputError(file, "/tolerated/" + one_line(block, 60), "is not the name of an error block",

@@ -31,7 +31,6 @@ std::string real_path(const std::string& path) {
 }  // namespace
 
 void allow_outside_files(bool allowed) { outside_is_allowed = allowed; }
-bool outside_files_are_allowed() { return outside_is_allowed; }
 
 std::string path_in(const std::string& folder, const std::string& name) {
     return folder.empty() || name.starts_with('/') ? name : folder + '/' + name;

@@ -10,8 +10,6 @@ namespace polhode {
 /// Sets whether files may name files outside their own folders (default: no). Applies to the whole process.
 /// Thread-safe.
 void allow_outside_files(bool allowed);
-/// The current setting of allow_outside_files().
-bool outside_files_are_allowed();
 
 /// The path of a file that is named in a file in `folder` (empty: the working directory).
 std::string path_in(const std::string& folder, const std::string& name);

@@ -6,6 +6,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <numbers>
+#include <set>
+#include <string_view>
 
 #include "motion/moderate_scene.h"
 
@@ -51,10 +53,7 @@ RC_GTEST_PROP(RotationVector, GoesThereAndBack, ()) {
     RC_ASSERT(length(v) <= pi * (1 + 1e-15));
     RC_ASSERT(rotation_angle_between(quaternion_from_rotation_vector(v), q) < angle_roundings);
     RC_ASSERT(distance(rotation_vector_from_quaternion(negative(q)), v) < angle_roundings || std::abs(q.w) < 1e-15);
-    const AxisAngle turn = axis_angle_from_quaternion(q);
-    RC_ASSERT(std::abs(length(turn.axis) - 1) < angle_roundings);
-    RC_ASSERT(turn.angle >= 0 && turn.angle <= pi * (1 + 1e-15));
-    RC_ASSERT(rotation_angle_between(quaternion_from_axis_angle(turn), q) < angle_roundings);
+    RC_ASSERT(rotation_angle_between(quaternion_from_axis_angle({v, length(v)}), q) < angle_roundings);
 }
 
 /// The quaternion agrees with Rodrigues' formula R = 1 + sin a [n] + (1 - cos a) [n]^2, evaluated with matrices.
@@ -89,10 +88,7 @@ TEST(RotationVector, JumpsToItsOppositeAtAHalfTurn) {
     EXPECT_EQ(rotation_vector_from_quaternion({0, 0, -1, 0})[1], -pi);
 }
 
-TEST(AxisAngle, HasNoAxisWithoutATurn) {
-    const AxisAngle none = axis_angle_from_quaternion({1, 0, 0, 0});
-    EXPECT_EQ(none.angle, 0);
-    EXPECT_EQ(none.axis, Vector3<double>(0, 0, 1));
+TEST(AxisAngle, NeedsNoAxisWithoutATurn) {
     EXPECT_EQ(quaternion_from_axis_angle({{0, 0, 0}, 0}), Quaternion<double>{});
     EXPECT_THROW(quaternion_from_axis_angle({{0, 0, 0}, 1}), std::invalid_argument);
 }
@@ -262,10 +258,10 @@ RC_GTEST_PROP(EulerAngles, OfZyxAreYawPitchRoll, ()) {
     RC_ASSERT(std::abs(std::atan2(R[2][1], R[2][2]) - in[2]) < 1e-13);
 }
 
-TEST(EulerAngles, AreNamed) {
-    for (const EulerSequence sequence : euler_sequences) EXPECT_EQ(parse_euler_sequence(name_of(sequence)), sequence);
-    for (const char* wrong : {"", "xxz", "XYZ", "xyzx"})
-        EXPECT_THROW(parse_euler_sequence(wrong), std::invalid_argument) << wrong;
+TEST(EulerAngles, HaveDistinctNames) {
+    std::set<std::string_view> names;
+    for (const EulerSequence sequence : euler_sequences) names.insert(name_of(sequence));
+    EXPECT_EQ(names.size(), euler_sequences.size());
 }
 
 /// Slerp has constant rate, meets both ends and never covers more than pi. q and -q are the same orientation.

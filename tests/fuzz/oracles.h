@@ -14,7 +14,6 @@
 #include <string_view>
 
 #include "body/mesh.h"
-#include "body/orientation.h"
 #include "check/check_files.h"
 #include "check/convention.h"
 #include "check/foreign_table.h"
@@ -347,12 +346,6 @@ inline void words(std::string_view bytes) {
         const std::string subject = text.substr(std::min(end + 1, text.size()));
         require(pattern.matches(subject) == pattern.matches(subject),
                 "an expression matches one time and not the other");
-    } catch (const std::invalid_argument& error) {
-        require_one_line(error.what());
-    }
-    try {
-        const EulerSequence sequence = parse_euler_sequence(text);
-        require(std::string(name_of(sequence)) == text, "a sequence of angles does not read back");
     } catch (const std::invalid_argument& error) {
         require_one_line(error.what());
     }

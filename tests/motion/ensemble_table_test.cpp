@@ -10,6 +10,7 @@
 #include "body/fast_principal_frame.h"
 #include "motion/translation.h"
 #include "motion/written_tables.h"
+#include "text/json_document.h"
 
 namespace polhode {
 namespace {
@@ -97,7 +98,7 @@ class BadEnsemble : public ::testing::TestWithParam<BadFile> {};
 TEST_P(BadEnsemble, IsRefusedInOneLine) {
     std::string message;
     try {
-        read_ensemble(GetParam().path, scene_in_flight());
+        parse_ensemble(read_text(GetParam().path), GetParam().path, scene_in_flight());
     } catch (const InputError& error) {
         message = error.what();
     }

@@ -407,7 +407,7 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     Certifier certifier(scene, result.times, least_bits);
     truth::TreeCertifier tree_certifier(scene, result.times, least_bits);
     const bool is_tree = is_mechanism(scene);
-    if (is_tree) result.bodies = static_cast<int>(scene.bodies.size());
+    result.bodies = static_cast<int>(body_count(scene));
     const PrecisionSearch search = search_precision(
         [&] { return is_tree ? tree_certifier.attempt() : certifier.attempt(); }, least_bits, digits, result);
     flint_cleanup();

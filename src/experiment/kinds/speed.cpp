@@ -78,7 +78,7 @@ bool controls_step(const PlannedCurve& curve) {
 // Compares the fastest method of polhode that chooses its steps with the fastest method of any library. For torque-free
 // scenes of one body, compares the closed form too.
 void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
-    const bool has_exact = !is_mechanism(scene.scene) && pose(scene.scene).needs.torque_free;
+    const bool has_exact = pose(scene.scene).needs.torque_free;
     const auto is_exact = [](const PlannedCurve& c) { return c.method->name == "exact"; };
     const auto is_peer = [](const PlannedCurve& c) { return !c.method->library.empty(); };
     for (const bool exact : has_exact ? std::vector{true, false} : std::vector{false})

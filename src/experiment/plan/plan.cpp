@@ -275,8 +275,7 @@ void require_supported(const Scene& scene, const std::string& name, const Experi
                          fmt::format("{} has several bodies; experiments of kind {} support only one",
                                      one_line(name, 80), e.kind->name),
                          "give scenes of one body, or another kind");
-    if (static_cast<double>(e.samples) * static_cast<double>(std::max<std::size_t>(1, scene.bodies.size())) >
-        static_cast<double>(most_states))
+    if (static_cast<double>(e.samples) * static_cast<double>(body_count(scene)) > static_cast<double>(most_states))
         throw InputError(
             file, "/samples",
             fmt::format("is {}, for the {} bodies of {}", e.samples, scene.bodies.size(), one_line(name, 80)),

@@ -44,12 +44,9 @@ std::optional<double> error_over_tolerance(const Result& r) {
     return *attitude / r.setting;
 }
 
-// measures with standard columns, in order; the columns of other measures are at the end of a table
-const char* const standard_measures[] = {"attitude", "omega", "energy", "momentum", "norm"};
-
 std::vector<std::size_t> standard_measure_indices() {
     std::vector<std::size_t> result;
-    for (const char* name : standard_measures) result.push_back(measure_index(name));
+    for (const std::string_view name : standard_measures) result.push_back(measure_index(name));
     return result;
 }
 std::vector<std::size_t> extra_measures() {

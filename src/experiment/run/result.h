@@ -1,6 +1,7 @@
 // The result of one case of a sweep: a row of the result table.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -60,6 +61,10 @@ struct ResultColumn {
     bool only_systems = false;  ///< only in tables of several bodies
     bool only_stored = false;   ///< only in the table of a stored case
 };
+
+/// The measures with standard columns, in order: attitude_error and so on in drift.csv. The columns of other measures
+/// are at the end of a table.
+inline constexpr std::array<std::string_view, 5> standard_measures{"attitude", "omega", "energy", "momentum", "norm"};
 
 /// All columns in the order of tables, without the first column `experiment`.
 const std::vector<ResultColumn>& result_column_table();

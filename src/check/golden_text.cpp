@@ -166,7 +166,7 @@ void add_tolerances(const Golden& g, const Numbers& number, const std::string& m
     }
 }
 
-void add_motion(const Golden& g, const Numbers& number, const std::string& m, FieldList& all) {
+void add_motion(const Golden& g, const Numbers& number, const std::string& m, bool several, FieldList& all) {
     ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t;
     for (const TrajectoryRow& row : g.motion.rows) {
         if (t.empty() || t.back() != number(row.t)) t.push_back(number(row.t));
@@ -175,7 +175,7 @@ void add_motion(const Golden& g, const Numbers& number, const std::string& m, Fi
         v.push_back(number(row.velocity_W));
     }
     all.add("t", t, "s");
-    const std::string rows = is_mechanism(g.scene) ? ", row sample * bodies + body" : "";
+    const std::string rows = several ? ", row sample * bodies + body" : "";
     all.add("q", q, (scalar_last(g) ? "x, y, z, w" : "w, x, y, z") + rows);
     all.add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
     all.add("p", p, m), all.add("v", v, m + "/s");
@@ -190,16 +190,16 @@ void add_reactions(const Golden& g, const Numbers& number, const std::string& m,
     all.add("reaction_torque", torques, "kg " + m + "^2/s^2, about the child's point" + row);
 }
 
-void add_invariants(const Golden& g, const Numbers& number, const std::string& m, FieldList& all) {
+void add_invariants(const Golden& g, const Numbers& number, const std::string& m, bool several, FieldList& all) {
     ordered_json momentum = ordered_json::array();
     for (const Vector3<double>& L : g.momentum) momentum.push_back(number(L));
     const std::string per = "errors are relative to this value";
     all.add("energy", number.all_of(g.energy), "kg " + m + "^2/s^2, kinetic and potential");
     all.add("energy_scale", number(g.energy_scale), per);
-    all.add("momentum", momentum,
-            "kg " + m +
-                (is_mechanism(g.scene)
-                     ? "^2/s, angular, whole system, about the world's origin, or about the centre of mass if no joint "
+    all.add(
+        "momentum", momentum,
+        "kg " + m +
+            (several ? "^2/s, angular, whole system, about the world's origin, or about the centre of mass if no joint "
                        "ties the system to the world; world axes"
                      : "^2/s, angular, about the pivot or the centre of mass, world axes"));
     if (!g.forces.empty()) add_reactions(g, number, m, all);
@@ -211,16 +211,17 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     const double unit = g.convention.length_unit;
     const std::string m = unit == 1 ? "m" : fmt::format("({} m)", shortest_decimal(unit));
     const ordered_json around = surroundings(g, number);
+    const bool several = is_mechanism(g.scene);
     all.add("samples", g.motion.rows.size() / g.motion.bodies_at_once(), "");
-    if (is_mechanism(g.scene))
+    if (several)
         add_system_fields(g, around, m, all);
     else
         add_body_fields(g, around, m, all);
     all.add("bound", g.bound, "rad for q, relative to the largest norm for the others");
     add_tolerances(g, number, m, all);
     all.add("float32_floor", number(g.float32_floor), "rad: attitude error caused by rounding the start to binary32");
-    add_motion(g, number, m, all);
-    add_invariants(g, number, m, all);
+    add_motion(g, number, m, several, all);
+    add_invariants(g, number, m, several, all);
     return std::move(all.fields);
 }
 

@@ -118,7 +118,7 @@ ordered_json number(double value) { return std::isfinite(value) ? ordered_json(v
 ordered_json number(const std::optional<double>& value) { return value ? number(*value) : ordered_json(nullptr); }
 
 // Adds the largest and final error of each measure, and the worst body and joints.
-void add_errors(const CheckedFile& c, ordered_json& file) {
+void add_errors_json(const CheckedFile& c, ordered_json& file) {
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::optional<ErrorSummary>& error = c.file_errors[m];
         if (!measures()[m].of_one_body && !error) continue;
@@ -154,7 +154,7 @@ ordered_json over_time_json(const CheckedFile& c) {
     return rows;
 }
 
-void add_diagnosis(const CheckedFile& c, ordered_json& file) {
+void add_diagnosis_json(const CheckedFile& c, ordered_json& file) {
     file["diagnoses"] = ordered_json::array();
     for (const Diagnosis& d : c.diagnosis.faults)
         file["diagnoses"].push_back(
@@ -179,7 +179,7 @@ void add_diagnosis(const CheckedFile& c, ordered_json& file) {
 ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     ordered_json file{{"file", one_line(c.path, 4096)}, {"verdict", verdict(limits, c)}, {"samples", c.samples}};
     file["from"] = number(c.from), file["until"] = number(c.until);
-    add_errors(c, file);
+    add_errors_json(c, file);
     for (const BlockVerdict& v : limits.verdicts(c.file_errors))
         file["blocks"][std::string(v.block->name)] = {
             {"verdict", verdict(limits, v)},  {"error", number(v.error)},           {"relative", number(v.relative)},
@@ -191,7 +191,7 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     file["float_judged_until"] = number(c.float32_valid_until);
     file["over_time"] = over_time_json(c);
     file["remarks"] = c.remarks;
-    add_diagnosis(c, file);
+    add_diagnosis_json(c, file);
     return file;
 }
 

@@ -374,7 +374,7 @@ class PieceEnclosure {
     WeightedNorm norm_;
     Recording<Ball> coarse_;             // rounded to bound_bits
     std::vector<Ball> point_, reached_;  // the start of the step, without its errors; a sample, or the end
-    std::vector<Bound> radius_;          // of the rounding errors of point_
+    std::vector<Bound> radius_;          // rounding errors of point_
     Errors errors_;
     std::vector<Bound> margin_;
     Ball t_, end_;

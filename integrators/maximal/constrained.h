@@ -154,7 +154,11 @@ class ConstrainedEquations {
             }
             group.coupled_groups.assign(met.begin(), met.end());
         }
-        // Greedy colouring: each group takes the first colour not used by any group that shares an equation with it.
+        color_groups();
+    }
+
+    // Greedy colouring: each group takes the first colour not used by any group that shares an equation with it.
+    void color_groups() {
         std::vector<std::set<int>> taken(groups_.size());
         for (Group& group : groups_) {
             if (group.unknowns.empty()) continue;

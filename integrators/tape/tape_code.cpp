@@ -650,12 +650,26 @@ class TapeCompiler {
         a_.vxorpd(x86::xmm(r), x86::xmm(r), x86::xmm(r));
         define(to, r);
     }
-    void add_products(const TapeProgram::Sum& sum) {
-        const int vectors = this->vectors();
-        const int which = static_cast<int>(&sum - program_.sums.data());
-        // The narrowest vector has four lanes.
+    // The registers of a sum of products x y, one per vector of lanes. p: the newest x times the lanes of y; u: the
+    // newest y times the lanes of x. The narrowest vector has four lanes.
+    struct PartialSums {
         std::array<Register, TapeLayout::most_lanes / 4> p{}, u{};
-        for (int v = 0; v < vectors; ++v) {
+    };
+
+    void add_products(const TapeProgram::Sum& sum) {
+        const int which = static_cast<int>(&sum - program_.sums.data());
+        const PartialSums sums = load_partial_sums(which);
+        for (int i = sum.first; i < sum.end; ++i) add_pair(program_.pairs[i], i == sum.first, sums);
+        combine(sums);
+        shift_and_store(which, sums);
+        for (int v = 1; v < vectors(); ++v) release(sums.p[v]);
+        release(sums.p[0]);
+        define(sum.to, sums.p[0]);
+    }
+    PartialSums load_partial_sums(int which) {
+        PartialSums sums;
+        auto& [p, u] = sums;
+        for (int v = 0; v < vectors(); ++v) {
             p[v] = temporary(), u[v] = temporary();
             const x86::Mem at = lanes_at(layout_.sums, which, v);
             if (const Register r = reserved_register(sum_registers_, which, v); r != none) {
@@ -667,41 +681,46 @@ class TapeCompiler {
                 a_.vandpd(vec(p[v]), vec(p[v]), at);
             }
         }
-        for (int i = sum.first; i < sum.end; ++i) {
-            const TapeProgram::Pair& pair = program_.pairs[i];
-            Register x = fetch_newest(pair.x), y = fetch_newest(pair.y);
-            Register scaled_x = none, scaled_y = none;
-            if (pair.weight != none) {
-                scaled_x = temporary();
-                a_.vbroadcastsd(vec(scaled_x), slot(pair.weight));
-                scaled_y = pair.x == pair.y ? scaled_x : temporary();
-                if (scaled_y != scaled_x) a_.vmulpd(vec(scaled_y), vec(scaled_x), vec(y));
-                a_.vmulpd(vec(scaled_x), vec(scaled_x), vec(x));
-                x = scaled_x, y = scaled_y;
-            }
-            for (int v = 0; v < vectors; ++v) {
-                const Register y_j = fetch_lanes(pair.y, v), x_j = fetch_lanes(pair.x, v);
-                if (pair.negative)
-                    a_.vfnmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
-                else
-                    a_.vfmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
-                if (i == sum.first)
-                    a_.vmulpd(vec(u[v], v), vec(y, v), vec(x_j, v));
-                else if (pair.negative)
-                    a_.vfnmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
-                else
-                    a_.vfmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
-                in_use_[y_j] = in_use_[x_j] = false;
-                for (const int row : {pair.x, pair.y}) count_use(lanes_of(row, v));
-                for (const int row : {pair.x, pair.y}) release_if_dead(lanes_of(row, v));
-            }
-            if (scaled_x != none) release(scaled_x);
-            if (scaled_y != none && scaled_y != scaled_x) release(scaled_y);
-            in_use_.fill(false);
-            for (const int row : {pair.x, pair.y}) count_use(newest(row));
-            for (const int row : {pair.x, pair.y}) release_if_dead(newest(row));
+        return sums;
+    }
+    void add_pair(const TapeProgram::Pair& pair, bool is_first, const PartialSums& sums) {
+        const auto& [p, u] = sums;
+        Register x = fetch_newest(pair.x), y = fetch_newest(pair.y);
+        Register scaled_x = none, scaled_y = none;
+        if (pair.weight != none) {
+            scaled_x = temporary();
+            a_.vbroadcastsd(vec(scaled_x), slot(pair.weight));
+            scaled_y = pair.x == pair.y ? scaled_x : temporary();
+            if (scaled_y != scaled_x) a_.vmulpd(vec(scaled_y), vec(scaled_x), vec(y));
+            a_.vmulpd(vec(scaled_x), vec(scaled_x), vec(x));
+            x = scaled_x, y = scaled_y;
         }
-        for (int v = 0; v < vectors; ++v) {
+        for (int v = 0; v < vectors(); ++v) {
+            const Register y_j = fetch_lanes(pair.y, v), x_j = fetch_lanes(pair.x, v);
+            if (pair.negative)
+                a_.vfnmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
+            else
+                a_.vfmadd231pd(vec(p[v], v), vec(x, v), vec(y_j, v));
+            if (is_first)
+                a_.vmulpd(vec(u[v], v), vec(y, v), vec(x_j, v));
+            else if (pair.negative)
+                a_.vfnmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
+            else
+                a_.vfmadd231pd(vec(u[v], v), vec(y, v), vec(x_j, v));
+            in_use_[y_j] = in_use_[x_j] = false;
+            for (const int row : {pair.x, pair.y}) count_use(lanes_of(row, v));
+            for (const int row : {pair.x, pair.y}) release_if_dead(lanes_of(row, v));
+        }
+        if (scaled_x != none) release(scaled_x);
+        if (scaled_y != none && scaled_y != scaled_x) release(scaled_y);
+        in_use_.fill(false);
+        for (const int row : {pair.x, pair.y}) count_use(newest(row));
+        for (const int row : {pair.x, pair.y}) release_if_dead(newest(row));
+    }
+    // Adds u to p in the lanes that need both products.
+    void combine(const PartialSums& sums) {
+        const auto& [p, u] = sums;
+        for (int v = 0; v < vectors(); ++v) {
             if (wide_) {
                 a_.k(mask(v, both)).vaddpd(vec(p[v], v), vec(p[v], v), vec(u[v], v));
             } else {
@@ -712,7 +731,11 @@ class TapeCompiler {
                 release(m);
             }
         }
-        // Shift by one lane: every partial sum is now one order closer to its own.
+    }
+    // Shifts by one lane: every partial sum is now one order closer to its own.
+    void shift_and_store(int which, const PartialSums& sums) {
+        const auto& [p, u] = sums;
+        const int vectors = this->vectors();
         for (int v = 0; v < vectors; ++v) {
             const Register above = v + 1 < vectors ? p[v + 1] : none, r = reserved_register(sum_registers_, which, v);
             if (wide_) {
@@ -729,9 +752,6 @@ class TapeCompiler {
             if (r == none) a_.vmovapd(lanes_at(layout_.sums, which, v), vec(u[v], v));
             release(u[v]);
         }
-        for (int v = 1; v < vectors; ++v) release(p[v]);
-        release(p[0]);
-        define(sum.to, p[0]);
     }
 };
 

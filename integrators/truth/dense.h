@@ -28,6 +28,7 @@ class DenseTruth {
 
   private:
     friend DenseTruth dense_reference(const Scene&, double);
+    class Builder;
 
     struct Piece {
         Pair begin;             // s

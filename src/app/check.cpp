@@ -139,14 +139,9 @@ int check_command(const CheckOptions& options) {
     return std::ranges::any_of(all, [&](const CheckedFile& c) { return limits.refuses(c.file_errors); }) ? 1 : 0;
 }
 
-}  // namespace
-
-void add_check(CLI::App& program, int& exit_code) {
-    CLI::App* command = program.add_subcommand("check",
-                                               "Compares trajectory files with the truth and diagnoses known faults. "
-                                               "The exit code is 1 if the error of any block exceeds its limit.");
+void describe_check(CLI::App& command) {
     describe_columns(
-        *command,
+        command,
         "Blocks of --columns (BLOCK=COLUMN or BLOCK=COLUMN:COLUMN:..):\n"
         "  time=T  body=NAME  angular_velocity=X:Y:Z  position=X:Y:Z  origin=X:Y:Z  velocity=X:Y:Z\n"
         "  rotation=X:Y:Z:W   quaternion, or a rotation matrix by nine columns, row by row\n"
@@ -171,18 +166,14 @@ void add_check(CLI::App& program, int& exit_code) {
         "  polhode check lagrange_top mine.csv --max-attitude 1e-6\n"
         "  polhode check t_handle engine.csv --convention unity,degrees --explain\n"
         "  polhode check t_handle log.csv --columns time=Time,rotation=a:b:c:d --format junit\n");
-    const auto options = std::make_shared<CheckOptions>();
-    command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
-    command
-        ->add_option("TRAJECTORY", options->trajectories,
-                     "CSV files, or directories of .csv files. Required columns: t,qw,qx,qy,qz. Optional columns: "
-                     "wx,wy,wz, px,py,pz (or the body's origin ox,oy,oz), vx,vy,vz")
-        ->required();
+}
+
+void add_limit_options(CLI::App& command, CheckOptions& options) {
     for (const ErrorBlock& block : error_blocks()) {
         std::string name = "--max-" + std::string(block.name);
         std::ranges::replace(name, '_', '-');
-        command->add_option(
-            name, options->limits[std::string(block.name)],
+        command.add_option(
+            name, options.limits[std::string(block.name)],
             fmt::format("Largest allowed error of the {}{}{} (default: the scene's \"tolerated\", otherwise {})",
                         block.title, block.unit.empty() ? "" : fmt::format(", in {}", block.unit),
                         block.unit.empty()   ? ", relative to its size, such as 0.02 or 2%"
@@ -191,17 +182,37 @@ void add_check(CLI::App& program, int& exit_code) {
                         block.relative > 0 ? fmt::format("{:g} %", 100 * block.relative)
                                            : fmt::format("{:g} {}", block.absolute, block.unit)));
     }
-    command->add_option(
-        "--columns", options->columns,
-        "Map of blocks to column names, such as time=T,rotation=X:Y:Z:W,position=A:B:C (blocks: below). "
-        "Other columns are ignored. Common names are recognised without this option");
+}
+
+void add_column_options(CLI::App& command, CheckOptions& options) {
+    command.add_option("--columns", options.columns,
+                       "Map of blocks to column names, such as time=T,rotation=X:Y:Z:W,position=A:B:C (blocks: below). "
+                       "Other columns are ignored. Common names are recognised without this option");
     std::vector<std::string> lengths;
     for (const auto& [name, word] : length_units()) lengths.push_back(name);
     command
-        ->add_option("--length-unit", options->length_unit, "Unit of positions and velocities in the files (default m)")
+        .add_option("--length-unit", options.length_unit, "Unit of positions and velocities in the files (default m)")
         ->check(CLI::IsMember(lengths));
-    command->add_option("--angle-unit", options->angle_unit, "Unit of w and Euler angles in the files (default rad)")
+    command.add_option("--angle-unit", options.angle_unit, "Unit of w and Euler angles in the files (default rad)")
         ->check(CLI::IsMember({"rad", "deg"}));
+}
+
+}  // namespace
+
+void add_check(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand("check",
+                                               "Compares trajectory files with the truth and diagnoses known faults. "
+                                               "The exit code is 1 if the error of any block exceeds its limit.");
+    describe_check(*command);
+    const auto options = std::make_shared<CheckOptions>();
+    command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
+    command
+        ->add_option("TRAJECTORY", options->trajectories,
+                     "CSV files, or directories of .csv files. Required columns: t,qw,qx,qy,qz. Optional columns: "
+                     "wx,wy,wz, px,py,pz (or the body's origin ox,oy,oz), vx,vy,vz")
+        ->required();
+    add_limit_options(*command, *options);
+    add_column_options(*command, *options);
     command->add_option("--picture", options->picture,
                         "Draw to F.svg and F.pdf: each block's error over time, its limit, the floors and the nearest "
                         "update of the catalogue");

@@ -50,6 +50,51 @@ Companion companion(const Scene& scene, const TrajectoryFile& file, const std::v
     return {method, fmt::format("{} at {:.4g} Hz", method->name, 1 / *settings.step), error_series(scene, run, truth)};
 }
 
+// Adds the attitude errors caused by rounding the start.
+void add_floors(const Scene& scene, const std::vector<double>& times, Panel& panel) {
+    ConditioningSettings settings;
+    settings.max_steps = prompt_conditioning_steps;
+    if (const Conditioning kappa = conditioning(scene, times, settings); !kappa.times.empty()) {
+        std::vector<double> float64, float32;
+        for (std::size_t k = 0; k < kappa.times.size(); ++k)
+            float64.push_back(kappa.floor(k, float64_roundoff)), float32.push_back(kappa.floor(k, float32_roundoff));
+        for (const auto& [label, y, dash] : {std::tuple{"float32 floor", &float32, 1}, {"float64 floor", &float64, 2}})
+            panel.curves.push_back(
+                {.label = label, .color = 0, .dash = dash, .points = false, .x = kappa.times, .y = *y});
+    }
+}
+
+// The value of a limit in the unit of the measure.
+double limit_of(const BlockVerdict& verdict, const Measure& measure, double size) {
+    const double of_size = measure.is_relative() || !verdict.limit.relative ? 1 : size;
+    const double per_size = measure.is_relative() && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
+    return verdict.limit.value * of_size / per_size;
+}
+
+// The errors of a block over time: of the file, and of the update drawn for comparison.
+Panel block_panel(const BlockVerdict& verdict, const ErrorSeries& own, const Companion& beside, double size) {
+    const Measure& measure = measures()[measure_index(verdict.block->measure)];
+    Panel panel;
+    panel.title = std::string(verdict.block->title);
+    panel.x_label = "time (s)", panel.log_x = false;
+    panel.y_label = fmt::format("error ({})", measure.unit);
+    const auto add = [&](std::string label, const MethodStyle& style, int dash, const std::vector<double>& y) {
+        panel.curves.push_back({.label = std::move(label),
+                                .color = style.color,
+                                .mark = style.mark,
+                                .dash = dash,
+                                .points = false,
+                                .x = own.t,
+                                .y = y});
+    };
+    add("the file", {file_color, 0}, 0, own[verdict.block->measure]);
+    if (!beside.label.empty())
+        add(beside.label, method_style(*beside.method), 1, beside.errors[verdict.block->measure]);
+    if (const double allowed = limit_of(verdict, measure, size); std::isfinite(allowed) && allowed > 0)
+        panel.guides.push_back({"limit", {}, {allowed}});
+    return panel;
+}
+
 }  // namespace
 
 Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
@@ -84,44 +129,9 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
     figure.columns = 2;
     for (const BlockVerdict& verdict : limits.verdicts(checked.file_errors)) {
         if (!verdict.error) continue;
-        const Measure& measure = measures()[measure_index(verdict.block->measure)];
-        Panel panel;
-        panel.title = std::string(verdict.block->title);
-        panel.x_label = "time (s)", panel.log_x = false;
-        panel.y_label = fmt::format("error ({})", measure.unit);
-        const auto add = [&](std::string label, const MethodStyle& style, int dash, const std::vector<double>& y) {
-            panel.curves.push_back({.label = std::move(label),
-                                    .color = style.color,
-                                    .mark = style.mark,
-                                    .dash = dash,
-                                    .points = false,
-                                    .x = own.t,
-                                    .y = y});
-        };
-        add("the file", {file_color, 0}, 0, own[verdict.block->measure]);
-        if (!beside.label.empty())
-            add(beside.label, method_style(*beside.method), 1, beside.errors[verdict.block->measure]);
-        const double size = checked.file_errors.size[measure_index(verdict.block->measure)];
-        // converts the limit to the unit of the measure
-        const double of_size = measure.is_relative() || !verdict.limit.relative ? 1 : size;
-        const double per_size =
-            measure.is_relative() && !verdict.limit.relative && !verdict.block->unit.empty() ? size : 1;
-        if (const double allowed = verdict.limit.value * of_size / per_size; std::isfinite(allowed) && allowed > 0)
-            panel.guides.push_back({"limit", {}, {allowed}});
-        if (verdict.block->name == "attitude" && checked.until > 0 && !several) {
-            ConditioningSettings settings;
-            settings.max_steps = prompt_conditioning_steps;
-            if (const Conditioning kappa = conditioning(scene, times, settings); !kappa.times.empty()) {
-                std::vector<double> float64, float32;
-                for (std::size_t k = 0; k < kappa.times.size(); ++k)
-                    float64.push_back(kappa.floor(k, float64_roundoff)),
-                        float32.push_back(kappa.floor(k, float32_roundoff));
-                for (const auto& [label, y, dash] :
-                     {std::tuple{"float32 floor", &float32, 1}, {"float64 floor", &float64, 2}})
-                    panel.curves.push_back(
-                        {.label = label, .color = 0, .dash = dash, .points = false, .x = kappa.times, .y = *y});
-            }
-        }
+        Panel panel =
+            block_panel(verdict, own, beside, checked.file_errors.size[measure_index(verdict.block->measure)]);
+        if (verdict.block->name == "attitude" && checked.until > 0 && !several) add_floors(scene, times, panel);
         figure.panels.push_back(std::move(panel));
     }
     return figure;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "check/golden.h"
@@ -89,6 +90,15 @@ struct Field {
     std::string remark;  // comment: its unit
 };
 
+// Fields in the order of the output.
+struct FieldList {
+    std::vector<Field> fields;
+
+    void add(std::string name, ordered_json value, std::string remark) {
+        fields.push_back({std::move(name), std::move(value), std::move(remark)});
+    }
+};
+
 // Writes constants in one language.
 struct Language {
     GoldenFormat format;
@@ -144,6 +154,6 @@ inline std::string replace_all(std::string text, const std::string& what, const 
 /// The bodies, joints, loops and loads of a scene of several bodies, in the form of scene files.
 ordered_json system_surroundings(const Golden& golden, const Numbers& number);
 /// The constants of these parts. They refer to bodies and joints by index. `m`: the unit of length.
-std::vector<Field> system_fields(const Golden& golden, const ordered_json& surroundings, const std::string& m);
+void add_system_fields(const Golden& golden, const ordered_json& surroundings, const std::string& m, FieldList& all);
 
 }  // namespace polhode::golden_code

@@ -40,6 +40,82 @@ int place_in(const std::vector<std::string>& names, const std::string& name) {
     return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
+std::map<std::string, std::string> units_of_members(const std::string& m) {
+    return {{"parent_point", m + ", parent's axes from its origin"},
+            {"child_point", m + ", child's axes from its origin"},
+            {"first_point", m + ", that body's axes from its origin"},
+            {"second_point", m + ", that body's axes from its origin"},
+            {"parent_orientation", "child axes at zero to parent axes"},
+            {"axis", "child's axes"},
+            {"axes", "middle frame's, then child's axes"},
+            {"angle", "rad"},
+            {"angles", "rad"},
+            {"rate", "rad/s"},
+            {"rates", "rad/s"},
+            {"displacement", m},
+            {"speed", m + "/s"},
+            {"length", m},
+            {"rest_length", m},
+            {"point", m},
+            {"from", "s"},
+            {"until", "s"},
+            {"at", "s"}};
+}
+
+void add_body_constants(const ordered_json& bodies, const std::string& m, FieldList& all) {
+    ordered_json mass = ordered_json::array(), center = mass, inertia = mass;
+    for (const ordered_json& one : bodies) {
+        const ordered_json& body = one["body"];
+        mass.push_back(body["mass"]), center.push_back(body["center_of_mass"]);
+        ordered_json tensor = ordered_json::array();
+        for (const ordered_json& row : body["inertia"])
+            for (const ordered_json& x : row) tensor.push_back(x);
+        inertia.push_back(tensor);
+    }
+    all.add("mass", mass, "kg, one per body");
+    all.add("center_of_mass", center, m + ", from the body's origin, body axes");
+    all.add("inertia", inertia, "kg " + m + "^2, about the centre of mass, body axes: three rows of a matrix");
+}
+
+// Adds the members of joints, loops and loads. Refers to bodies and joints by index.
+class MemberFields {
+  public:
+    // `m`: the unit of length
+    MemberFields(const Scene& scene, const std::string& m, FieldList& all)
+        : bodies_(body_names(scene)), joints_(joint_names(scene)), units_(units_of_members(m)), all_(all) {}
+
+    int joint_index(const std::string& name) const { return place_in(joints_, name); }
+
+    void add(const std::string& prefix, const std::string& key, const ordered_json& value) {
+        if (key == "name" || key == "dependent") return;
+        if (value.is_object()) {
+            for (const auto& [inner, number] : value.items()) add(prefix + "initial_", inner, number);
+        } else if (value.is_string()) {
+            const std::string word = value;
+            if (key == "type") {
+                const std::vector<std::string> types{"revolute",  "prismatic", "spherical",
+                                                     "universal", "fixed",     "distance"};
+                if (const int type = place_in(types, word); type >= 0)
+                    all_.add(prefix + "type", type,
+                             word + ": 0 revolute, 1 prismatic, 2 spherical, 3 universal, 4 fixed, 5 distance");
+            } else if (key == "frame" || key == "point_frame" || key == "angular_velocity_frame") {
+                all_.add(prefix + key + "_is_body", word == "body" ? 1 : 0, "1: body axes, 0: world axes");
+            } else if (key == "joint") {
+                all_.add(prefix + key, place_in(joints_, word), word);
+            } else {
+                all_.add(prefix + key, place_in(bodies_, word), word + ": index of the body, -1 for the world");
+            }
+        } else if (!(value.is_array() && value.empty())) {
+            all_.add(prefix + key, value, units_.contains(key) ? units_.at(key) : "");
+        }
+    }
+
+  private:
+    std::vector<std::string> bodies_, joints_;
+    std::map<std::string, std::string> units_;
+    FieldList& all_;
+};
+
 }  // namespace
 
 ordered_json system_surroundings(const Golden& g, const Numbers& number) {
@@ -60,87 +136,28 @@ ordered_json system_surroundings(const Golden& g, const Numbers& number) {
     return all;
 }
 
-std::vector<Field> system_fields(const Golden& g, const ordered_json& around, const std::string& m) {
-    std::vector<Field> all;
-    const auto add = [&](std::string name, ordered_json value, std::string remark) {
-        all.push_back({std::move(name), std::move(value), std::move(remark)});
-    };
-    const std::vector<std::string> bodies = body_names(g.scene), joints = joint_names(g.scene);
+void add_system_fields(const Golden& g, const ordered_json& around, const std::string& m, FieldList& all) {
+    const std::vector<std::string> bodies = body_names(g.scene);
     Identifiers body_identifiers, joint_identifiers;
-    add("bodies", bodies.size(), "");
-    for (std::size_t b = 0; b < bodies.size(); ++b) add("body_" + body_identifiers(bodies[b]), b, bodies[b]);
-    ordered_json mass = ordered_json::array(), center = mass, inertia = mass;
-    for (const ordered_json& one : around["bodies"]) {
-        const ordered_json& body = one["body"];
-        mass.push_back(body["mass"]), center.push_back(body["center_of_mass"]);
-        ordered_json tensor = ordered_json::array();
-        for (const ordered_json& row : body["inertia"])
-            for (const ordered_json& x : row) tensor.push_back(x);
-        inertia.push_back(tensor);
-    }
-    add("mass", mass, "kg, one per body");
-    add("center_of_mass", center, m + ", from the body's origin, body axes");
-    add("inertia", inertia, "kg " + m + "^2, about the centre of mass, body axes: three rows of a matrix");
-    add("joints", around["joints"].size(), "");
-    add("loops", around["loops"].size(), "");
+    all.add("bodies", bodies.size(), "");
+    for (std::size_t b = 0; b < bodies.size(); ++b) all.add("body_" + body_identifiers(bodies[b]), b, bodies[b]);
+    add_body_constants(around["bodies"], m, all);
+    all.add("joints", around["joints"].size(), "");
+    all.add("loops", around["loops"].size(), "");
 
-    const std::map<std::string, std::string> units{{"parent_point", m + ", parent's axes from its origin"},
-                                                   {"child_point", m + ", child's axes from its origin"},
-                                                   {"first_point", m + ", that body's axes from its origin"},
-                                                   {"second_point", m + ", that body's axes from its origin"},
-                                                   {"parent_orientation", "child axes at zero to parent axes"},
-                                                   {"axis", "child's axes"},
-                                                   {"axes", "middle frame's, then child's axes"},
-                                                   {"angle", "rad"},
-                                                   {"angles", "rad"},
-                                                   {"rate", "rad/s"},
-                                                   {"rates", "rad/s"},
-                                                   {"displacement", m},
-                                                   {"speed", m + "/s"},
-                                                   {"length", m},
-                                                   {"rest_length", m},
-                                                   {"point", m},
-                                                   {"from", "s"},
-                                                   {"until", "s"},
-                                                   {"at", "s"}};
-    // adds one member of a joint, a loop or a load; refers to bodies and joints by index
-    const auto add_member = [&](const auto& self, const std::string& prefix, const std::string& key,
-                                const ordered_json& value) -> void {
-        if (key == "name" || key == "dependent") return;
-        if (value.is_object()) {
-            for (const auto& [inner, number] : value.items()) self(self, prefix + "initial_", inner, number);
-        } else if (value.is_string()) {
-            const std::string word = value;
-            if (key == "type") {
-                const std::vector<std::string> types{"revolute",  "prismatic", "spherical",
-                                                     "universal", "fixed",     "distance"};
-                if (const int type = place_in(types, word); type >= 0)
-                    add(prefix + "type", type,
-                        word + ": 0 revolute, 1 prismatic, 2 spherical, 3 universal, 4 fixed, 5 distance");
-            } else if (key == "frame" || key == "point_frame" || key == "angular_velocity_frame") {
-                add(prefix + key + "_is_body", word == "body" ? 1 : 0, "1: body axes, 0: world axes");
-            } else if (key == "joint") {
-                add(prefix + key, place_in(joints, word), word);
-            } else {
-                add(prefix + key, place_in(bodies, word), word + ": index of the body, -1 for the world");
-            }
-        } else if (!(value.is_array() && value.empty())) {
-            add(prefix + key, value, units.contains(key) ? units.at(key) : "");
-        }
-    };
+    MemberFields members(g.scene, m, all);
     for (const char* list : {"joints", "loops"})
         for (const ordered_json& one : around[list]) {
             const std::string prefix = (list[0] == 'j' ? "joint_" : "loop_") + joint_identifiers(one["name"]) + "_";
-            add(prefix + "number", place_in(joints, one["name"]), one["name"]);
-            for (const auto& [key, value] : one.items()) add_member(add_member, prefix, key, value);
+            all.add(prefix + "number", members.joint_index(one["name"]), one["name"]);
+            for (const auto& [key, value] : one.items()) members.add(prefix, key, value);
         }
     for (std::size_t i = 0; i < around["loads"].size(); ++i) {
         const ordered_json& load = around["loads"][i];
         const std::string prefix = fmt::format("{}_{}_", load.value("type", std::string("load")), i);
         for (const auto& [key, value] : load.items())
-            if (key != "type") add_member(add_member, prefix, key, value);
+            if (key != "type") members.add(prefix, key, value);
     }
-    return all;
 }
 
 }  // namespace polhode::golden_code

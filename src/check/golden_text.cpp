@@ -108,10 +108,8 @@ std::string json(const Golden& g, const Numbers& number) {
     return text + "\n]}\n";
 }
 
-std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
-    std::vector<Field> all;
-    const double unit = g.convention.length_unit;
-    const std::string m = unit == 1 ? "m" : fmt::format("({} m)", shortest_decimal(unit));
+// The constants of a scene of one body. `m`: the unit of length.
+void add_body_fields(const Golden& g, const ordered_json& around, const std::string& m, FieldList& all) {
     const std::map<std::string, std::string> units{
         {"mass", "kg"},
         {"center_of_mass", m + ", from the body's origin, body axes"},
@@ -131,39 +129,32 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
         {"at", "s"}};
     const std::map<std::string, std::string> vectors{
         {"force", "kg " + m + "/s^2"}, {"torque", "kg " + m + "^2/s^2"}, {"impulse", "kg " + m + "/s"}};
-    const auto add = [&](std::string name, ordered_json value, std::string remark) {
-        all.push_back({std::move(name), std::move(value), std::move(remark)});
-    };
     const auto add_members = [&](const std::string& prefix, const ordered_json& members, const std::string& type) {
         for (const auto& [key, value] : members.items()) {
             if (key == "type" || key == "name") continue;
             // a frame becomes a flag: 1 for the body's
             if (value.is_string())
-                add(prefix + key + "_is_body", value == "body" ? 1 : 0, "1: body axes, 0: world axes");
+                all.add(prefix + key + "_is_body", value == "body" ? 1 : 0, "1: body axes, 0: world axes");
             else
-                add(prefix + key, value, key == "vector" ? vectors.at(type) : units.contains(key) ? units.at(key) : "");
+                all.add(prefix + key, value,
+                        key == "vector"       ? vectors.at(type)
+                        : units.contains(key) ? units.at(key)
+                                              : "");
         }
     };
-    const ordered_json around = surroundings(g, number);
-    const auto add_one_body = [&] {
-        add("has_pivot", g.scene.pivot ? 1 : 0, "");
-        add_members("", around["body"], "");
-        add("pivot", g.scene.pivot ? around["pivot"] : ordered_json{0.0, 0.0, 0.0},
+    all.add("has_pivot", g.scene.pivot ? 1 : 0, "");
+    add_members("", around["body"], "");
+    all.add("pivot", g.scene.pivot ? around["pivot"] : ordered_json{0.0, 0.0, 0.0},
             m + ", held at the world's origin if has_pivot");
-        for (const char* list : {"shape", "planes", "loads"})
-            for (std::size_t i = 0; i < around[list].size(); ++i) {
-                const ordered_json& one = around[list][i];
-                const std::string type = one.value("type", std::string(list) == "planes" ? "plane" : "shape");
-                add_members(fmt::format("{}_{}_", type, i), one, type);
-            }
-    };
-    const bool several = has_several_bodies(g);
-    add("samples", g.motion.rows.size() / g.motion.bodies_at_once(), "");
-    if (several)
-        for (Field& field : system_fields(g, around, m)) all.push_back(std::move(field));
-    else
-        add_one_body();
-    add("bound", g.bound, "rad for q, relative to the largest norm for the others");
+    for (const char* list : {"shape", "planes", "loads"})
+        for (std::size_t i = 0; i < around[list].size(); ++i) {
+            const ordered_json& one = around[list][i];
+            const std::string type = one.value("type", std::string(list) == "planes" ? "plane" : "shape");
+            add_members(fmt::format("{}_{}_", type, i), one, type);
+        }
+}
+
+void add_tolerances(const Golden& g, const Numbers& number, const std::string& m, FieldList& all) {
     for (const GoldenTolerance& t : g.tolerances) {
         const std::string& block = t.block;
         const std::string of = block == "attitude"           ? "rad"
@@ -171,41 +162,67 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
                                : block == "position"         ? m
                                : block == "velocity"         ? m + "/s"
                                                              : "relative";
-        add(block == "attitude" ? "tolerance" : "tolerance_" + block, number(t.value), of + ": " + t.from);
+        all.add(block == "attitude" ? "tolerance" : "tolerance_" + block, number(t.value), of + ": " + t.from);
     }
-    add("float32_floor", number(g.float32_floor), "rad: attitude error caused by rounding the start to binary32");
-    ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t, momentum = t;
+}
+
+void add_motion(const Golden& g, const Numbers& number, const std::string& m, bool several, FieldList& all) {
+    ordered_json t = ordered_json::array(), q = t, w = t, p = t, v = t;
     for (const TrajectoryRow& row : g.motion.rows) {
         if (t.empty() || t.back() != number(row.t)) t.push_back(number(row.t));
         q.push_back(number(row.q, scalar_last(g)));
         w.push_back(number(row.angular_velocity_W)), p.push_back(number(row.position_W));
         v.push_back(number(row.velocity_W));
     }
-    for (const Vector3<double>& L : g.momentum) momentum.push_back(number(L));
-    add("t", t, "s");
+    all.add("t", t, "s");
     const std::string rows = several ? ", row sample * bodies + body" : "";
-    add("q", q, (scalar_last(g) ? "x, y, z, w" : "w, x, y, z") + rows);
-    add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
-    add("p", p, m), add("v", v, m + "/s");
+    all.add("q", q, (scalar_last(g) ? "x, y, z, w" : "w, x, y, z") + rows);
+    all.add("w", w, g.convention.degrees ? "degrees/s" : "rad/s");
+    all.add("p", p, m), all.add("v", v, m + "/s");
+}
+
+void add_reactions(const Golden& g, const Numbers& number, const std::string& m, FieldList& all) {
+    ordered_json forces = ordered_json::array(), torques = forces;
+    for (const Vector3<double>& force : g.forces) forces.push_back(number(force));
+    for (const Vector3<double>& torque : g.torques) torques.push_back(number(torque));
+    const std::string row = ", exerted by the parent on the child, world axes, row sample * (joints + loops) + joint";
+    all.add("reaction_force", forces, "kg " + m + "/s^2" + row);
+    all.add("reaction_torque", torques, "kg " + m + "^2/s^2, about the child's point" + row);
+}
+
+void add_invariants(const Golden& g, const Numbers& number, const std::string& m, bool several, FieldList& all) {
+    ordered_json momentum = ordered_json::array();
+    for (const Vector3<double>& L : g.momentum) momentum.push_back(number(L));
     const std::string per = "errors are relative to this value";
-    add("energy", number.all_of(g.energy), "kg " + m + "^2/s^2, kinetic and potential");
-    add("energy_scale", number(g.energy_scale), per);
-    add("momentum", momentum,
+    all.add("energy", number.all_of(g.energy), "kg " + m + "^2/s^2, kinetic and potential");
+    all.add("energy_scale", number(g.energy_scale), per);
+    all.add(
+        "momentum", momentum,
         "kg " + m +
             (several ? "^2/s, angular, whole system, about the world's origin, or about the centre of mass if no joint "
                        "ties the system to the world; world axes"
                      : "^2/s, angular, about the pivot or the centre of mass, world axes"));
-    if (!g.forces.empty()) {
-        ordered_json forces = ordered_json::array(), torques = forces;
-        for (const Vector3<double>& force : g.forces) forces.push_back(number(force));
-        for (const Vector3<double>& torque : g.torques) torques.push_back(number(torque));
-        const std::string row =
-            ", exerted by the parent on the child, world axes, row sample * (joints + loops) + joint";
-        add("reaction_force", forces, "kg " + m + "/s^2" + row);
-        add("reaction_torque", torques, "kg " + m + "^2/s^2, about the child's point" + row);
-    }
-    add("momentum_scale", number(g.momentum_scale), per);
-    return all;
+    if (!g.forces.empty()) add_reactions(g, number, m, all);
+    all.add("momentum_scale", number(g.momentum_scale), per);
+}
+
+std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
+    FieldList all;
+    const double unit = g.convention.length_unit;
+    const std::string m = unit == 1 ? "m" : fmt::format("({} m)", shortest_decimal(unit));
+    const ordered_json around = surroundings(g, number);
+    const bool several = has_several_bodies(g);
+    all.add("samples", g.motion.rows.size() / g.motion.bodies_at_once(), "");
+    if (several)
+        add_system_fields(g, around, m, all);
+    else
+        add_body_fields(g, around, m, all);
+    all.add("bound", g.bound, "rad for q, relative to the largest norm for the others");
+    add_tolerances(g, number, m, all);
+    all.add("float32_floor", number(g.float32_floor), "rad: attitude error caused by rounding the start to binary32");
+    add_motion(g, number, m, several, all);
+    add_invariants(g, number, m, several, all);
+    return std::move(all.fields);
 }
 
 // The comment at the top of the code in all three languages.

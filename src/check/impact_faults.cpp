@@ -296,6 +296,103 @@ class Penetration {
     Stay longest_;  // the longest penetration
 };
 
+// The rows of a file near the planes of its scene.
+class ContactRows {
+  public:
+    // The findings of one plane.
+    struct Findings {
+        std::vector<double> returned;                        // restitution of each impact
+        double deepest = 0, deepest_at = 0, entered_at = 0;  // of rows too deep for a contact; m, s, s
+        int longest_inside = 0;                              // number of these rows in sequence
+        Penetration penetration;
+    };
+
+    // The arguments must outlive this object.
+    ContactRows(const Scene& scene, const ExactBody<double>& body, const ContactGeometry<double>& geometry,
+                const TrajectoryFile& file)
+        : geometry_(geometry), file_(file), gravity_(gravity_of(scene)) {
+        for (const TrajectoryRow& row : file.rows) {
+            const Quaternion<double> q = normalized(row.q);
+            const Vector3<double> origin = file.has_origin ? rotate(q, body.center) : Vector3<double>();
+            rows_.push_back({q, row.position_W + origin, row.velocity_W, row.angular_velocity_W});
+        }
+        if (is_in_constant_field(scene)) impacts_.emplace(scene);
+    }
+
+    const std::vector<Placement<double>>& placements() const { return rows_; }
+
+    Findings inspect(std::size_t plane) const {
+        Findings found;
+        int inside = 0;
+        for (std::size_t k = 0; k < rows_.size(); ++k) {
+            const Approach now = approach(geometry_, plane, rows_[k]);
+            // deeper than the travel of a step: there was no contact
+            const double dt = k > 0 ? file_.rows[k].t - file_.rows[k - 1].t : 0;
+            const double travel =
+                (length(rows_[k].velocity_W) + length(rows_[k].angular_velocity_W) * geometry_.reach) * dt;
+            if (-now.distance > 2 * travel + 0.02 * geometry_.reach) {
+                if (inside++ == 0) found.entered_at = file_.rows[k].t;
+                found.longest_inside = std::max(found.longest_inside, inside);
+                if (-now.distance > found.deepest) found.deepest = -now.distance, found.deepest_at = file_.rows[k].t;
+            } else
+                inside = 0;
+            const double spin = is_without_arm(geometry_, plane, now.piece, rows_[k])
+                                    ? 0
+                                    : dot(rows_[k].angular_velocity_W, rows_[k].angular_velocity_W) * geometry_.reach;
+            const double acceleration = gravity_ + spin;
+            if (k > 0) found.penetration.add(file_.rows[k].t, dt, now, acceleration * dt, geometry_.reach);
+            if (k + 1 == rows_.size() || found.returned.size() >= most_impacts) continue;
+            if (const std::optional<double> e = restitution(plane, k, now, acceleration)) found.returned.push_back(*e);
+        }
+        return found;
+    }
+
+  private:
+    const ContactGeometry<double>& geometry_;
+    const TrajectoryFile& file_;
+    double gravity_;  // m/s^2
+    std::vector<Placement<double>> rows_;
+    std::optional<Impacts> impacts_;  // if the motion between impacts is reversible
+
+    // Restitution of an impact between row k and the next. `acceleration`: of the normal speed in free flight, m/s^2.
+    std::optional<double> restitution(std::size_t plane, std::size_t k, const Approach& now,
+                                      double acceleration) const {
+        const double ahead = file_.rows[k + 1].t - file_.rows[k].t;
+        const double after = geometry_.gap(plane * geometry_.pieces.size() + now.piece, rows_[k + 1]).rate;
+        const double change = acceleration * ahead;  // change of the normal rate within a row
+        if (!(now.distance < -2 * now.rate * ahead && after > -change)) return {};
+        std::optional<double> e;
+        if (impacts_ && now.rate < -least_changes * change)
+            e = impacts_->restitution(geometry_, plane, file_, rows_, k);
+        // use the speeds of the rows: engines differ in how they move the body in the step of an impact
+        if (!e && now.rate < -40 * change && now.distance > 2 * now.rate * ahead &&
+            now.second - now.distance > -4 * now.rate * ahead)
+            e = -after / now.rate;
+        return e;
+    }
+};
+
+Diagnosis missed_impact(const ContactRows::Findings& found, std::size_t plane) {
+    return {"impact_missed",
+            fmt::format("the body passes through plane {} at t = {:.6g} s and is {:.3g} m behind it at "
+                        "t = {:.6g} s; make the body collide with the plane, and if it is fast, use "
+                        "shorter steps or continuous detection",
+                        plane, found.entered_at, found.deepest, found.deepest_at),
+            "", 1, 0};
+}
+
+std::optional<Diagnosis> wrong_restitution(const std::vector<double>& returned, std::size_t plane, double wanted) {
+    if (returned.empty()) return {};
+    const double found = median(returned);
+    if (!(std::abs(found - wanted) > 0.08)) return {};
+    return Diagnosis{"restitution_wrong",
+                     fmt::format("impacts on plane {} return {:.3g} of the normal speed (median of {} impacts), but "
+                                 "its restitution is {:.3g}; give the engine the scene's restitution, and check "
+                                 "how it combines those of two bodies",
+                                 plane, found, returned.size(), wanted),
+                     "", std::abs(found - wanted), 0};
+}
+
 }  // namespace
 
 std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& file) {
@@ -308,80 +405,27 @@ std::vector<Diagnosis> impact_faults(const Scene& scene, const TrajectoryFile& f
     if (!file.has_angular_velocity &&
         !(geometry.pieces.size() == 1 && is_without_arm(geometry, 0, 0, {{}, {}, {}, {}})))
         return {};
-    const double gravity = gravity_of(scene);
-    std::vector<Placement<double>> rows;
-    for (const TrajectoryRow& row : file.rows) {
-        const Quaternion<double> q = normalized(row.q);
-        const Vector3<double> origin = file.has_origin ? rotate(q, body.center) : Vector3<double>();
-        rows.push_back({q, row.position_W + origin, row.velocity_W, row.angular_velocity_W});
-    }
-    std::optional<Impacts> impacts;
-    if (is_in_constant_field(scene)) impacts.emplace(scene);
+    const ContactRows rows(scene, body, geometry, file);
     std::vector<Diagnosis> diagnoses;
     for (std::size_t plane = 0; plane < geometry.planes.size(); ++plane) {
-        std::vector<double> returned;
-        double deepest = 0, deepest_at = 0, entered_at = 0;
-        int inside = 0, longest_inside = 0;
-        Penetration penetration;
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            const Approach now = approach(geometry, plane, rows[k]);
-            // deeper than the travel of a step: there was no contact
-            const double dt = k > 0 ? file.rows[k].t - file.rows[k - 1].t : 0;
-            const double travel =
-                (length(rows[k].velocity_W) + length(rows[k].angular_velocity_W) * geometry.reach) * dt;
-            if (-now.distance > 2 * travel + 0.02 * geometry.reach) {
-                if (inside++ == 0) entered_at = file.rows[k].t;
-                longest_inside = std::max(longest_inside, inside);
-                if (-now.distance > deepest) deepest = -now.distance, deepest_at = file.rows[k].t;
-            } else
-                inside = 0;
-            const double spin = is_without_arm(geometry, plane, now.piece, rows[k])
-                                    ? 0
-                                    : dot(rows[k].angular_velocity_W, rows[k].angular_velocity_W) * geometry.reach;
-            if (k > 0) penetration.add(file.rows[k].t, dt, now, (gravity + spin) * dt, geometry.reach);
-            if (k + 1 == rows.size()) continue;
-            const double ahead = file.rows[k + 1].t - file.rows[k].t;
-            const double after = geometry.gap(plane * geometry.pieces.size() + now.piece, rows[k + 1]).rate;
-            const double change = (gravity + spin) * ahead;  // change of the normal rate within a row
-            const bool near = now.distance < -2 * now.rate * ahead && after > -change && returned.size() < most_impacts;
-            std::optional<double> e;
-            if (impacts && near && now.rate < -least_changes * change)
-                e = impacts->restitution(geometry, plane, file, rows, k);
-            // use the speeds of the rows: engines differ in how they move the body in the step of an impact
-            if (!e && near && now.rate < -40 * change && now.distance > 2 * now.rate * ahead &&
-                now.second - now.distance > -4 * now.rate * ahead)
-                e = -after / now.rate;
-            if (e) returned.push_back(*e);
-        }
+        const ContactRows::Findings found = rows.inspect(plane);
         // a resting body may sink a little; a body beyond its reach has passed through
-        if (longest_inside >= 3 && deepest > geometry.reach) {
-            diagnoses.push_back(
-                {"impact_missed",
-                 fmt::format("the body passes through plane {} at t = {:.6g} s and is {:.3g} m behind it at "
-                             "t = {:.6g} s; make the body collide with the plane, and if it is fast, use "
-                             "shorter steps or continuous detection",
-                             plane, entered_at, deepest, deepest_at),
-                 "", 1, 0});
+        if (found.longest_inside >= 3 && found.deepest > geometry.reach) {
+            diagnoses.push_back(missed_impact(found, plane));
             continue;
         }
-        if (std::optional<Diagnosis> stay = penetration.diagnosis(plane, file.rows.back().t, geometry.reach))
+        if (std::optional<Diagnosis> stay = found.penetration.diagnosis(plane, file.rows.back().t, geometry.reach))
             diagnoses.push_back(*std::move(stay));
         if (const std::optional<double> fall = fall_towards(scene, scene.planes[plane].normal_W))
-            if (std::optional<Diagnosis> fault = bounce_fault(bounces_of(geometry, plane, file, rows, *fall), returned,
-                                                              *fall, scene.planes[plane].restitution, plane)) {
+            if (std::optional<Diagnosis> fault =
+                    bounce_fault(bounces_of(geometry, plane, file, rows.placements(), *fall), found.returned, *fall,
+                                 scene.planes[plane].restitution, plane)) {
                 diagnoses.push_back(*std::move(fault));
                 continue;
             }
-        if (returned.empty()) continue;
-        const double found = median(returned), wanted = geometry.planes[plane].restitution;
-        if (std::abs(found - wanted) > 0.08)
-            diagnoses.push_back(
-                {"restitution_wrong",
-                 fmt::format("impacts on plane {} return {:.3g} of the normal speed (median of {} impacts), but "
-                             "its restitution is {:.3g}; give the engine the scene's restitution, and check "
-                             "how it combines those of two bodies",
-                             plane, found, returned.size(), wanted),
-                 "", std::abs(found - wanted), 0});
+        if (std::optional<Diagnosis> fault =
+                wrong_restitution(found.returned, plane, geometry.planes[plane].restitution))
+            diagnoses.push_back(*std::move(fault));
     }
     return diagnoses;
 }

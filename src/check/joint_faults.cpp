@@ -234,10 +234,8 @@ std::optional<Diagnosis> drift_fault(const JointLink& link, const JointRows& row
                      "", largest, 0};
 }
 
-// Diagnoses a limit: a coordinate is repeatedly stopped or reflected at the same value.
-std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& rows, const std::string& name,
-                                     const std::function<bool(std::size_t)>& predicts) {
-    if (link.kind != Kind::revolute && link.kind != Kind::prismatic) return {};
+// The coordinate of a revolute or prismatic joint in each row, rad or m. Angles are continuous.
+std::vector<double> joint_coordinates(const JointLink& link, const JointRows& rows) {
     std::vector<double> x;
     for (std::size_t k = 0; k < rows.t.size(); ++k) {
         if (link.kind == Kind::prismatic) {
@@ -248,9 +246,17 @@ std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& row
         }
         const Quaternion<double> turn = conjugate(rows.from[k].q * link.orientation) * rows.to[k].q;
         const double whole = 2 * std::acos(-1.0),
-                     diagnoses = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w);
-        x.push_back(x.empty() ? diagnoses : diagnoses + whole * std::round((x.back() - diagnoses) / whole));
+                     angle = 2 * std::atan2(dot(link.axes_to[0], vector_part(turn)), turn.w);
+        x.push_back(x.empty() ? angle : angle + whole * std::round((x.back() - angle) / whole));
     }
+    return x;
+}
+
+// Diagnoses a limit: a coordinate is repeatedly stopped or reflected at the same value.
+std::optional<Diagnosis> limit_fault(const JointLink& link, const JointRows& rows, const std::string& name,
+                                     const std::function<bool(std::size_t)>& predicts) {
+    if (link.kind != Kind::revolute && link.kind != Kind::prismatic) return {};
+    const std::vector<double> x = joint_coordinates(link, rows);
     if (x.size() < 12) return {};
     std::vector<double> rate, changes;
     for (std::size_t k = 0; k + 1 < x.size(); ++k) rate.push_back((x[k + 1] - x[k]) / (rows.t[k + 1] - rows.t[k]));

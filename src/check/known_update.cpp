@@ -74,30 +74,22 @@ std::string jump_at(const TrajectoryFile& file, std::size_t row) {
 
 std::string hertz(double step) { return fmt::format("{:.4g} Hz", 1 / step); }
 
-}  // namespace
+// Runs a method over the first `rows` rows of a file. h: the step of methods that take one, s.
+Trajectory run_over(const Scene& scene, const TrajectoryFile& file, const Method& method, double h, std::size_t rows) {
+    Scene timed = scene;
+    timed.duration = file.rows[rows - 1].t;
+    Settings settings;
+    settings.samples = static_cast<long>(rows - 1);
+    settings.max_steps = 2'000'000;
+    if (takes_tolerance(method))
+        settings.tolerance = 1e-11;
+    else if (takes_step(method))
+        settings.step = h;
+    return solve(timed, method, settings);
+}
 
-std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise) {
-    const std::size_t all_rows = std::min(file.rows.size(), rows_to_follow), rows = std::min(all_rows, rows_to_choose);
-    if (rows < least_rows) return {};
-    const double row = file.rows[rows - 1].t / static_cast<double>(rows - 1);
-    if (!(row > 0) || !evenly_spaced(file, rows, row)) return {};
-    const auto run = [&](const Method& method, double h, std::size_t count) {
-        Scene timed = scene;
-        timed.duration = file.rows[count - 1].t;
-        Settings settings;
-        settings.samples = static_cast<long>(count - 1);
-        settings.max_steps = 2'000'000;
-        if (takes_tolerance(method))
-            settings.tolerance = 1e-11;
-        else if (takes_step(method))
-            settings.step = h;
-        return solve(timed, method, settings);
-    };
-    const Method& accurate = *choose_method(pose(scene)).method;
-    Trajectory truth = run(accurate, row, rows);
-    if (truth.status != Status::ok) return {};
-    const auto of_file = [&](std::size_t k) { return file.rows[k].q; };
-    const auto of_truth = [&](std::size_t k) { return truth.samples[k].q; };
+// The updates of the catalogue that a file with this rounding may follow.
+std::vector<const Method*> possible_updates(const Scene& scene, double noise) {
     std::vector<const Method*> updates;
     for (const Method* method : methods())
         if ((method->family == Family::engine_update || method->family == Family::published_update) &&
@@ -108,21 +100,28 @@ std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryF
     // if two updates differ by rounding only, prefer the update used by engines
     std::stable_partition(updates.begin(), updates.end(),
                           [](const Method* m) { return m->family == Family::engine_update; });
-    const std::vector<double> errors = angles(truth, rows, of_file);
-    const double error = largest_of(errors, rows);
-    // the attitude is correct to the precision of the file's numbers
-    if (!(error > 10 * by_rounding(noise, rows))) return {};
-    struct Candidate {
-        const Method* method = nullptr;
-        int steps = 1;
-        std::size_t matching = 0;
-        double distance = std::numeric_limits<double>::infinity();
-    } nearest;
+    return updates;
+}
+
+struct NearestUpdate {
+    const Method* method = nullptr;
+    int steps = 1;             // per row
+    std::size_t matching = 0;  // number of rows that match to rounding
+    double distance = std::numeric_limits<double>::infinity();
+};
+
+// The update nearest to the first `rows` rows of a file, which are `row` (s) apart, with one or `steps` steps per row.
+NearestUpdate nearest_update(const Scene& scene, const TrajectoryFile& file, std::size_t rows, double row, int steps,
+                             double noise) {
+    const std::vector<const Method*> updates = possible_updates(scene, noise);
+    const auto of_file = [&](std::size_t k) { return file.rows[k].q; };
+    NearestUpdate nearest;
     for (const int count : {1, steps}) {
         if (count == 1 || count != nearest.steps)
             for (const Method* method : updates) {
-                const std::vector<double> off = angles(run(*method, row / count, rows), rows, of_file);
-                const Candidate one{method, count, rows_that_match(off, noise), largest_of(off, rows)};
+                const std::vector<double> off =
+                    angles(run_over(scene, file, *method, row / count, rows), rows, of_file);
+                const NearestUpdate one{method, count, rows_that_match(off, noise), largest_of(off, rows)};
                 constexpr double rounding = 1e-12;
                 const bool nearer = one.distance < 0.9 * nearest.distance && nearest.distance > rounding;
                 if (one.matching > nearest.matching + 4 || (one.matching + 4 >= nearest.matching && nearer))
@@ -130,6 +129,42 @@ std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryF
             }
         if (steps == 1) break;
     }
+    return nearest;
+}
+
+// Errors over the first rows of a file with shorter steps and with other updates, as a sentence.
+std::string compare_errors(const Scene& scene, const TrajectoryFile& file, const Method& method, double step,
+                           const Trajectory& truth, std::size_t rows) {
+    const auto of_truth = [&](std::size_t k) { return truth.samples[k].q; };
+    const auto error_of = [&](const Method& one, double h) {
+        const double value = largest_of(angles(run_over(scene, file, one, h, rows), rows, of_truth), rows);
+        return std::isfinite(value) ? fmt::format("{:.2g} rad", value) : std::string("no result");
+    };
+    std::string others;
+    for (const char* name : {"gyroscopic_explicit", "gyroscopic_implicit", "gyroscopic_rescaled_momentum", "buss"})
+        if (const Method* other = find_method(name); other && other != &method)
+            others += fmt::format(", {} {}", name, error_of(*other, step));
+    return fmt::format(". Error with half the step: {}, with an eighth: {}{}", error_of(method, step / 2),
+                       error_of(method, step / 8),
+                       others.empty() ? "" : "; other updates at this step:" + others.substr(1));
+}
+
+}  // namespace
+
+std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryFile& file, int steps, double noise) {
+    const std::size_t all_rows = std::min(file.rows.size(), rows_to_follow), rows = std::min(all_rows, rows_to_choose);
+    if (rows < least_rows) return {};
+    const double row = file.rows[rows - 1].t / static_cast<double>(rows - 1);
+    if (!(row > 0) || !evenly_spaced(file, rows, row)) return {};
+    const Method& accurate = *choose_method(pose(scene)).method;
+    Trajectory truth = run_over(scene, file, accurate, row, rows);
+    if (truth.status != Status::ok) return {};
+    const auto of_file = [&](std::size_t k) { return file.rows[k].q; };
+    const std::vector<double> errors = angles(truth, rows, of_file);
+    const double error = largest_of(errors, rows);
+    // the attitude is correct to the precision of the file's numbers
+    if (!(error > 10 * by_rounding(noise, rows))) return {};
+    const NearestUpdate nearest = nearest_update(scene, file, rows, row, steps, noise);
     if (!nearest.method) return {};
     UpdateMatch best;
     best.method = nearest.method->name, best.step = row / nearest.steps;
@@ -146,22 +181,14 @@ std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryF
     }
     // find the row at which the file departs
     std::size_t matching = nearest.matching;
-    std::vector<double> off = angles(run(*nearest.method, best.step, all_rows), all_rows, of_file);
+    std::vector<double> off = angles(run_over(scene, file, *nearest.method, best.step, all_rows), all_rows, of_file);
     if (evenly_spaced(file, all_rows, row) && off.size() == all_rows) matching = rows_that_match(off, noise);
-    if (matching > rows) truth = run(accurate, row, matching);
+    if (matching > rows) truth = run_over(scene, file, accurate, row, matching);
     if (truth.status != Status::ok) return {};
     best.distance = largest_of(off, std::min(matching, off.size()));
     best.error = largest_of(angles(truth, matching, of_file), matching);
     const bool leaves = matching < all_rows;
     if (leaves) best.departure_time = file.rows[matching].t;
-    const auto error_of = [&](const Method& method, double h) {
-        const double value = largest_of(angles(run(method, h, matching), matching, of_truth), matching);
-        return std::isfinite(value) ? fmt::format("{:.2g} rad", value) : std::string("no result");
-    };
-    std::string others;
-    for (const char* name : {"gyroscopic_explicit", "gyroscopic_implicit", "gyroscopic_rescaled_momentum", "buss"})
-        if (const Method* other = find_method(name); other && other != nearest.method)
-            others += fmt::format(", {} {}", name, error_of(*other, best.step));
     best.message =
         fmt::format("the file matches the {} update at {} to {:.2g} rad", best.method, hertz(best.step), best.distance);
     best.message +=
@@ -171,9 +198,7 @@ std::optional<UpdateMatch> identify_update(const Scene& scene, const TrajectoryF
                      *best.departure_time, jump_at(file, matching), best.error)
                : fmt::format(" over {} rows; its error of {:.2g} rad is the truncation error at this step", matching,
                              best.error);
-    best.message += fmt::format(". Error with half the step: {}, with an eighth: {}{}",
-                                error_of(*nearest.method, best.step / 2), error_of(*nearest.method, best.step / 8),
-                                others.empty() ? "" : "; other updates at this step:" + others.substr(1));
+    best.message += compare_errors(scene, file, *nearest.method, best.step, truth, matching);
     return best;
 }
 

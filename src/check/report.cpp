@@ -117,9 +117,8 @@ std::string text_of(const ErrorLimits& limits, const CheckedFile& c) {
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
 ordered_json number(const std::optional<double>& value) { return value ? number(*value) : ordered_json(nullptr); }
 
-ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
-    ordered_json file{{"file", one_line(c.path, 4096)}, {"verdict", verdict(limits, c)}, {"samples", c.samples}};
-    file["from"] = number(c.from), file["until"] = number(c.until);
+// Adds the largest and final error of each measure, and the worst body and joints.
+void add_errors_json(const CheckedFile& c, ordered_json& file) {
     for (std::size_t m = 0; m < measures().size(); ++m) {
         const std::optional<ErrorSummary>& error = c.file_errors[m];
         if (!measures()[m].of_one_body && !error) continue;
@@ -134,23 +133,17 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
     };
     name("worst_body", c.file_errors.worst_body), name("joint_gap_worst", c.file_errors.worst_gap);
     name("joint_turn_worst", c.file_errors.worst_turn);
-    for (const BlockVerdict& v : limits.verdicts(c.file_errors))
-        file["blocks"][std::string(v.block->name)] = {
-            {"verdict", verdict(limits, v)},  {"error", number(v.error)},           {"relative", number(v.relative)},
-            {"limit", number(v.limit.value)}, {"limit_relative", v.limit.relative}, {"limit_from", v.limit.from}};
-    file["not_in_the_file"] = c.missing_blocks;
-    file["truth_bound"] = number(c.truth_bound), file["truth"] = c.truth;
-    file["float64_floor"] = c.floor ? number(c.floor->float64) : nullptr;
-    file["float32_floor"] = c.floor ? number(c.floor->float32) : nullptr;
-    file["float_judged_until"] = number(c.float32_valid_until);
-    file["over_time"] = ordered_json::array();
+}
+
+ordered_json over_time_json(const CheckedFile& c) {
+    ordered_json rows = ordered_json::array();
     // measures that every file has come first
     std::vector<std::size_t> reported = measures_over_time(c.file_errors);
     std::stable_partition(reported.begin(), reported.end(),
                           [](std::size_t m) { return (measures()[m].needs & ~known_truth) == 0; });
     for (std::size_t k = 0; k < c.file_errors.over_time.size(); ++k) {
         const ErrorSpan& span = c.file_errors.over_time[k];
-        ordered_json& row = file["over_time"].emplace_back(ordered_json{{"until", number(span.until)}});
+        ordered_json& row = rows.emplace_back(ordered_json{{"until", number(span.until)}});
         for (const std::size_t m : reported)
             row[fmt::format("{}{}", measures()[m].name, measures()[m].suffix)] = number(span.error[m]);
         if (k < c.floor_over_time.size()) {
@@ -158,7 +151,10 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
             row["float32_floor"] = number(c.floor_over_time[k].float32);
         }
     }
-    file["remarks"] = c.remarks;
+    return rows;
+}
+
+void add_diagnosis_json(const CheckedFile& c, ordered_json& file) {
     file["diagnoses"] = ordered_json::array();
     for (const Diagnosis& d : c.diagnosis.faults)
         file["diagnoses"].push_back(
@@ -178,6 +174,24 @@ ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
                           {"matches", u->matches},
                           {"left_at", u->departure_time ? number(*u->departure_time) : ordered_json(nullptr)},
                           {"message", u->message}};
+}
+
+ordered_json json_of(const ErrorLimits& limits, const CheckedFile& c) {
+    ordered_json file{{"file", one_line(c.path, 4096)}, {"verdict", verdict(limits, c)}, {"samples", c.samples}};
+    file["from"] = number(c.from), file["until"] = number(c.until);
+    add_errors_json(c, file);
+    for (const BlockVerdict& v : limits.verdicts(c.file_errors))
+        file["blocks"][std::string(v.block->name)] = {
+            {"verdict", verdict(limits, v)},  {"error", number(v.error)},           {"relative", number(v.relative)},
+            {"limit", number(v.limit.value)}, {"limit_relative", v.limit.relative}, {"limit_from", v.limit.from}};
+    file["not_in_the_file"] = c.missing_blocks;
+    file["truth_bound"] = number(c.truth_bound), file["truth"] = c.truth;
+    file["float64_floor"] = c.floor ? number(c.floor->float64) : nullptr;
+    file["float32_floor"] = c.floor ? number(c.floor->float32) : nullptr;
+    file["float_judged_until"] = number(c.float32_valid_until);
+    file["over_time"] = over_time_json(c);
+    file["remarks"] = c.remarks;
+    add_diagnosis_json(c, file);
     return file;
 }
 

@@ -53,6 +53,7 @@ class Searcher {
     Explanation explain(std::vector<FittedFault> faults, const std::vector<Update>& updates) const;
     std::optional<Explanation> fit_fault(const std::vector<FittedFault>& others, const Hypothesis& h,
                                          const std::vector<Update>& updates, double hopeless) const;
+    void refine(const std::vector<FittedFault>& others, double a, double b, double hopeless, Explanation& result) const;
     void find_steps();
     std::vector<Update> common_updates(const Explanation& first) const;
     Explanation without(const Explanation& e, std::size_t fault, const std::vector<Update>& updates) const;
@@ -126,35 +127,10 @@ std::optional<Explanation> Searcher::fit_fault(const std::vector<FittedFault>& o
         if (const Explanation e = at(values[i], few); e.residual.total < least) best = i, least = e.residual.total;
     if (!std::isfinite(least)) return {};
     Explanation result = at(values[best], updates);
-    const double ratio = (std::sqrt(5.0) - 1) / 2;
-    const auto refine = [&] {
-        const std::vector<Update> chosen{{result.rule, result.steps}};
-        const auto keep = [&](double x) {
-            Explanation e = at(x, chosen);
-            const double total = e.residual.total;
-            if (total < result.residual.total) result = std::move(e);
-            return total;
-        };
-        double a = values[best > 0 ? best - 1 : 0], b = values[std::min(best + 1, values.size() - 1)];
-        double x = b - ratio * (b - a), y = a + ratio * (b - a), fx = keep(x), fy = keep(y);
-        double before = result.residual.total;
-        for (int i = 0; i < 36; ++i) {
-            // stop early: near the correct number, the error decreases as the bracket narrows
-            if (i % 4 == 2 && i > 2) {
-                if (result.residual.total > hopeless && result.residual.total > before - 0.5) return;
-                before = result.residual.total;
-            }
-            if (fx < fy)
-                b = y, y = x, fy = fx, x = b - ratio * (b - a), fx = keep(x);
-            else
-                a = x, x = y, fx = fy, y = a + ratio * (b - a), fy = keep(y);
-        }
-        // use a number of few digits if it fits as well: 0.1 instead of 0.100003
-        keep(round_to_digits(4, result.faults.back().x));
-    };
+    const double below = values[best > 0 ? best - 1 : 0], above = values[std::min(best + 1, values.size() - 1)];
     for (int round = 0; round < 2; ++round) {
         const UpdateRule* const by = result.rule;
-        refine();
+        refine(others, below, above, hopeless, result);
         if (result.residual.total > hopeless) break;
         Explanation again = at(result.faults.back().x, updates);
         if (!(again.residual.total < result.residual.total)) break;
@@ -162,6 +138,37 @@ std::optional<Explanation> Searcher::fit_fault(const std::vector<FittedFault>& o
         if (result.rule == by) break;
     }
     return result;
+}
+
+// Refines the number of the last fault of `result` in [a, b] by golden section, with the rule of `result`.
+void Searcher::refine(const std::vector<FittedFault>& others, double a, double b, double hopeless,
+                      Explanation& result) const {
+    const double ratio = (std::sqrt(5.0) - 1) / 2;
+    const Hypothesis* const h = result.faults.back().hypothesis;
+    const std::vector<Update> chosen{{result.rule, result.steps}};
+    const auto keep = [&](double x) {
+        std::vector<FittedFault> faults = others;
+        faults.push_back({h, x});
+        Explanation e = explain(std::move(faults), chosen);
+        const double total = e.residual.total;
+        if (total < result.residual.total) result = std::move(e);
+        return total;
+    };
+    double x = b - ratio * (b - a), y = a + ratio * (b - a), fx = keep(x), fy = keep(y);
+    double before = result.residual.total;
+    for (int i = 0; i < 36; ++i) {
+        // stop early: near the correct number, the error decreases as the bracket narrows
+        if (i % 4 == 2 && i > 2) {
+            if (result.residual.total > hopeless && result.residual.total > before - 0.5) return;
+            before = result.residual.total;
+        }
+        if (fx < fy)
+            b = y, y = x, fy = fx, x = b - ratio * (b - a), fx = keep(x);
+        else
+            a = x, x = y, fx = fy, y = a + ratio * (b - a), fy = keep(y);
+    }
+    // use a number of few digits if it fits as well: 0.1 instead of 0.100003
+    keep(round_to_digits(4, result.faults.back().x));
 }
 
 // Finds the number of steps per row. How the attitude follows the rate shows it, whatever else is wrong.

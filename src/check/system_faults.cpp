@@ -73,6 +73,44 @@ void add_factor(std::vector<SystemHypothesis>& all, const std::string& word, Sub
                    .fit = FittedNumber{1, 0.7, 0.05, 0.02}});
 }
 
+// Adds the faults of the damping of one axis of joint k. `of` names the axis; `inertia`, kg m^2, scales the trial.
+void add_joint_damping(std::vector<SystemHypothesis>& all, const Joint& joint, std::size_t k, std::size_t axis,
+                       const std::string& of, double inertia) {
+    if (joint.damping[axis] > 0)
+        add_factor(all, "joint_damping", Subject::damping, "the damping " + of, "give the engine the joint's damping",
+                   [k, axis](SystemCause& c, double x) {
+                       c.scene.joints[k].damping[axis] *= x;
+                       return true;
+                   });
+    else
+        all.push_back({.fault = "joint_damping_left_on",
+                       .subject = Subject::damping,
+                       .what = fmt::format("damping {} is left on: {{}} {}", of,
+                                           joint.type == JointType::prismatic ? "N s/m" : "N m s"),
+                       .remedy = "set the engine's joint damping to zero",
+                       .apply =
+                           [k, axis](SystemCause& c, double x) {
+                               c.scene.joints[k].damping[axis] += x;
+                               return true;
+                           },
+                       .fit = FittedNumber{0, damping_trial * inertia, 0, 1e-4 * inertia}});
+}
+
+void add_joint_friction(std::vector<SystemHypothesis>& all, const Joint& joint, std::size_t k, std::size_t axis,
+                        const std::string& of, double inertia) {
+    all.push_back(
+        {.fault = "joint_friction_left_on",
+         .subject = Subject::limit,
+         .what = fmt::format("friction {} is left on: {{}} {}", of, joint.type == JointType::prismatic ? "N" : "N m"),
+         .remedy = "set the engine's joint friction to zero",
+         .apply =
+             [k, axis](SystemCause& c, double x) {
+                 c.friction.push_back({k, axis, x});
+                 return true;
+             },
+         .fit = FittedNumber{0, damping_trial * inertia, 0, 1e-4 * inertia}});
+}
+
 void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size_t k, double inertia) {
     const Joint& joint = scene.joints[k];
     const std::string name = one_line(joint.name, 40);
@@ -81,24 +119,7 @@ void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size
         const std::size_t axis = static_cast<std::size_t>(i);
         const std::string of =
             axes > 1 ? fmt::format("of axis {} of joint \"{}\"", i + 1, name) : fmt::format("of joint \"{}\"", name);
-        if (joint.damping[axis] > 0)
-            add_factor(all, "joint_damping", Subject::damping, "the damping " + of,
-                       "give the engine the joint's damping", [k, axis](SystemCause& c, double x) {
-                           c.scene.joints[k].damping[axis] *= x;
-                           return true;
-                       });
-        else
-            all.push_back({.fault = "joint_damping_left_on",
-                           .subject = Subject::damping,
-                           .what = fmt::format("damping {} is left on: {{}} {}", of,
-                                               joint.type == JointType::prismatic ? "N s/m" : "N m s"),
-                           .remedy = "set the engine's joint damping to zero",
-                           .apply =
-                               [k, axis](SystemCause& c, double x) {
-                                   c.scene.joints[k].damping[axis] += x;
-                                   return true;
-                               },
-                           .fit = FittedNumber{0, damping_trial * inertia, 0, 1e-4 * inertia}});
+        add_joint_damping(all, joint, k, axis, of, inertia);
         if (joint.stiffness[axis] > 0)
             add_factor(
                 all, "joint_spring", Subject::spring, "the spring " + of, "give the engine the joint's stiffness",
@@ -108,18 +129,7 @@ void add_joint(std::vector<SystemHypothesis>& all, const Scene& scene, std::size
                     return true;
                 },
                 true);
-        if (joint.type == JointType::spherical) continue;
-        all.push_back({.fault = "joint_friction_left_on",
-                       .subject = Subject::limit,
-                       .what = fmt::format("friction {} is left on: {{}} {}", of,
-                                           joint.type == JointType::prismatic ? "N" : "N m"),
-                       .remedy = "set the engine's joint friction to zero",
-                       .apply =
-                           [k, axis](SystemCause& c, double x) {
-                               c.friction.push_back({k, axis, x});
-                               return true;
-                           },
-                       .fit = FittedNumber{0, damping_trial * inertia, 0, 1e-4 * inertia}});
+        if (joint.type != JointType::spherical) add_joint_friction(all, joint, k, axis, of, inertia);
     }
     const auto has_motor = [&](const Load& load) {
         const auto* motor = std::get_if<Motor>(&load);

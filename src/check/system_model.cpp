@@ -25,6 +25,67 @@ std::vector<double> moved(const std::vector<double>& y, double h, const std::vec
     return sum;
 }
 
+// The order in which move_along_joints() moves the bodies, parents first, and the joint of each body.
+struct JointOrder {
+    std::vector<std::size_t> order;  // of bodies
+    std::vector<std::size_t> links;  // the joint whose child a body is; the number of links for a free body
+    std::vector<std::size_t> first;  // index of the first rate of a body's joint, or of a free body
+
+    JointOrder(const maximal::Mechanism<double>& mechanism, std::size_t bodies)
+        : order(bodies), links(bodies, mechanism.links.size()), first(bodies, 0) {
+        std::size_t place = 0;
+        for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
+            const maximal::Link<double>& link = mechanism.links[k];
+            if (!link.is_joint()) continue;
+            const std::size_t b = static_cast<std::size_t>(link.to.body);
+            links[b] = k, first[b] = place;
+            place += link.kind == Kind::spherical ? 3 : static_cast<std::size_t>(link.coordinates());
+        }
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        for (const std::size_t b : order)
+            if (links[b] == mechanism.links.size()) first[b] = place, place += 6;
+        std::ranges::stable_sort(order, {}, [&](std::size_t b) { return mechanism.depth[b]; });
+    }
+};
+
+// The motion of a joint's child after a time h at the joint's rates. `before_from` and `before`: the placements of
+// parent and child at the start; `from`: the parent's motion after h.
+BodyMotion<double> moved_child(const maximal::Link<double>& link, const maximal::Placement<double>& before_from,
+                               const maximal::Placement<double>& before, const BodyMotion<double>& from,
+                               const double* rates, double h) {
+    const auto turn = [&](const Vector& by) { return quaternion_from_rotation_vector(h * by); };
+    Quaternion<double> joint = conjugate(before_from.q * link.orientation) * before.q;
+    Vector relative_B;  // angular velocity relative to the parent, axes of the child
+    double slid = 0, rate = 0;
+    switch (link.kind) {
+        case Kind::revolute:
+            relative_B = rates[0] * link.axes_to[0], joint = joint * turn(relative_B);
+            break;
+        case Kind::spherical:
+            relative_B = Vector(rates[0], rates[1], rates[2]), joint = joint * turn(relative_B);
+            break;
+        case Kind::universal:
+            joint = turn(rates[0] * link.axes_to[0]) * joint * turn(rates[1] * link.axes_to[1]);
+            relative_B = rates[0] * rotate_back(joint, link.axes_to[0]) + rates[1] * link.axes_to[1];
+            break;
+        case Kind::prismatic:
+            rate = rates[0];
+            slid = maximal::LinkView<double, double>(link, before_from, before).displacement() + h * rate;
+            break;
+        default:
+            break;
+    }
+    BodyMotion<double> body;
+    body.q = normalized(from.q * link.orientation * joint);
+    const Vector from_W = rotate(from.q, from.angular_velocity_B), axis_W = rotate(from.q, link.axis_from),
+                 arm_W = rotate(from.q, link.from.arm_B) + slid * axis_W, to_W = rotate(body.q, link.to.arm_B);
+    body.angular_velocity_B = rotate_back(body.q, from_W) + relative_B;
+    body.position_W = from.position_W + arm_W - to_W;
+    body.velocity_W =
+        from.velocity_W + cross(from_W, arm_W) + rate * axis_W - cross(rotate(body.q, body.angular_velocity_B), to_W);
+    return body;
+}
+
 }  // namespace
 
 std::string_view name_of(SystemRule rule) {
@@ -202,67 +263,23 @@ void SystemEngine::move_along_joints(std::vector<double>& y, const Placements& a
     SystemState next;
     next.bodies = start_;
     next.angles.assign(y.begin() + system_->angles(), y.end());
-    // index in u of the first rate of each body's joint, or of a free body
-    std::vector<std::size_t> first(next.bodies.size(), 0), links(next.bodies.size(), mechanism.links.size());
-    std::size_t place = 0;
-    for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
-        const maximal::Link<double>& link = mechanism.links[k];
-        if (!link.is_joint()) continue;
-        const std::size_t b = static_cast<std::size_t>(link.to.body);
-        links[b] = k, first[b] = place;
-        place += link.kind == Kind::spherical ? 3 : static_cast<std::size_t>(link.coordinates());
-    }
-    std::vector<std::size_t> order(next.bodies.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    for (const std::size_t b : order)
-        if (links[b] == mechanism.links.size()) first[b] = place, place += 6;
-    std::ranges::stable_sort(order, {}, [&](std::size_t b) { return mechanism.depth[b]; });
-    const auto vector_at = [&](std::size_t i) { return Vector(u[i], u[i + 1], u[i + 2]); };
-    const auto turn = [&](const Vector& by) { return quaternion_from_rotation_vector(h * by); };
-    for (const std::size_t b : order) {
-        BodyMotion<double>& body = next.bodies[b];
-        if (links[b] == mechanism.links.size()) {
-            body.angular_velocity_B = vector_at(first[b]), body.velocity_W = vector_at(first[b] + 3);
-            body.q = normalized(at[b].q * turn(body.angular_velocity_B));
+    const JointOrder places(mechanism, next.bodies.size());
+    for (const std::size_t b : places.order) {
+        const double* const rates = u.data() + places.first[b];
+        if (places.links[b] == mechanism.links.size()) {
+            BodyMotion<double>& body = next.bodies[b];
+            body.angular_velocity_B = {rates[0], rates[1], rates[2]}, body.velocity_W = {rates[3], rates[4], rates[5]};
+            body.q = normalized(at[b].q * quaternion_from_rotation_vector(h * body.angular_velocity_B));
             body.position_W = at[b].position_W + h * body.velocity_W;
             continue;
         }
         if (!mechanism.movable(static_cast<int>(b))) continue;
-        const maximal::Link<double>& link = mechanism.links[links[b]];
+        const maximal::Link<double>& link = mechanism.links[places.links[b]];
         BodyMotion<double> world;
         world.q = {1, 0, 0, 0};
-        const auto& old_from = at[static_cast<std::size_t>(link.from.body)];
         const BodyMotion<double>& from =
             link.from.body == mechanism.world() ? world : next.bodies[static_cast<std::size_t>(link.from.body)];
-        Quaternion<double> joint = conjugate(old_from.q * link.orientation) * at[b].q;
-        const double* const rates = u.data() + first[b];
-        Vector relative_B;  // angular velocity relative to the parent, axes of the child
-        double slid = 0, rate = 0;
-        switch (link.kind) {
-            case Kind::revolute:
-                relative_B = rates[0] * link.axes_to[0], joint = joint * turn(relative_B);
-                break;
-            case Kind::spherical:
-                relative_B = vector_at(first[b]), joint = joint * turn(relative_B);
-                break;
-            case Kind::universal:
-                joint = turn(rates[0] * link.axes_to[0]) * joint * turn(rates[1] * link.axes_to[1]);
-                relative_B = rates[0] * rotate_back(joint, link.axes_to[0]) + rates[1] * link.axes_to[1];
-                break;
-            case Kind::prismatic:
-                rate = rates[0];
-                slid = maximal::LinkView<double, double>(link, old_from, at[b]).displacement() + h * rate;
-                break;
-            default:
-                break;
-        }
-        body.q = normalized(from.q * link.orientation * joint);
-        const Vector from_W = rotate(from.q, from.angular_velocity_B), axis_W = rotate(from.q, link.axis_from),
-                     arm_W = rotate(from.q, link.from.arm_B) + slid * axis_W, to_W = rotate(body.q, link.to.arm_B);
-        body.angular_velocity_B = rotate_back(body.q, from_W) + relative_B;
-        body.position_W = from.position_W + arm_W - to_W;
-        body.velocity_W = from.velocity_W + cross(from_W, arm_W) + rate * axis_W -
-                          cross(rotate(body.q, body.angular_velocity_B), to_W);
+        next.bodies[b] = moved_child(link, at[static_cast<std::size_t>(link.from.body)], at[b], from, rates, h);
         for (int i = 0; link.angles >= 0 && i < link.coordinates(); ++i)
             next.angles[static_cast<std::size_t>(link.angles) + static_cast<std::size_t>(i)] += h * rates[i];
     }

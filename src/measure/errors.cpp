@@ -57,6 +57,33 @@ class ReactionErrors {
     Wide largest_force_ = 0, largest_torque_ = 0;  // N and N m
 };
 
+// The reference's motion, and the scale of each measure for relative errors.
+struct ScaledTruth {
+    std::vector<BodyMotion<Wide>> states;  // by time, then by body
+    std::vector<SystemInvariants<Wide>> wholes;
+    PerMeasure<Wide> scale;
+};
+
+ScaledTruth scaled_truth(const Scene& scene, const SceneMeasure<Wide>& measure, const Reference& reference) {
+    const std::span<const Measure> all = measures();
+    const std::size_t n = measure.bodies(), true_moments = reference.available ? reference.moments() : 0;
+    ScaledTruth result;
+    auto& [states, wholes, scale] = result;
+    JointCoordinates true_coordinates(scene);
+    for (std::size_t k = 0; k < true_moments; ++k) {
+        const std::span<const ReferenceSample> samples = std::span(reference.samples).subspan(k * n, n);
+        for (const ReferenceSample& sample : samples) states.push_back(true_motion<Wide>(sample));
+        const std::span<const BodyMotion<Wide>> bodies = std::span(states).subspan(k * n, n);
+        wholes.push_back(measure.true_invariants(samples, bodies, true_coordinates));
+        for (std::size_t m = 0; m < all.size(); ++m)
+            scale[m] = std::max(scale[m], scale_in(all[m], bodies, wholes.back()));
+    }
+    // several bodies at rest rotate at most by the reference's round-off
+    if (Wide& omega = scale["omega"]; measure.is_of_several() && omega * Wide(scene.duration) < Wide(vanishing))
+        omega = 0;
+    return result;
+}
+
 }  // namespace
 
 ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const Reference& reference) {
@@ -75,21 +102,8 @@ ErrorSeries error_series(const Scene& scene, const Trajectory& trajectory, const
                         trajectory.reactions.size() == moments * joints;
     const ReactionErrors reactions(trajectory, reference, arms);
 
-    std::vector<BodyMotion<Wide>> states;  // by time, then by body
-    std::vector<SystemInvariants<Wide>> wholes;
-    PerMeasure<Wide> scale;
-    JointCoordinates true_coordinates(scene);
-    for (std::size_t k = 0; k < true_moments; ++k) {
-        const std::span<const ReferenceSample> samples = std::span(reference.samples).subspan(k * n, n);
-        for (const ReferenceSample& sample : samples) states.push_back(true_motion<Wide>(sample));
-        const std::span<const BodyMotion<Wide>> bodies = std::span(states).subspan(k * n, n);
-        wholes.push_back(measure.true_invariants(samples, bodies, true_coordinates));
-        for (std::size_t m = 0; m < all.size(); ++m)
-            scale[m] = std::max(scale[m], scale_in(all[m], bodies, wholes.back()));
-    }
-    // several bodies at rest rotate at most by the reference's round-off
-    if (Wide& omega = scale["omega"]; measure.is_of_several() && omega * Wide(scene.duration) < Wide(vanishing))
-        omega = 0;
+    const ScaledTruth truth = scaled_truth(scene, measure, reference);
+    const auto& [states, wholes, scale] = truth;
     const auto known = [&](const Measure& m, std::size_t k) {
         return measure.has(m) && (k < compared || (m.needs & known_truth) == 0) &&
                (reacts || (m.needs & known_reactions) == 0);

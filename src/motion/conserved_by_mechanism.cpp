@@ -152,6 +152,75 @@ std::optional<V3> rotation_line(const Scene& scene, const std::vector<Sample>& s
     return line ? *line : V3();
 }
 
+SystemInvariants<double> invariants_after_impulses(MechanismModel& model, std::vector<double>& y,
+                                                   const MechanismMeasure<double>& measure) {
+    model.enter(0, y.data());
+    std::vector<BodyMotion<double>> motions;
+    for (const Sample& s : model.motion(y.data()))
+        motions.push_back({normalized(s.q), s.angular_velocity_B, s.position_W, s.velocity_W});
+    JointCoordinates coordinates(model.scene());
+    return measure.invariants(0, motions, coordinates);
+}
+
+void add_vector(std::vector<Conserved>& found, ConservedKind kind, const char* name, const char* formula,
+                const V3& value, const V3& direction = {}) {
+    found.push_back({kind, name, formula, {value[0], value[1], value[2]}, nullptr, direction});
+}
+
+// Adds a vector that the loads do not change, or its part perpendicular to the line along which they change it.
+void add_unchanged(std::vector<Conserved>& found, const Changes& changes, ConservedKind whole, ConservedKind part,
+                   const char* name, const char* formula, const V3& value) {
+    if (changes.none()) add_vector(found, whole, name, formula, value);
+    if (changes.any || !changes.along) return;
+    const V3& u = *changes.along;
+    add_vector(found, part, (std::string(name) + " perpendicular to u").c_str(), formula, value - dot(value, u) * u, u);
+}
+
+void add_momenta_of_free_system(std::vector<Conserved>& found, const Scene& scene,
+                                const SystemInvariants<double>& at_start) {
+    Changes linear, angular;
+    for (const Load& load : scene.loads)
+        std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
+    add_unchanged(found, angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
+                  "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
+                  at_start.angular_momentum_W);
+    add_unchanged(found, linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component,
+                  "linear momentum", "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
+}
+
+// The angular momentum of a system that is tied to the world, about the world's origin or along the line of its joints.
+void add_momentum_of_tied_system(std::vector<Conserved>& found, const Scene& scene, const std::vector<Sample>& before,
+                                 const SystemInvariants<double>& at_start) {
+    std::optional<V3> line = rotation_line(scene, before);
+    if (!line) return;
+    // gravity parallel to the line has no moment about it; if only a point is fixed, gravity determines the line
+    Changes other;
+    for (const Load& load : scene.loads) {
+        if (const auto* gravity = std::get_if<Gravity>(&load)) {
+            if (is_zero(gravity->acceleration_W)) continue;
+            if (is_zero(*line)) line = unit_of(gravity->acceleration_W);
+            if (!are_parallel(*line, gravity->acceleration_W)) return;
+        } else if (const auto* torque = std::get_if<Torque>(&load); torque && torque->frame == Frame::world) {
+            if (is_zero(torque->vector)) continue;
+            if (is_zero(*line) || !are_across(*line, torque->vector)) return;
+        } else {
+            std::visit(AngularChanges{other, true}, load);
+        }
+    }
+    if (!other.none()) return;
+    if (is_zero(*line)) {
+        add_vector(found, ConservedKind::angular_momentum, "angular momentum",
+                   "L about the world's origin, world axes, kg m^2/s", at_start.angular_momentum_W);
+        return;
+    }
+    found.push_back({ConservedKind::angular_momentum_component,
+                     "angular momentum along u",
+                     "L . u about the world's origin, kg m^2/s",
+                     {dot(at_start.angular_momentum_W, *line)},
+                     nullptr,
+                     *line});
+}
+
 }  // namespace
 
 std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
@@ -160,68 +229,16 @@ std::vector<Conserved> conserved_by_mechanism(const Problem& problem) {
     std::vector<double> y(static_cast<std::size_t>(model.dimension()));
     model.initial(y.data());
     const std::vector<Sample> before = model.motion(y.data());
-    model.enter(0, y.data());
-    std::vector<BodyMotion<double>> motions;
-    for (const Sample& s : model.motion(y.data()))
-        motions.push_back({normalized(s.q), s.angular_velocity_B, s.position_W, s.velocity_W});
     const MechanismMeasure<double> measure(scene);
-    JointCoordinates coordinates(scene);
-    const SystemInvariants<double> at_start = measure.invariants(0, motions, coordinates);
-
+    const SystemInvariants<double> at_start = invariants_after_impulses(model, y, measure);
     std::vector<Conserved> found;
-    const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, const V3& value,
-                                  const V3& direction = {}) {
-        found.push_back({kind, name, formula, {value[0], value[1], value[2]}, nullptr, direction});
-    };
-    const auto add_across = [&](const Changes& changes, ConservedKind whole, ConservedKind part, const char* name,
-                                const char* formula, const V3& value) {
-        if (changes.none()) add_quantity(whole, name, formula, value);
-        if (changes.any || !changes.along) return;
-        const V3& u = *changes.along;
-        add_quantity(part, (std::string(name) + " perpendicular to u").c_str(), formula, value - dot(value, u) * u, u);
-    };
     if (conserves_mechanism_energy(problem))
         found.push_back(
             {ConservedKind::energy, "energy", "E, kinetic and potential, J", {at_start.energy}, nullptr, {}});
-    if (!measure.is_tied_to_world()) {
-        Changes linear, angular;
-        for (const Load& load : scene.loads)
-            std::visit(LinearChanges{linear}, load), std::visit(AngularChanges{angular, false}, load);
-        add_across(angular, ConservedKind::angular_momentum, ConservedKind::angular_momentum_component,
-                   "angular momentum", "L of the system about its centre of mass, world axes, kg m^2/s",
-                   at_start.angular_momentum_W);
-        add_across(linear, ConservedKind::linear_momentum, ConservedKind::linear_momentum_component, "linear momentum",
-                   "p of the system, world axes, kg m/s", at_start.linear_momentum_W);
-        return found;
-    }
-    std::optional<V3> line = rotation_line(scene, before);
-    if (!line) return found;
-    // gravity parallel to the line has no moment about it; if only a point is fixed, gravity determines the line
-    Changes other;
-    for (const Load& load : scene.loads) {
-        if (const auto* gravity = std::get_if<Gravity>(&load)) {
-            if (is_zero(gravity->acceleration_W)) continue;
-            if (is_zero(*line)) line = unit_of(gravity->acceleration_W);
-            if (!are_parallel(*line, gravity->acceleration_W)) return found;
-        } else if (const auto* torque = std::get_if<Torque>(&load); torque && torque->frame == Frame::world) {
-            if (is_zero(torque->vector)) continue;
-            if (is_zero(*line) || !are_across(*line, torque->vector)) return found;
-        } else {
-            std::visit(AngularChanges{other, true}, load);
-        }
-    }
-    if (!other.none()) return found;
-    if (is_zero(*line)) {
-        add_quantity(ConservedKind::angular_momentum, "angular momentum",
-                     "L about the world's origin, world axes, kg m^2/s", at_start.angular_momentum_W);
-        return found;
-    }
-    found.push_back({ConservedKind::angular_momentum_component,
-                     "angular momentum along u",
-                     "L . u about the world's origin, kg m^2/s",
-                     {dot(at_start.angular_momentum_W, *line)},
-                     nullptr,
-                     *line});
+    if (measure.is_tied_to_world())
+        add_momentum_of_tied_system(found, scene, before, at_start);
+    else
+        add_momenta_of_free_system(found, scene, at_start);
     return found;
 }
 

@@ -1,5 +1,6 @@
 #include "motion/needs.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -114,10 +115,7 @@ bool rotates_about_principal_axis(Problem& problem, const ExactBody<Wide>& body,
     return true;
 }
 
-}  // namespace
-
-void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion<Wide>& q_BP,
-                const std::vector<Forcing<Wide>>& forcings) {
+void find_symmetry(Problem& problem) {
     Needs& needs = problem.needs;
     const Vector3<double>& I = problem.body.principal.moments;
     // moments that agree in binary64 may still affect a body with very little inertia about the third axis
@@ -128,61 +126,83 @@ void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion
     };
     const int equal = moments_agree(0, 1) + moments_agree(1, 2) + moments_agree(2, 0);
     needs.symmetry = equal == 3 ? Symmetry::spherical : equal == 1 ? Symmetry::symmetric : Symmetry::asymmetric;
+}
 
+void find_load_kinds(Problem& problem) {
+    Needs& needs = problem.needs;
     needs.torque_free = true;
-    bool impulses = false;
     for (const Segment& segment : problem.segments) {
         needs.user_torque = needs.user_torque || !segment.forcing.user_torques.empty();
         needs.torque_free = needs.torque_free && !segment.forcing.any_torque();
-        impulses = impulses || !segment.impulses.empty();
     }
     needs.time_dependent = problem.segments.size() > 1 || needs.user_torque;
+}
 
+void omit(Needs& needs, const char* what, const char* why) { needs.omitted.push_back({what, why}); }
+
+void find_translation(Problem& problem, const ExactBody<Wide>& exact, const std::vector<Forcing<Wide>>& forcings) {
+    Needs& needs = problem.needs;
+    const bool planes = !problem.scene.planes.empty();
+    const bool still = !planes && !exact.pivoted && at_rest(exact, problem.scene, forcings);
+    if (exact.pivoted) {
+        needs.translation = Translation::fixed;
+        omit(needs, "p and v", "the pivot is fixed: q and w determine both");
+    } else if (still && !translation_couples(problem.scene, forcings)) {
+        needs.translation = Translation::fixed;
+        omit(needs, "p and v", "no force acts, and the centre of mass starts at rest at the origin");
+    } else if (!planes && !translation_couples(problem.scene, forcings) && !needs.user_torque) {
+        needs.translation = Translation::closed_form;
+        omit(needs, "p and v", "only constant acceleration and linear drag: piecewise closed form");
+    } else {
+        needs.translation = Translation::integrated;
+    }
+}
+
+void find_reduced_system(Problem& problem, const ExactBody<Wide>& exact, const QuaternionW& q_BP,
+                         const std::vector<Forcing<Wide>>& forcings) {
+    Needs& needs = problem.needs;
+    const bool couples = needs.translation == Translation::integrated;
+    if (!couples && !needs.user_torque && rotates_about_principal_axis(problem, exact, q_BP, forcings)) {
+        needs.system = SystemKind::principal_axis_rotation, needs.dimension = 3;
+        omit(needs, "gyroscopic term w x Iw", "w stays along one principal axis");
+        omit(needs, "two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
+    } else if (!couples && needs.torque_free) {
+        needs.system = SystemKind::free_rotation, needs.dimension = 7;
+        const bool has_impulses =
+            std::ranges::any_of(problem.segments, [](const Segment& segment) { return !segment.impulses.empty(); });
+        omit(needs, "torque", has_impulses ? "zero between impulses: w decouples from q" : "zero: w decouples from q");
+        if (needs.symmetry == Symmetry::symmetric)
+            omit(needs, "one gyroscopic component",
+                 "two moments are equal: the rate about the symmetry axis is constant");
+    } else {
+        needs.system = couples ? SystemKind::loaded_motion : SystemKind::loaded_rotation;
+        needs.dimension = couples ? 13 : 7;
+        if (needs.symmetry == Symmetry::symmetric)
+            omit(needs, "one gyroscopic component", "two moments are equal: its coefficient is zero");
+    }
+    if (needs.symmetry == Symmetry::spherical && needs.system != SystemKind::principal_axis_rotation) {
+        omit(needs, "gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
+        problem.body.principal_inertia.isotropic = true;
+    }
+}
+
+}  // namespace
+
+void find_needs(Problem& problem, const ExactBody<Wide>& exact, const Quaternion<Wide>& q_BP,
+                const std::vector<Forcing<Wide>>& forcings) {
+    Needs& needs = problem.needs;
+    find_symmetry(problem);
+    find_load_kinds(problem);
     if (problem.formulation != Formulation::reduced) {
         const bool tensor = problem.formulation == Formulation::full;
         needs.system = tensor ? SystemKind::full_motion : SystemKind::loaded_motion;
         needs.dimension = 13, needs.translation = Translation::integrated;
         return;
     }
-    const auto omit = [&](const char* what, const char* why) { needs.omitted.push_back({what, why}); };
     if (!(problem.body.principal.q_BP == Quaternion<double>{}))
-        omit("products of inertia", "zero in the principal frame, in which the system is posed");
-
-    const bool planes = !problem.scene.planes.empty();
-    const bool still = !planes && !exact.pivoted && at_rest(exact, problem.scene, forcings);
-    if (exact.pivoted) {
-        needs.translation = Translation::fixed;
-        omit("p and v", "the pivot is fixed: q and w determine both");
-    } else if (still && !translation_couples(problem.scene, forcings)) {
-        needs.translation = Translation::fixed;
-        omit("p and v", "no force acts, and the centre of mass starts at rest at the origin");
-    } else if (!planes && !translation_couples(problem.scene, forcings) && !needs.user_torque) {
-        needs.translation = Translation::closed_form;
-        omit("p and v", "only constant acceleration and linear drag: piecewise closed form");
-    } else {
-        needs.translation = Translation::integrated;
-    }
-
-    const bool couples = needs.translation == Translation::integrated;
-    if (!couples && !needs.user_torque && rotates_about_principal_axis(problem, exact, q_BP, forcings)) {
-        needs.system = SystemKind::principal_axis_rotation, needs.dimension = 3;
-        omit("gyroscopic term w x Iw", "w stays along one principal axis");
-        omit("two components of w, two of q", "rotation about one axis: rate and half-angle (c, s)");
-    } else if (!couples && needs.torque_free) {
-        needs.system = SystemKind::free_rotation, needs.dimension = 7;
-        omit("torque", impulses ? "zero between impulses: w decouples from q" : "zero: w decouples from q");
-        if (needs.symmetry == Symmetry::symmetric)
-            omit("one gyroscopic component", "two moments are equal: the rate about the symmetry axis is constant");
-    } else {
-        needs.system = couples ? SystemKind::loaded_motion : SystemKind::loaded_rotation;
-        needs.dimension = couples ? 13 : 7;
-        if (needs.symmetry == Symmetry::symmetric)
-            omit("one gyroscopic component", "two moments are equal: its coefficient is zero");
-    }
-    if (needs.symmetry == Symmetry::spherical && needs.system != SystemKind::principal_axis_rotation) {
-        omit("gyroscopic term w x Iw", "isotropic body: Iw is parallel to w");
-        problem.body.principal_inertia.isotropic = true;
-    }
+        omit(needs, "products of inertia", "zero in the principal frame, in which the system is posed");
+    find_translation(problem, exact, forcings);
+    find_reduced_system(problem, exact, q_BP, forcings);
 }
 
 }  // namespace polhode

@@ -84,19 +84,8 @@ void refuse_parts_of_several_bodies(const Scene& scene) {
     }
 }
 
-}  // namespace
-
-Problem pose(const Scene& scene, Formulation formulation) {
-    if (is_mechanism(scene)) {
-        refuse_parts_of_one_body(scene);
-        return pose_mechanism(scene);
-    }
-    refuse_parts_of_several_bodies(scene);
-    Problem problem;
-    problem.scene = scene;
-    problem.formulation = formulation;
-    const ExactBody<Wide> exact = exact_body<Wide>(scene);
-    static_cast<ExactBody<double>&>(problem.body) = rounded(exact);
+// Sets the inertia tensor, the principal frame and the frame in which the body is posed.
+void pose_inertia(const Scene& scene, const ExactBody<Wide>& exact, Problem& problem) {
     problem.body.wide_principal = wide_principal_frame(exact.inertia_B);
     problem.body.wide_initial_angular_velocity =
         rotate_back(problem.body.wide_principal.q_BP, exact.angular_velocity_B);
@@ -110,13 +99,12 @@ Problem pose(const Scene& scene, Formulation formulation) {
         problem.body.full_inertia.inverse = finer.inverse_inertia;
     }
     problem.body.principal_inertia = {problem.body.principal.gyroscopic, problem.body.principal.inverse_moments, false};
-    problem.body.q_BP = formulation == Formulation::full ? Quaternion<double>{} : problem.body.principal.q_BP;
+    problem.body.q_BP = problem.formulation == Formulation::full ? Quaternion<double>{} : problem.body.principal.q_BP;
+}
 
-    const Quaternion<Wide> q_BP = normalized(cast<Wide>(problem.body.q_BP));
-    problem.body.initial_angular_velocity = cast<double>(rotate_back(q_BP, exact.angular_velocity_B));
-    problem.body.initial_q = cast<double>(exact.q * q_BP);
-    problem.body.axis = Vector3<double>(0, 0, 1);
-
+// Sets the segments. Returns the unrounded forcing of each.
+std::vector<Forcing<Wide>> pose_segments(const Scene& scene, const ExactBody<Wide>& exact, const Quaternion<Wide>& q_BP,
+                                         Problem& problem) {
     std::vector<Forcing<Wide>> forcings;
     for (const Leg& leg : itinerary(scene)) {
         Segment segment;
@@ -130,27 +118,57 @@ Problem pose(const Scene& scene, Formulation formulation) {
         segment.forcing.only_field = !segment.forcing.any_torque_beside_field();
         problem.segments.push_back(std::move(segment));
     }
-    const ContactGeometry<Wide> geometry = contact_geometry(scene, exact.center, q_BP);
-    ContactGeometry<double> rounded_geometry;
+    return forcings;
+}
+
+ContactGeometry<double> rounded_geometry(const ContactGeometry<Wide>& geometry) {
+    ContactGeometry<double> result;
     for (const ContactPlane<Wide>& plane : geometry.planes)
-        rounded_geometry.planes.push_back(
+        result.planes.push_back(
             {cast<double>(plane.normal_W), double(plane.offset), double(plane.restitution), double(plane.friction)});
     for (const SupportPiece<Wide>& piece : geometry.pieces)
-        rounded_geometry.pieces.push_back(
+        result.pieces.push_back(
             {cast<double>(piece.center), piece.extended, cast<double>(piece.semi_axes), double(piece.radius)});
-    rounded_geometry.reach = double(geometry.reach);
-    problem.body.geometry = std::make_shared<const ContactGeometry<double>>(std::move(rounded_geometry));
-    find_needs(problem, exact, q_BP, forcings);
+    result.reach = double(geometry.reach);
+    return result;
+}
 
-    if (problem.needs.translation != Translation::integrated) {
-        Vector3<double> p = problem.body.position_W, v = problem.body.velocity_W;
-        for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-            Segment& segment = problem.segments[i];
-            if (i > 0) translated(problem.segments[i - 1], segment.begin - problem.segments[i - 1].begin, p, v);
-            for (const auto& impulse : segment.impulses) v = v + (1 / problem.body.mass) * impulse.vector;
-            segment.position_W = p, segment.velocity_W = v;
-        }
+// Sets position and velocity at the start of each segment of a translation in closed form.
+void pose_translation(Problem& problem) {
+    Vector3<double> p = problem.body.position_W, v = problem.body.velocity_W;
+    for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+        Segment& segment = problem.segments[i];
+        if (i > 0) translated(problem.segments[i - 1], segment.begin - problem.segments[i - 1].begin, p, v);
+        for (const auto& impulse : segment.impulses) v = v + (1 / problem.body.mass) * impulse.vector;
+        segment.position_W = p, segment.velocity_W = v;
     }
+}
+
+}  // namespace
+
+Problem pose(const Scene& scene, Formulation formulation) {
+    if (is_mechanism(scene)) {
+        refuse_parts_of_one_body(scene);
+        return pose_mechanism(scene);
+    }
+    refuse_parts_of_several_bodies(scene);
+    Problem problem;
+    problem.scene = scene;
+    problem.formulation = formulation;
+    const ExactBody<Wide> exact = exact_body<Wide>(scene);
+    static_cast<ExactBody<double>&>(problem.body) = rounded(exact);
+    pose_inertia(scene, exact, problem);
+
+    const Quaternion<Wide> q_BP = normalized(cast<Wide>(problem.body.q_BP));
+    problem.body.initial_angular_velocity = cast<double>(rotate_back(q_BP, exact.angular_velocity_B));
+    problem.body.initial_q = cast<double>(exact.q * q_BP);
+    problem.body.axis = Vector3<double>(0, 0, 1);
+
+    const std::vector<Forcing<Wide>> forcings = pose_segments(scene, exact, q_BP, problem);
+    problem.body.geometry =
+        std::make_shared<const ContactGeometry<double>>(rounded_geometry(contact_geometry(scene, exact.center, q_BP)));
+    find_needs(problem, exact, q_BP, forcings);
+    if (problem.needs.translation != Translation::integrated) pose_translation(problem);
     find_scales(problem);
     return problem;
 }

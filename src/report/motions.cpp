@@ -163,14 +163,7 @@ class MotionWriter {
             fault_ = "its values are too large to draw";
             return nullptr;
         }
-        const std::size_t bodies = body_count(scene_);
-        double size = 0;
-        for (std::size_t b = 0; b < bodies; ++b) size = std::max(size, size_of(scene_body(scene_, b).body));
-        // bodies without extent: use the distances from their joints
-        if (size == 0)
-            for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
-        if (size == 0) size = 1;
-        tolerance_ = {visible_angle, 2e-3 * size};
+        tolerance_ = {visible_angle, 2e-3 * drawn_size()};
         const Keyframes keyframes = select_keyframes(motion, tolerance_, true);
         worst_ = keyframes.off;
         Json json{{"scene", place},
@@ -180,26 +173,9 @@ class MotionWriter {
                   {"bodies", Json::array()},
                   {"joints", joints_json(scene_)}};
         const bool several = is_mechanism(scene_);
-        for (std::size_t b = 0; b < bodies; ++b) {
-            const SceneBody body = scene_body(scene_, b);
-            json["bodies"].push_back(body_shape_json(several ? std::string(body.name) : scene_.name, body.body));
-        }
-        json["pivot"] = scene_.pivot ? vector_json(*scene_.pivot - scene_.body.center_of_mass) : Json();
-        json["about"] = several ? Json() : principal_json(scene_.body, scene_.pivot);
-        json["planes"] = Json::array();
-        for (const Plane& plane : scene_.planes)
-            json["planes"].push_back(
-                {{"normal", vector_json(plane.normal_W)}, {"offset", number_json(plane.offset, 6)}});
-        json["gravity"] = nullptr;
-        for (const Load& load : scene_.loads)
-            if (const Gravity* gravity = std::get_if<Gravity>(&load))
-                json["gravity"] = vector_json(gravity->acceleration_W);
-        bool moving = false;
-        for (std::size_t k = 0; k < motion.t.size(); ++k)
-            for (int b = 0; b < motion.bodies; ++b)
-                moving = moving || !(motion.at(k, b).position_W == motion.at(0, b).position_W);
-        json["moving"] = moving;
-        json["free"] = problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
+        add_scene(several, json);
+        json["moving"] = is_moving(motion);
+        json["free"] = !several && problem.needs.torque_free && problem.segments.size() == 1 && scene_.planes.empty();
         json["energy"] = number_json(several ? 0 : energy(motion.at(0, 0)), 6);
         json["truth"] = track_json(motion, keyframes);
         json["how"] = fmt::format("{}; error bound {:.1e}", reference.message, reference.bound);
@@ -215,6 +191,43 @@ class MotionWriter {
     void window(const Problem& problem) {
         const double rate = problem.scales.angular_velocity;
         if (rate > 0) scene_.duration = std::min(scene_.duration, most_revolutions * 2 * std::numbers::pi / rate);
+    }
+
+    // The extent of the largest body, m.
+    double drawn_size() const {
+        double size = 0;
+        for (std::size_t b = 0; b < body_count(scene_); ++b) size = std::max(size, size_of(scene_body(scene_, b).body));
+        // bodies without extent: use the distances from their joints
+        if (size == 0)
+            for (const double arm : MechanismMeasure<double>(scene_).arms()) size = std::max(size, arm);
+        if (size == 0) size = 1;
+        return size;
+    }
+
+    // Adds the shapes of the bodies, the pivot, the planes and gravity.
+    void add_scene(bool several, Json& json) const {
+        for (std::size_t b = 0; b < body_count(scene_); ++b) {
+            const SceneBody body = scene_body(scene_, b);
+            json["bodies"].push_back(body_shape_json(several ? std::string(body.name) : scene_.name, body.body));
+        }
+        json["pivot"] = scene_.pivot ? vector_json(*scene_.pivot - scene_.body.center_of_mass) : Json();
+        json["about"] = several ? Json() : principal_json(scene_.body, scene_.pivot);
+        json["planes"] = Json::array();
+        for (const Plane& plane : scene_.planes)
+            json["planes"].push_back(
+                {{"normal", vector_json(plane.normal_W)}, {"offset", number_json(plane.offset, 6)}});
+        json["gravity"] = nullptr;
+        for (const Load& load : scene_.loads)
+            if (const Gravity* gravity = std::get_if<Gravity>(&load))
+                json["gravity"] = vector_json(gravity->acceleration_W);
+    }
+
+    static bool is_moving(const SampledMotion& motion) {
+        bool moving = false;
+        for (std::size_t k = 0; k < motion.t.size(); ++k)
+            for (int b = 0; b < motion.bodies; ++b)
+                moving = moving || !(motion.at(k, b).position_W == motion.at(0, b).position_W);
+        return moving;
     }
 
     double energy(const Sample& sample) const {
@@ -341,34 +354,37 @@ class MotionWriter {
     Tolerance tolerance_, worst_;
 };
 
-}  // namespace
+// One motion to compute. Scenes that differ only in duration share the motion of the longest one.
+struct MotionTask {  // NOLINT(bugprone-exception-escape): the JSON library's destructor takes memory
+    const Scene* scene = nullptr;
+    std::vector<int> places;
+    std::map<int, DrawnRun> runs;
+    double step = 0;  // s, step of common use
+    std::string fault;
+    Json json;
+};
 
-Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
-                     const std::vector<DrawnFile>& files, int jobs) {
-    // scenes that differ only in duration share the motion of the longest one
-    struct Task {  // NOLINT(bugprone-exception-escape): the JSON library's destructor takes memory
-        const Scene* scene = nullptr;
-        std::vector<int> places;
-        std::map<int, DrawnRun> runs;
-        double step = 0;  // s, step of common use
-        std::string fault;
-        Json json;
-    };
-    std::map<std::string, Task> tasks;
+std::map<std::string, MotionTask> motion_tasks(const ResultFolder& folder, const std::map<std::string, Scene>& scenes) {
+    std::map<std::string, MotionTask> tasks;
     for (const auto& [name, scene] : scenes) {
         Scene timeless = scene;
         timeless.duration = 1, timeless.name = "-", timeless.about.clear(), timeless.source.clear();
-        Task& task = tasks[write_scene(timeless)];
+        MotionTask& task = tasks[write_scene(timeless)];
         if (!task.scene || scene.duration > task.scene->duration) task.scene = &scene;
         task.places.push_back(folder.scenes.find(name));
     }
-    std::map<int, Task*> of_place;
-    for (auto& [key, task] : tasks)
-        for (const int place : task.places) of_place[place] = &task;
     for (auto& [key, task] : tasks) {
         const double rate = pose(*task.scene).scales.angular_velocity;
         task.step = rate > 0 ? turn_per_step / rate : task.scene->duration / 1000;
     }
+    return tasks;
+}
+
+// Selects one run of each method: the one nearest to common use.
+void select_runs(const ResultFolder& folder, std::map<std::string, MotionTask>& tasks) {
+    std::map<int, MotionTask*> of_place;
+    for (auto& [key, task] : tasks)
+        for (const int place : task.places) of_place[place] = &task;
     for (const FolderRow& row : folder.rows) {
         const auto found = of_place.find(row.scene);
         if (found == of_place.end() || row.status == Status::unsupported) continue;
@@ -378,12 +394,20 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
         const auto [at, is_new] = found->second->runs.try_emplace(row.method, run);
         if (!is_new && precedes(run, at->second, found->second->step)) at->second = run;
     }
-    std::vector<Task*> order;
+}
+
+}  // namespace
+
+Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
+                     const std::vector<DrawnFile>& files, int jobs) {
+    std::map<std::string, MotionTask> tasks = motion_tasks(folder, scenes);
+    select_runs(folder, tasks);
+    std::vector<MotionTask*> order;
     for (auto& [key, task] : tasks) order.push_back(&task);
-    std::ranges::sort(order, {}, [](const Task* task) { return std::ranges::min(task->places); });
+    std::ranges::sort(order, {}, [](const MotionTask* task) { return std::ranges::min(task->places); });
 
     parallel_for(order.size(), jobs, [&](std::size_t i) {
-        Task& task = *order[i];
+        MotionTask& task = *order[i];
         std::vector<DrawnRun> runs;
         for (const auto& [method, run] : task.runs) runs.push_back(run);
         std::vector<const DrawnFile*> own;
@@ -398,7 +422,7 @@ Motions make_motions(const ResultFolder& folder, const std::map<std::string, Sce
 
     Motions motions;
     motions.of_file.assign(files.size(), -1);
-    for (Task* task : order) {
+    for (MotionTask* task : order) {
         if (task->json.is_null()) {
             motions.omissions.push_back(fmt::format("{} is not drawn: {}.",
                                                     one_line(folder.scenes[std::ranges::min(task->places)], 100),

@@ -237,16 +237,13 @@ double width_of(const std::vector<Column>& columns) {
     return width;
 }
 
-}  // namespace
-
-std::string latex(const Table& table, const std::string& caption, const std::string& label) {
-    require_rectangular(table);
-    const std::vector<bool> numbers = number_columns(table);
+// The columns that fit the page, and the text about the others.
+struct PageColumns {
     std::vector<Column> columns;
     TypeSize type = script_size;
-    for (std::size_t i = 0; i < table.columns.size(); ++i) columns.push_back(column_of(table, i, numbers[i], type));
-    std::string same, left_out;
-    const auto drop = [&](std::size_t place) {
+    std::string same, left_out;  // columns with one value; columns only in the CSV file
+
+    void drop(const Table& table, std::size_t place) {
         const std::size_t index = columns[place].index;
         if (is_constant(table, index)) {
             const std::string value = latex_cell_text(table.rows.front()[index]);
@@ -256,39 +253,42 @@ std::string latex(const Table& table, const std::string& caption, const std::str
             left_out += (left_out.empty() ? "" : ", ") + latex_text(table.columns[index]);
         }
         columns.erase(columns.begin() + static_cast<long>(place));
-    };
+    }
+};
+
+PageColumns fit_columns(const Table& table) {
+    PageColumns page;
+    std::vector<Column>& columns = page.columns;
+    const std::vector<bool> numbers = number_columns(table);
+    for (std::size_t i = 0; i < table.columns.size(); ++i)
+        columns.push_back(column_of(table, i, numbers[i], page.type));
     const auto too_wide = [&] { return width_of(columns) > text_width && columns.size() > 1; };
     for (std::size_t place = columns.size(); place-- > 0 && too_wide();)
-        if (is_constant(table, columns[place].index)) drop(place);
+        if (is_constant(table, columns[place].index)) page.drop(table, place);
     if (too_wide()) {
-        type = tiny_size;
-        for (Column& column : columns) column = column_of(table, column.index, column.number, type);
+        page.type = tiny_size;
+        for (Column& column : columns) column = column_of(table, column.index, column.number, page.type);
     }
     for (const std::string_view name : lesser)
         for (std::size_t place = columns.size(); place-- > 0 && too_wide();)
-            if (table.columns[columns[place].index] == name) drop(place);
-    while (too_wide()) drop(columns.size() - 1);
+            if (table.columns[columns[place].index] == name) page.drop(table, place);
+    while (too_wide()) page.drop(table, columns.size() - 1);
+    return page;
+}
 
+std::string latex_title(const std::string& caption, const PageColumns& page) {
     std::string title = latex_text(caption);
-    if (!same.empty()) title += fmt::format("{}Constant in all rows: {}.", title.empty() ? "" : ". ", same);
-    if (!left_out.empty())
+    if (!page.same.empty()) title += fmt::format("{}Constant in all rows: {}.", title.empty() ? "" : ". ", page.same);
+    if (!page.left_out.empty())
         title += fmt::format("{}Further columns in the CSV file: {}.",
-                             title.empty()  ? ""
-                             : same.empty() ? ". "
-                                            : " ",
-                             left_out);
+                             title.empty()       ? ""
+                             : page.same.empty() ? ". "
+                                                 : " ",
+                             page.left_out);
+    return title;
+}
 
-    std::string out = fmt::format(
-        "% \\usepackage{{booktabs,longtable,siunitx}}\n\\begingroup\\{}\\setlength{{\\tabcolsep}}{{3pt}}\n"
-        "\\sisetup{{group-minimum-digits=9,output-exponent-marker=\\ensuremath{{\\mathrm{{e}}}}}}\n\\begin{{longtable}}"
-        "{{@{{}}",
-        type.command);
-    for (const Column& column : columns)
-        out += column.number ? "r" : fmt::format(">{{\\raggedright\\arraybackslash}}p{{{:.0f}pt}}", column.width);
-    out += "@{}}\n";
-    if (!title.empty() || !label.empty())
-        out +=
-            fmt::format("  \\caption{{{}}}{}\\\\\n", title, label.empty() ? "" : fmt::format("\\label{{{}}}", label));
+std::string latex_heading(const std::vector<Column>& columns) {
     std::string heading;
     for (const Column& column : columns) {
         std::vector<std::string> lines;
@@ -298,7 +298,29 @@ std::string latex(const Table& table, const std::string& caption, const std::str
             fmt::format("{}\\multicolumn{{1}}{{{}@{{}}}}{{\\begin{{tabular}}[b]{{@{{}}{}@{{}}}}{}\\end{{tabular}}}}",
                         heading.empty() ? "" : " & ", side, side, fmt::join(lines, "\\\\"));
     }
-    out += fmt::format("  \\toprule\n  {} \\\\\n  \\midrule\n  \\endhead\n  \\bottomrule\n  \\endfoot\n", heading);
+    return heading;
+}
+
+}  // namespace
+
+std::string latex(const Table& table, const std::string& caption, const std::string& label) {
+    require_rectangular(table);
+    const PageColumns page = fit_columns(table);
+    const std::vector<Column>& columns = page.columns;
+    const std::string title = latex_title(caption, page);
+    std::string out = fmt::format(
+        "% \\usepackage{{booktabs,longtable,siunitx}}\n\\begingroup\\{}\\setlength{{\\tabcolsep}}{{3pt}}\n"
+        "\\sisetup{{group-minimum-digits=9,output-exponent-marker=\\ensuremath{{\\mathrm{{e}}}}}}\n\\begin{{longtable}}"
+        "{{@{{}}",
+        page.type.command);
+    for (const Column& column : columns)
+        out += column.number ? "r" : fmt::format(">{{\\raggedright\\arraybackslash}}p{{{:.0f}pt}}", column.width);
+    out += "@{}}\n";
+    if (!title.empty() || !label.empty())
+        out +=
+            fmt::format("  \\caption{{{}}}{}\\\\\n", title, label.empty() ? "" : fmt::format("\\label{{{}}}", label));
+    out += fmt::format("  \\toprule\n  {} \\\\\n  \\midrule\n  \\endhead\n  \\bottomrule\n  \\endfoot\n",
+                       latex_heading(columns));
     for (const std::vector<Cell>& row : table.rows) {
         std::vector<std::string> cells;
         for (const Column& column : columns) cells.push_back(latex_cell_text(row[column.index]));

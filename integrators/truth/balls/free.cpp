@@ -80,6 +80,26 @@ Ball complete_integral(const Ball& k1) {
     return half_pi() / mean;
 }
 
+// The argument u0 of the elliptic functions at the start: u0 = N K + v. sn v and cn v are taken from the nearer axis,
+// where the cosine is positive. None if the balls are too wide to show that it is.
+std::optional<Ball> initial_argument(const Vector3<Ball>& w, const Vector3<Ball>& amplitudes, const Ball& k1,
+                                     const Ball& K) {
+    const Ball cn = w[0] / amplitudes[0], sn = w[1] / amplitudes[1], dn = w[2] / amplitudes[2];
+    const bool even = std::abs(sn.near()) <= std::abs((cn / dn).near());
+    long N = 0;
+    Ball s, c, d;
+    if (even) {
+        N = cn.is_positive() ? 0 : 2;
+        s = N == 0 ? sn : -sn, c = N == 0 ? cn : -cn, d = dn;
+    } else {
+        N = sn.is_positive() ? 1 : 3;
+        d = k1 / dn;
+        s = N == 1 ? -cn / dn : cn / dn, c = N == 1 ? sn * d : -sn * d;
+    }
+    if (!c.is_positive()) return {};
+    return Ball(N) * K + s * carlson_rf(c * c, d * d);
+}
+
 // quaternion of the rotation by the vector w t
 Quaternion<Ball> rotation(const Vector3<Ball>& w, const Ball& t) {
     const Ball half = t / Ball(2), angle = sqrt(dot(w, w)) * half;
@@ -186,21 +206,9 @@ std::optional<AsymmetricRotation> AsymmetricRotation::from(const Vector3<Ball>& 
     const Ball nu = -r.alpha2_ * r.m_ / r.beta1_;
     r.whole_ = (r.K_ + nu / Ball(3) * carlson_rj(Ball(0), m1, r.beta2_ / r.beta1_)) / r.beta1_;
 
-    // u0 = N K + v; sn v and cn v are taken from the nearer axis, where the cosine is positive
-    const Ball cn = w[0] / a1, sn = w[1] / r.amplitudes_[1], dn = w[2] / r.amplitudes_[2];
-    const bool even = std::abs(sn.near()) <= std::abs((cn / dn).near());
-    long N = 0;
-    Ball s, c, d;
-    if (even) {
-        N = cn.is_positive() ? 0 : 2;
-        s = N == 0 ? sn : -sn, c = N == 0 ? cn : -cn, d = dn;
-    } else {
-        N = sn.is_positive() ? 1 : 3;
-        d = r.k1_ / dn;
-        s = N == 1 ? -cn / dn : cn / dn, c = N == 1 ? sn * d : -sn * d;
-    }
-    if (!c.is_positive()) return {};
-    r.u0_ = Ball(N) * r.K_ + s * carlson_rf(c * c, d * d);
+    const std::optional<Ball> u0 = initial_argument(w, r.amplitudes_, r.k1_, r.K_);
+    if (!u0) return {};
+    r.u0_ = *u0;
     if (!r.u0_.is_finite() || !r.whole_.is_finite() || !r.theta4_.is_finite()) return {};
     r.start_ = r.state(Ball(0));
     return r;

@@ -1,10 +1,10 @@
 // Encloses a piece of a motion by Taylor series with a proven defect. taylor.h has the theory.
 //
-// enclose() takes one step at a time: Taylor coefficients at an exact point (Series<Ball>), the step length from the
-// last coefficients, the defect of the polynomial along the tape (term_bounds(), defect()), the error growth from the
-// logarithmic norm over boxes swept by the polynomial (find_growth(), swept_boxes()), then the samples inside the step.
-// The template argument carries the errors from step to step: NormErrors as one length, ParallelepipedErrors as a set
-// multiplied by the transition matrix (Lohner's method; parallelepiped.h, transition.h).
+// PieceEnclosure takes one step at a time: Taylor coefficients at an exact point (Series<Ball>), the step length from
+// the last coefficients, the defect of the polynomial along the tape (term_bounds(), defect()), the error growth from
+// the logarithmic norm over boxes swept by the polynomial (find_growth(), swept_boxes()), then the samples inside the
+// step. The template argument carries the errors from step to step: NormErrors as one length, ParallelepipedErrors as a
+// set multiplied by the transition matrix (Lohner's method; parallelepiped.h, transition.h).
 #include "integrators/truth/balls/taylor.h"
 
 #include <arb_poly.h>
@@ -68,6 +68,15 @@ Bound tail_product(const Bound* a, const std::vector<Bound>& tail, int N) {
     return sum;
 }
 
+// [i][m]: sum of the terms of node i from order m on, without the remainder
+std::vector<std::vector<Bound>> sum_tails(const TermBounds& terms, std::size_t nodes) {
+    const int N = terms.order;
+    std::vector<std::vector<Bound>> tail(nodes, std::vector<Bound>(N + 1));
+    for (std::size_t i = 0; i < nodes; ++i)
+        for (int m = N; m-- > 0;) tail[i][m] = terms.node[i * N + m] + tail[i][m + 1];
+    return tail;
+}
+
 bool all_finite(const std::vector<Bound>& bounds) {
     return std::all_of(bounds.begin(), bounds.end(), [](const Bound& b) { return b.is_finite(); });
 }
@@ -100,12 +109,7 @@ Defect defect(const Recording<Ball>& recording, const TermBounds& terms) {
     std::vector<Bound> remainder(nodes.size());
     Defect result;
     result.least.resize(nodes.size());
-    // tail[i][m] = sum of the terms of node i from order m on, without the remainder
-    std::vector<std::vector<Bound>> tail(nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        tail[i].resize(N + 1);
-        for (int m = N; m-- > 0;) tail[i][m] = term(i)[m] + tail[i][m + 1];
-    }
+    const std::vector<std::vector<Bound>> tail = sum_tails(terms, nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         const TapeNode<Ball>& node = nodes[i];
         const auto a = static_cast<std::size_t>(node.a), b = static_cast<std::size_t>(node.b);
@@ -329,98 +333,149 @@ class ParallelepipedErrors {
     }
 };
 
+// Encloses the motion of a piece, one step at a time.
 template <class Errors>
-Enclosure enclose(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start) {
-    Enclosure result;
-    const int n = piece.dimension();
-    const double bits = static_cast<double>(Ball::precision()) - plan.spare_bits;
-    // the work order^2 / step is minimal near order = ln(2) / 2 bits (Jorba & Zou 2005)
-    const int order = std::max(16, static_cast<int>(std::ceil(0.347 * bits)) + 2);
-    Series<Ball> series(piece.equations, order);
-    const WeightedNorm norm(plan);
-    const Recording<Ball> coarse = [&] {
+class PieceEnclosure {
+  public:
+    /// The arguments must outlive this object.
+    PieceEnclosure(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start)
+        : piece_(piece),
+          plan_(plan),
+          bits_(static_cast<double>(Ball::precision()) - plan.spare_bits),
+          // the work order^2 / step is minimal near order = ln(2) / 2 bits (Jorba & Zou 2005)
+          order_(std::max(16, static_cast<int>(std::ceil(0.347 * bits_)) + 2)),
+          series_(piece.equations, order_),
+          norm_(plan),
+          coarse_(rounded_coarsely(series_.recording())),
+          point_(midpoints(start, piece.dimension())),
+          reached_(static_cast<std::size_t>(piece.dimension())),
+          radius_(radii(start, piece.dimension())),
+          errors_(piece, plan, norm_, order_, radius_),
+          margin_(norm_.components(norm_.allowed())),
+          t_(piece.begin),
+          end_(piece.end) {}
+
+    Enclosure enclose() {
+        while (!(t_ == end_))
+            if (!advance()) return std::move(result_);
+        const std::vector<Bound> distance = errors_.components();
+        result_.end = point_;
+        for (std::size_t i = 0; i < point_.size(); ++i)
+            result_.end[i] = widened(std::move(result_.end[i]), distance[i]);
+        return std::move(result_);
+    }
+
+  private:
+    const Piece& piece_;
+    const PiecePlan& plan_;
+    double bits_;
+    int order_;
+    Series<Ball> series_;
+    WeightedNorm norm_;
+    Recording<Ball> coarse_;             // rounded to bound_bits
+    std::vector<Ball> point_, reached_;  // the start of the step, without its errors; a sample, or the end
+    std::vector<Bound> radius_;          // rounding errors of point_
+    Errors errors_;
+    std::vector<Bound> margin_;
+    Ball t_, end_;
+    std::size_t next_sample_ = 0;
+    Enclosure result_;
+
+    static Recording<Ball> rounded_coarsely(const Recording<Ball>& recording) {
         const WorkingPrecision precision(bound_bits);
-        return rounded(series.recording());
-    }();
+        return rounded(recording);
+    }
+    static std::vector<Ball> midpoints(const std::vector<Ball>& y, int n) {
+        std::vector<Ball> result;
+        for (int i = 0; i < n; ++i) result.push_back(y[i].midpoint());
+        return result;
+    }
+    static std::vector<Bound> radii(const std::vector<Ball>& y, int n) {
+        std::vector<Bound> result;
+        for (int i = 0; i < n; ++i) result.push_back(Bound::radius_of(y[i]));
+        return result;
+    }
 
-    std::vector<Ball> point(n), reached(n);
-    std::vector<Bound> radius(n);
-    const auto split = [&](const std::vector<Ball>& y) {
-        for (int i = 0; i < n; ++i) point[i] = y[i].midpoint(), radius[i] = Bound::radius_of(y[i]);
-    };
-    split(start);
-    Errors errors(piece, plan, norm, order, radius);
-    const std::vector<Bound> margin = norm.components(norm.allowed());
+    // One step. Returns false if the enclosure ends with a fault.
+    bool advance() {
+        if (!is_within_limits()) return false;
+        series_.expand(point_.data());
+        StepBounds step;
+        Ball t_after = end_;
+        if (!choose_step(step.h, t_after)) return false;
 
-    Ball t(piece.begin);
-    const Ball end(piece.end);
-    std::size_t next = 0;
-    while (!(t == end)) {
-        const double passed = t.near() - piece.begin;
+        const TermBounds terms = term_bounds(series_, Bound(step.h));
+        step.local = Bound(step.h) * norm_.length(defect(series_.recording(), terms).rate);
+        find_growth(coarse_, norm_, series_, terms, margin_, Errors::parts, step);
+        step.largest = step.growth * (errors_.length() + step.local);
+        if (!step.largest.is_finite() || norm_.allowed() < step.largest) {
+            result_.fault = fmt::format("the error bound exceeds its limit at {} bits", Ball::precision());
+            return false;
+        }
+        errors_.begin(point_, terms, step);
+        enclose_samples(step.h);
+        series_.evaluate(step.h, reached_.data());
+        point_ = midpoints(reached_, piece_.dimension()), radius_ = radii(reached_, piece_.dimension());
+        errors_.end(radius_);
+        t_ = t_after;
+        return true;
+    }
+
+    // Counts the step. Returns false and sets the fault if the number of steps or the time allowed is exceeded.
+    bool is_within_limits() {
+        const double passed = t_.near() - piece_.begin;
         const bool too_many =
-            result.steps == foreseen_after && (piece.end - piece.begin) / passed * foreseen_after > 2.0 * max_steps;
-        if (too_many || result.steps >= max_steps) {
-            result.fault = fmt::format("{:.2g} s took {} of at most {} steps", passed, result.steps, max_steps);
-            result.hopeless = true;
-            return result;
+            result_.steps == foreseen_after && (piece_.end - piece_.begin) / passed * foreseen_after > 2.0 * max_steps;
+        if (too_many || result_.steps >= max_steps) {
+            result_.fault = fmt::format("{:.2g} s took {} of at most {} steps", passed, result_.steps, max_steps);
+            result_.hopeless = true;
+            return false;
         }
-        ++result.steps;
+        ++result_.steps;
         if (Allowance::is_spent()) {
-            result.fault = Allowance::fault;
-            return result;
+            result_.fault = Allowance::fault;
+            return false;
         }
-        series.expand(point.data());
-        const double wanted = on_grid(wanted_step(series, plan, bits, true));
+        return true;
+    }
+
+    // Sets the step length h and its end. Returns false and sets the fault if there is no useful length.
+    bool choose_step(Ball& h, Ball& t_after) {
+        const double wanted = on_grid(wanted_step(series_, plan_, bits_, true));
         // the bounds of the rounding errors grow faster with the order than the terms of the motion
-        if (8 * wanted < std::min(wanted_step(series, plan, bits, false), piece.end - t.near())) {
-            result.fault = fmt::format("rounding errors at {} bits shorten the steps", Ball::precision());
-            result.coarse = true;
-            return result;
+        if (8 * wanted < std::min(wanted_step(series_, plan_, bits_, false), piece_.end - t_.near())) {
+            result_.fault = fmt::format("rounding errors at {} bits shorten the steps", Ball::precision());
+            result_.coarse = true;
+            return false;
         }
         if (!(wanted > 0)) {
-            result.fault = "the step size is zero";
-            result.hopeless = true;
-            return result;
+            result_.fault = "the step size is zero";
+            result_.hopeless = true;
+            return false;
         }
-        StepBounds step;
-        Ball t_after = end;
-        step.h = exact_difference(end, t);
-        if (std::isfinite(wanted) && arb_gt(step.h.raw(), Ball(wanted).raw()))
-            step.h = Ball(wanted), t_after = exact_sum(t, step.h);
-
-        const TermBounds terms = term_bounds(series, Bound(step.h));
-        step.local = Bound(step.h) * norm.length(defect(series.recording(), terms).rate);
-        find_growth(coarse, norm, series, terms, margin, Errors::parts, step);
-        step.largest = step.growth * (errors.length() + step.local);
-        if (!step.largest.is_finite() || norm.allowed() < step.largest) {
-            result.fault = fmt::format("the error bound exceeds its limit at {} bits", Ball::precision());
-            return result;
-        }
-        errors.begin(point, terms, step);
-        for (; next < piece.sample_times.size(); ++next) {
-            const Ball after = exact_difference(Ball(piece.sample_times[next]), t);
-            if (arb_gt(after.raw(), step.h.raw())) break;
-            series.evaluate(after, reached.data());
-            const std::vector<Bound> distance = errors.distance_at(after);
-            for (int i = 0; i < n; ++i) reached[i] = widened(std::move(reached[i]), distance[i]);
-            result.samples.push_back(reached);
-        }
-        series.evaluate(step.h, reached.data());
-        split(reached);
-        errors.end(radius);
-        t = t_after;
+        h = exact_difference(end_, t_);
+        if (std::isfinite(wanted) && arb_gt(h.raw(), Ball(wanted).raw())) h = Ball(wanted), t_after = exact_sum(t_, h);
+        return true;
     }
-    const std::vector<Bound> distance = errors.components();
-    result.end = point;
-    for (int i = 0; i < n; ++i) result.end[i] = widened(std::move(result.end[i]), distance[i]);
-    return result;
-}
+
+    void enclose_samples(const Ball& h) {
+        for (; next_sample_ < piece_.sample_times.size(); ++next_sample_) {
+            const Ball after = exact_difference(Ball(piece_.sample_times[next_sample_]), t_);
+            if (arb_gt(after.raw(), h.raw())) break;
+            series_.evaluate(after, reached_.data());
+            const std::vector<Bound> distance = errors_.distance_at(after);
+            for (std::size_t i = 0; i < reached_.size(); ++i)
+                reached_[i] = widened(std::move(reached_[i]), distance[i]);
+            result_.samples.push_back(reached_);
+        }
+    }
+};
 
 }  // namespace
 
 Enclosure enclose_by_taylor(const Piece& piece, const PiecePlan& plan, const std::vector<Ball>& start, Carry carry) {
-    return carry == Carry::norm ? enclose<NormErrors>(piece, plan, start)
-                                : enclose<ParallelepipedErrors>(piece, plan, start);
+    return carry == Carry::norm ? PieceEnclosure<NormErrors>(piece, plan, start).enclose()
+                                : PieceEnclosure<ParallelepipedErrors>(piece, plan, start).enclose();
 }
 
 }  // namespace polhode::truth

@@ -17,11 +17,30 @@ struct TransitionForm {
 
     template <class S>
     void derivative(const S* y, S* dy) const {
+        const std::size_t nodes = equations.tape.nodes.size(), n = equations.rates.size();
+        std::vector<S> value(nodes), slope(nodes * n);
+        for (std::size_t k = 0; k < entries.size(); ++k) slope[entries[k].row * n + entries[k].column] = y[n + k];
+        evaluate_nodes(y, value, slope);
+        const auto rate = [&](std::size_t i, const std::vector<S>& of, std::size_t at) {
+            const Traced<Ball>& rate_i = equations.rates[i];
+            return rate_i.node >= 0 ? rate_i.factor * of[at] : S(0);
+        };
+        for (std::size_t i = 0; i < n; ++i)
+            dy[i] =
+                equations.rates[i].node >= 0 ? rate(i, value, equations.rates[i].node) : S(equations.rates[i].factor);
+        for (std::size_t k = 0; k < entries.size(); ++k) {
+            const auto row = static_cast<std::size_t>(entries[k].row);
+            dy[n + k] = rate(row, slope, std::max(equations.rates[row].node, 0) * n + entries[k].column);
+        }
+    }
+
+  private:
+    // Value of each node i, and its slopes in the directions of W's columns j, at i n + j.
+    template <class S>
+    void evaluate_nodes(const S* y, std::vector<S>& value, std::vector<S>& slope) const {
         using Kind = TapeNode<Ball>::Kind;
         const std::vector<TapeNode<Ball>>& nodes = equations.tape.nodes;
         const std::size_t n = equations.rates.size();
-        std::vector<S> value(nodes.size()), slope(nodes.size() * n);
-        for (std::size_t k = 0; k < entries.size(); ++k) slope[entries[k].row * n + entries[k].column] = y[n + k];
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const TapeNode<Ball>& node = nodes[i];
             S* const own = &slope[i * n];
@@ -69,17 +88,6 @@ struct TransitionForm {
                     each([&](std::size_t j) { return -(value[i - 1] * a[j]); });
                     break;
             }
-        }
-        const auto rate = [&](std::size_t i, const std::vector<S>& of, std::size_t at) {
-            const Traced<Ball>& rate_i = equations.rates[i];
-            return rate_i.node >= 0 ? rate_i.factor * of[at] : S(0);
-        };
-        for (std::size_t i = 0; i < n; ++i)
-            dy[i] =
-                equations.rates[i].node >= 0 ? rate(i, value, equations.rates[i].node) : S(equations.rates[i].factor);
-        for (std::size_t k = 0; k < entries.size(); ++k) {
-            const auto row = static_cast<std::size_t>(entries[k].row);
-            dy[n + k] = rate(row, slope, std::max(equations.rates[row].node, 0) * n + entries[k].column);
         }
     }
 };

@@ -245,12 +245,11 @@ bool has_results(const std::string& directory) {
                        [](const std::string& name) { return name.ends_with(record_ending); });
 }
 
-MergeResult merge_results(const std::vector<std::string>& directories, const RunOptions& options,
-                          const std::string& command_line) {
-    static const std::atomic<bool> never_stop{false};
-    const std::string& output = options.directory;
-    MergeResult merged;
-    Records records;
+namespace {
+
+// Reads the records of all directories and of the output. Returns the directories with results, without the output.
+std::vector<std::string> read_sources(const std::vector<std::string>& directories, const std::string& output,
+                                      Records& records, std::vector<std::string>& remarks) {
     std::vector<std::string> sources;
     for (const std::string& directory : directories) {
         if (!fs::is_directory(directory))
@@ -259,7 +258,7 @@ MergeResult merge_results(const std::vector<std::string>& directories, const Run
         std::error_code none;
         if (fs::equivalent(directory, output, none)) continue;
         if (!has_results(directory)) {
-            merged.remarks.push_back(one_line(directory, 300) + " contains no results yet");
+            remarks.push_back(one_line(directory, 300) + " contains no results yet");
             continue;
         }
         sources.push_back(directory);
@@ -269,28 +268,44 @@ MergeResult merge_results(const std::vector<std::string>& directories, const Run
     if (records.empty())
         throw InputError(one_line(directories.front(), 300), "", "contains no results, nor does any other directory",
                          "give directories written by `polhode run`");
+    return sources;
+}
+
+// Copies the chosen case files of the sources into the output.
+void merge_case_files(const std::vector<std::string>& sources, const std::vector<Plan>& plans,
+                      const std::string& output, MergeResult& merged) {
+    static const std::atomic<bool> never_stop{false};
+    CaseSources case_sources;
+    collect_case_files(output, true, case_sources);
+    for (const std::string& directory : sources) collect_case_files(directory, false, case_sources);
+    fs::create_directories(cases_folder(output));
+    remove_abandoned_files(output);
+    const FileLock report_lock(report_lock_file(output), FileLock::Kind::exclusive, never_stop);
+    for (const Plan& plan : plans) record_experiment(plan, output);
+    AtomicFiles cases(cases_folder(output));
+    for (const auto& [name, source] : case_sources.chosen) {
+        if (source.in_output) continue;
+        cases.add(name, content(source.path));
+        ++merged.taken;
+    }
+    cases.commit();
+    merged.repeated = case_sources.repeated;
+}
+
+}  // namespace
+
+MergeResult merge_results(const std::vector<std::string>& directories, const RunOptions& options,
+                          const std::string& command_line) {
+    const std::string& output = options.directory;
+    MergeResult merged;
+    Records records;
+    const std::vector<std::string> sources = read_sources(directories, output, records, merged.remarks);
     std::vector<Plan> plans;
     for (const auto& [name, known] : records) {
         const Record& record = known.first;
         plans.push_back(make_plan(parse_experiment(record.text, record.file), record.file, record.quick));
     }
-    {
-        CaseSources case_sources;
-        collect_case_files(output, true, case_sources);
-        for (const std::string& directory : sources) collect_case_files(directory, false, case_sources);
-        fs::create_directories(cases_folder(output));
-        remove_abandoned_files(output);
-        const FileLock report_lock(report_lock_file(output), FileLock::Kind::exclusive, never_stop);
-        for (const Plan& plan : plans) record_experiment(plan, output);
-        AtomicFiles cases(cases_folder(output));
-        for (const auto& [name, source] : case_sources.chosen) {
-            if (source.in_output) continue;
-            cases.add(name, content(source.path));
-            ++merged.taken;
-        }
-        cases.commit();
-        merged.repeated = case_sources.repeated;
-    }
+    merge_case_files(sources, plans, output, merged);
     for (const Plan& plan : plans) {
         ExperimentMerge one{plan.experiment.name, 0, ""};
         const ExperimentKind& kind = *plan.experiment.kind;

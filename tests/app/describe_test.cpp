@@ -79,11 +79,12 @@ TEST_F(Describe, OfManyJointsComputesTheWholeConditioningOnRequest) {
                                    bodies, joints));
     const Outcome brief = run({"describe", "hand.json"});
     ASSERT_EQ(brief.exit_code, 0) << brief.err;
-    EXPECT_LT(brief.seconds, optimised_build ? 0.5 : 60);
     EXPECT_NE(brief.out.find("only until t = "), std::string::npos) << brief.out;
     EXPECT_NE(brief.out.find("`polhode describe --conditioning` computes it for the whole run"), std::string::npos);
     const Outcome whole = run({"describe", "hand.json", "--conditioning"});
     ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    // 0.2 of it on an idle machine
+    EXPECT_LT(brief.seconds, 0.6 * whole.seconds);
     EXPECT_EQ(whole.out.find("only until t = "), std::string::npos) << whole.out;
     EXPECT_NE(whole.out.find("kappa(T)"), std::string::npos) << whole.out;
     EXPECT_EQ(whole.out.find("--conditioning"), std::string::npos);

@@ -55,7 +55,7 @@ def test_threads_have_the_same_bits():
 LONG = {
     "solve": "polhode.solve('lagrange_top', 'odeint_euler', step=1e-7)",
     "taylor": "polhode.solve('free_asymmetric', 'taylor', duration=1e9, tolerance=1e-10)",
-    "truth": "polhode.truth('heavy_asymmetric_top', samples=1000, digits=70)",
+    "truth": "polhode.truth(polhode.scene('heavy_asymmetric_top', duration=1000), samples=1000, digits=70)",
     "certified": "polhode.truth('heavy_asymmetric_top', samples=10, digits=200, certified=True)",
     "torque": "polhode.solve(polhode.scene('free_asymmetric').add_torque(lambda now: -1e-3 * now.w_B), step=1e-7,"
               "method='odeint_rk4')",

@@ -192,7 +192,7 @@ int IdaSession::fill_jacobian(double t, double c, N_Vector state, N_Vector, N_Ve
         for (const maximal::Group& group : equations.groups()) {
             if (group.color != color) continue;
             for (std::size_t i = 0; i < group.unknowns.size(); ++i)
-                for (const int other : group.met_by)
+                for (const int other : group.coupled_groups)
                     for (const int row : equations.groups()[other].unknowns) {
                         values.push_back(result[row].slope[i]);
                         entries.emplace_back(row, group.unknowns[i], values.back());

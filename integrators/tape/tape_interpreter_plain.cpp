@@ -2,7 +2,7 @@
 
 namespace polhode {
 
-const TapeInterpreter tape_interpreter_plain{expand, sum_states, add_rates_of, find_sines_cosines,
-                                             find_four_sines_cosines};
+const TapeInterpreter tape_interpreter_plain{expand, sum_states, add_rates_of, compute_sines_cosines,
+                                             compute_four_sines_cosines};
 
 }  // namespace polhode

@@ -49,7 +49,7 @@ TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
                     moved[group.unknowns[i]] += h, equations.evaluate(moved.data(), up.data());
                     moved[group.unknowns[i]] -= 2 * h, equations.evaluate(moved.data(), down.data());
                     std::fill(met.begin(), met.end(), 0);
-                    for (const int other : group.met_by)
+                    for (const int other : group.coupled_groups)
                         for (const int row : equations.groups()[other].unknowns) met[row] = 1;
                     for (std::size_t row = 0; row < n; ++row) {
                         const double difference = (up[row] - down[row]) / (2 * h);

@@ -340,7 +340,7 @@ class Script {
                 line(fmt::format("set label {} at {} {} noenhanced front textcolor \"{}\" font {}{}",
                                  gnuplot_quoted_line(guide.label), on_page(label->x, label->y),
                                  label->ends_there ? "right" : "left", guide_color, font(size),
-                                 label->covered > 0 ? " boxed" : ""));
+                                 label->covered_points > 0 ? " boxed" : ""));
         }
         return elements;
     }

@@ -392,7 +392,7 @@ Body parse_body(const JsonNode& node, const std::string& directory) {
 }
 
 std::string write_body(const Body& body) {
-    if (body.parse_source) return std::visit(SourceWriter{}, body.parse_source->definition);
+    if (body.source) return std::visit(SourceWriter{}, body.source->definition);
     return SourceWriter{}(NumericBody{body.mass, body.inertia_B, body.center_of_mass});
 }
 

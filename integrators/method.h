@@ -164,7 +164,9 @@ struct OmittedMethod {
 };
 /// All methods that were considered and omitted.
 std::span<const OmittedMethod> omitted_methods();
+/// The former name of OmittedMethod.
 using MethodLeftOut [[deprecated("use OmittedMethod")]] = OmittedMethod;
+/// The former name of omitted_methods().
 [[deprecated("use omitted_methods()")]] inline std::span<const OmittedMethod> methods_left_out() {
     return omitted_methods();
 }

@@ -32,6 +32,7 @@ struct ImpactBody {
         angular_velocity_W = angular_velocity_W + inverse_inertia_W * cross(point_W - position_W, impulse_W);
     }
 };
+/// The former name of ImpactBody.
 template <class S>
 using StruckBody [[deprecated("renamed to ImpactBody")]] = ImpactBody<S>;
 

@@ -56,6 +56,7 @@ struct Omission {
     std::string what;  ///< "p and v", ..
     std::string why;   ///< in a few words
 };
+/// The former name of Omission.
 using LeftOut [[deprecated("renamed to Omission")]] = Omission;
 
 /// The properties of a scene that determine its system.

@@ -72,8 +72,11 @@ struct ImportedBody {
 
 using BodyDefinition = std::variant<NumericBody, ShapedBody, PointsBody, MeshBody, PartsBody, ImportedBody>;
 
+/// The former name of NumericBody.
 using GivenBody [[deprecated("renamed to NumericBody")]] = NumericBody;
+/// The former name of EulerRotation.
 using EulerTurn [[deprecated("renamed to EulerRotation")]] = EulerRotation;
+/// The former name of BodyDefinition.
 using MadeOf [[deprecated("renamed to BodyDefinition")]] = BodyDefinition;
 
 /// The description of a body and its mass properties.

@@ -62,6 +62,9 @@ struct LoadConverter {
     Load operator()(const UserTorque&) const {
         throw std::invalid_argument("a user-defined torque cannot be passed to another process");
     }
+    Load operator()(const FormulaLoad&) const {
+        throw std::invalid_argument("a formula cannot be passed to another process");
+    }
     Load operator()(const Motor&) const { throw std::invalid_argument(several_bodies); }
     Load operator()(const PointSpring&) const { throw std::invalid_argument(several_bodies); }
 
@@ -109,6 +112,7 @@ struct PieceWriter {
     }
     void operator()(const UserTorque&) const {}
     void operator()(const Motor&) const {}
+    void operator()(const FormulaLoad&) const {}
     void operator()(const PointSpring&) const {}
 
   private:

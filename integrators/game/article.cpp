@@ -177,6 +177,7 @@ class ArticleStepper {
     void apply(const Impulse&, double, double) {}
     // Loads of scenes with several bodies.
     void apply(const Motor&, double, double) {}
+    void apply(const FormulaLoad&, double, double) {}
     void apply(const PointSpring&, double, double) {}
 
     void update_body_orientation(S h) {

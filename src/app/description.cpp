@@ -41,6 +41,7 @@ struct LoadText {
     std::string operator()(const Motor& load) const {
         return fmt::format("motor of joint \"{}\", {} N m (or N) along its axis", load.joint, number(load.force));
     }
+    std::string operator()(const FormulaLoad& load) const { return "formula: " + load.formula; }
     std::string operator()(const PointSpring& load) const {
         return fmt::format("spring {} N/m from {} m in {} to {} m in {}, rest length {} m", number(load.stiffness),
                            text(load.first_point), load.first, text(load.second_point), load.second,

@@ -43,6 +43,7 @@ struct LoadName {
     const char* operator()(const UserTorque&) const { return "user-defined torque"; }
     const char* operator()(const Motor&) const { return "motor"; }
     const char* operator()(const PointSpring&) const { return "spring between points"; }
+    const char* operator()(const FormulaLoad&) const { return "formula"; }
 };
 
 // Lists each kind of load once, in file order.

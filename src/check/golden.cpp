@@ -61,6 +61,7 @@ class ConventionConverter {
     }
     void operator()(UserTorque&) const {}
     void operator()(Motor&) const {}
+    void operator()(FormulaLoad&) const {}
     void operator()(PointSpring& s) const {
         s.first_point = vector(s.first_point, 1), s.second_point = vector(s.second_point, 1);
         s.rest_length = scale(s.rest_length, 1);

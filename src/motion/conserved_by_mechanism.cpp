@@ -74,6 +74,7 @@ struct LinearChanges {
     void operator()(const Spring&) const {}
     void operator()(const Motor&) const {}
     void operator()(const UserTorque&) const { changes.add_arbitrary(); }
+    void operator()(const FormulaLoad&) const { changes.add_arbitrary(); }
 };
 
 // Changes of the angular momentum about the common centre of mass, or about the world's origin.
@@ -98,6 +99,7 @@ struct AngularChanges {
     void operator()(const PointSpring& load) const { changes.add_arbitrary(connects_to_world(load)); }
     void operator()(const Motor&) const {}
     void operator()(const UserTorque&) const { changes.add_arbitrary(); }
+    void operator()(const FormulaLoad&) const { changes.add_arbitrary(); }
 };
 
 bool conserves_mechanism_energy(const Problem& problem) {

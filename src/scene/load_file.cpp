@@ -167,6 +167,21 @@ struct LoadWriter {
                            type && *type == JointType::prismatic ? "force" : "torque", shortest_decimal(load.force),
                            write_window(load.window));
     }
+    std::string operator()(const FormulaLoad& load) const {
+        const char* kind = load.kind == FormulaKind::torque      ? "torque"
+                           : load.kind == FormulaKind::force     ? "force"
+                           : load.kind == FormulaKind::potential ? "potential"
+                                                                 : "motor";
+        std::string text = fmt::format(R"({{"type": "{}"{})", kind, on_body(load.body));
+        if (load.kind == FormulaKind::motor) text += fmt::format(R"(, "joint": {})", json_string(load.joint));
+        if (load.kind == FormulaKind::torque || load.kind == FormulaKind::force)
+            text += fmt::format(R"(, "frame": {})", write_frame(load.frame));
+        text += fmt::format(R"(, "formula": {})", json_string(load.formula));
+        if (load.has_point)
+            text += fmt::format(R"(, "point": {}, "point_frame": {})", write_json(load.point),
+                                write_frame(load.point_frame));
+        return text + write_window(load.window) + "}";
+    }
     std::string operator()(const PointSpring& load) const {
         return fmt::format(
             R"({{"type": "point_spring", "first": {}, "first_point": {}, "second": {}, "second_point": {}, "stiffness": {}, "rest_length": {}{}}})",

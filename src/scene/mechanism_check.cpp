@@ -190,6 +190,7 @@ struct NamesInLoad {
                        "give a revolute or prismatic joint");
         check.finite(place + (turns ? "/torque" : "/force"), load.force);
     }
+    void operator()(const FormulaLoad&) const {}  // refused by validate()
     void operator()(const PointSpring& load) const { check_ends(check, place, bodies, load.first, load.second); }
     void operator()(const auto& load) const {
         if (load.body.empty())

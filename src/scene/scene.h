@@ -119,8 +119,56 @@ struct PointSpring {
     Window window;                 ///< when it acts
 };
 
+/// What the value of a FormulaLoad is.
+enum class FormulaKind {
+    torque,     ///< a torque, N m, a vector
+    force,      ///< a force, N, a vector
+    potential,  ///< a potential, J, a scalar; force and torque are its exact derivatives
+    motor,      ///< a generalized force on a joint of one degree of freedom, N m or N, a scalar
+};
+
+/// A load given by a formula of time and state.
+struct FormulaLoad {
+    FormulaKind kind = FormulaKind::torque;  ///< what the value of the formula is
+    std::string formula;                     ///< as written; three scalars are written "[x, y, z]"
+    Frame frame = Frame::body;               ///< torque, force: the axes of the value
+    Vector3<double> point;                   ///< force: where it acts, m, from the origin of `point_frame`
+    Frame point_frame = Frame::body;         ///< force: the frame in which the point is fixed
+    bool has_point = false;                  ///< force: false: it acts at the centre of mass
+    std::string joint = "";                  ///< motor: the name of a revolute or a prismatic joint
+    Window window;                           ///< when it acts
+    std::string body = "";                   ///< name of the body that it acts on; empty in a scene of one body
+};
+
 /// Any load on a body or between bodies.
-using Load = std::variant<Gravity, Torque, Force, Impulse, Drag, Spring, UserTorque, Motor, PointSpring>;
+using Load = std::variant<Gravity, Torque, Force, Impulse, Drag, Spring, UserTorque, Motor, PointSpring, FormulaLoad>;
+
+/// A number that formulas use by its name.
+struct FormulaParameter {
+    std::string name;  ///< an identifier
+    double value = 0;  ///< SI units
+};
+
+/// How a table is evaluated between its points. Outside its range it has the value of the nearest end.
+enum class TableInterpolation {
+    linear,  ///< piecewise linear
+    cubic,   ///< piecewise cubic, continuously differentiable, monotone where the points are
+};
+
+/// A function of one variable, given by points, that formulas use as table(name, x).
+struct FormulaTable {
+    std::string name;                                         ///< an identifier
+    std::vector<double> x;                                    ///< strictly increasing
+    std::vector<double> y;                                    ///< the values at x
+    TableInterpolation between = TableInterpolation::linear;  ///< how y is evaluated between points
+    std::string file = "";  ///< the file that x and y were read from, relative to the scene's; empty: none
+};
+
+/// A named sub-expression of formulas.
+struct FormulaDefinition {
+    std::string name;     ///< an identifier
+    std::string formula;  ///< may use the definitions before it
+};
 
 /// How the body is described: shapes, parts, points, a mesh or a robot description (scene/body_source.h).
 struct BodySource;
@@ -136,13 +184,25 @@ struct Body {
     std::shared_ptr<const BodySource> source = nullptr;
 };
 
-/// An immovable plane: the body stays where normal . x > offset. An impact multiplies the normal velocity of the
-/// contact point by -restitution. `friction` is Coulomb's coefficient.
+/// How the coefficient of restitution e defines the end of an impact. The laws agree without friction, and for
+/// spheres.
+enum class RestitutionLaw {
+    stronge,  ///< the normal work of restitution is -e^2 times that of compression
+    poisson,  ///< the normal impulse of restitution is e times that of compression
+    newton,   ///< the normal velocity after the impact is -e times that before; can create energy
+};
+
+/// An immovable plane: the body stays where normal . x > offset. `friction` is Coulomb's coefficient, static and
+/// kinetic, with a circular cone.
 struct Plane {
     Vector3<double> normal_W{0, 0, 1};  ///< of any nonzero length
     double offset = 0;                  ///< m, for a normal of unit length
     double restitution = 1;             ///< 0..1
     double friction = 0;                ///< >= 0
+    double torsional_friction = 0;      ///< m; limit of the torque about the normal, divided by the normal force
+    double rolling_friction = 0;        ///< m; limit of the torque against rolling, divided by the normal force
+    RestitutionLaw restitution_law = RestitutionLaw::stronge;  ///< the law that `restitution` belongs to
+    std::string name = "";  ///< for messages and tables; empty: "plane 1" for the first, and so on
 };
 
 /// The initial state, at t = 0.
@@ -231,10 +291,13 @@ struct Scene {
     std::optional<Vector3<double>> pivot;  ///< body point held at the world's origin, from the body's origin, m
     /// Several bodies, in place of `body`, `initial` and `pivot`; empty in a scene of one body.
     std::vector<NamedBody> bodies;
-    std::vector<Joint> joints;  ///< joints of several bodies; they form trees
-    std::vector<Loop> loops;    ///< constraints that close chains of joints
-    std::vector<Load> loads;    ///< everything that acts on the body or bodies
-    std::vector<Plane> planes;  ///< require a body with a shape and no pivot
+    std::vector<Joint> joints;                 ///< joints of several bodies; they form trees
+    std::vector<Loop> loops;                   ///< constraints that close chains of joints
+    std::vector<Load> loads;                   ///< everything that acts on the body or bodies
+    std::vector<Plane> planes;                 ///< require a body with a shape and no pivot
+    std::vector<FormulaParameter> parameters;  ///< numbers that formulas use
+    std::vector<FormulaTable> tables;          ///< functions that formulas use
+    std::vector<FormulaDefinition> let;        ///< sub-expressions that formulas use
     /// Error limits of `check`, by the names in tolerated_blocks: attitude (rad), angular_velocity (rad/s), position
     /// (m), velocity (m/s), energy and momentum (relative to the run's largest value); for several bodies also
     /// joint_gap (m) and joint_turn (rad).

@@ -171,6 +171,9 @@ struct LoadCheck {
         if (!load.torque_B) check.fail(place, "is a user-defined torque without a function", "give a callable");
     }
     void operator()(const Motor&) const {}  // checked with its joint
+    void operator()(const FormulaLoad&) const {
+        check.fail(place, "is a formula, which is not supported", "use a load with constant values");
+    }
     void operator()(const PointSpring& load) const {
         check.finite(place + "/first_point", load.first_point);
         check.finite(place + "/second_point", load.second_point);

@@ -65,9 +65,27 @@ std::shared_ptr<const Method> make_method(const Method& description,
     return {owned, &m};
 }
 
+namespace {
+
+// The first contact law beyond restitution and Coulomb friction that a plane of the scene has; empty if none has one.
+std::string special_contact_law(const Scene& scene) {
+    for (const Plane& plane : scene.planes) {
+        if (plane.torsional_friction > 0) return "torsional friction of a plane";
+        if (plane.rolling_friction > 0) return "rolling friction of a plane";
+        if (plane.restitution_law == RestitutionLaw::poisson && plane.friction > 0)
+            return "the law of restitution \"poisson\" with friction";
+    }
+    return "";
+}
+
+}  // namespace
+
 std::string refusal(const Method& method, const Problem& problem) {
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} does not support impacts on planes", method.name);
+    if (method.family != Family::reference)
+        if (const std::string law = special_contact_law(problem.scene); !law.empty())
+            return fmt::format("{} does not support {}", method.name, law);
     if (!method.general_systems && std::holds_alternative<MechanismSystem>(problem.system))
         return fmt::format("{} supports only scenes of one body; this scene has several bodies with joints",
                            method.name);

@@ -203,7 +203,8 @@ std::string refusal(const Scene& scene, int digits) {
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "no truth: user-defined torques are not supported";
     for (const Plane& plane : scene.planes)
-        if (plane.friction > 0) return "no truth: impacts with friction are not supported";
+        if (plane.friction > 0 || plane.torsional_friction > 0 || plane.rolling_friction > 0)
+            return "no truth: impacts with friction are not supported";
     if (digits > most_truth_digits)
         return fmt::format("no truth to {} digits: at most {} digits are available without certification", digits,
                            most_truth_digits);

@@ -16,6 +16,7 @@
 #include "integrators/run/stiffness.h"
 #include "motion/contact.h"
 #include "motion/problem.h"
+#include "scene/plane_file.h"
 #include "scene/scene_file.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -76,10 +77,17 @@ void mass_properties(Report& report, const Problem& problem) {
 void planes(Report& report, const Problem& problem) {
     if (problem.scene.planes.empty()) return;
     report.title("Planes");
-    for (const Plane& plane : problem.scene.planes)
-        report.line(fmt::format(
+    for (std::size_t i = 0; i < problem.scene.planes.size(); ++i) {
+        const Plane& plane = problem.scene.planes[i];
+        std::string laws = fmt::format(
             "{} . x > {} m, restitution {}, {}", text(plane.normal_W), number(plane.offset), number(plane.restitution),
-            plane.friction > 0 ? "Coulomb friction " + number(plane.friction) : "without friction"));
+            plane.friction > 0 ? "Coulomb friction " + number(plane.friction) : "without friction");
+        if (plane.restitution_law != RestitutionLaw::stronge)
+            laws += fmt::format(", law of restitution {}", name_of(plane.restitution_law));
+        if (plane.torsional_friction > 0) laws += fmt::format(", torsional {} m", number(plane.torsional_friction));
+        if (plane.rolling_friction > 0) laws += fmt::format(", rolling {} m", number(plane.rolling_friction));
+        report.line(one_line(plane_name(problem.scene, i), 200), laws);
+    }
     const std::size_t pieces = problem.body.geometry->pieces.size();
     report.line("hull", fmt::format("{} piece{} (points, balls or discs), at most {} m from the centre of mass", pieces,
                                     pieces == 1 ? "" : "s", number(problem.body.geometry->reach)));

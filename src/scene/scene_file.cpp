@@ -13,21 +13,12 @@
 #include "scene/joint_file.h"
 #include "scene/json_values.h"
 #include "scene/load_file.h"
+#include "scene/plane_file.h"
 #include "scene/scene_keys.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
-
-Plane plane(const JsonNode& node) {
-    node.require_known_keys(keys_of(scene_keys(), "plane"));
-    Plane p;
-    p.normal_W = vector3(node.require_member("normal", "[x, y, z], world axes, towards the body"));
-    if (const JsonNode* offset = node.find("offset")) p.offset = offset->number();
-    p.restitution = node.require_member("restitution", "the coefficient of restitution, 0 to 1").number();
-    if (const JsonNode* friction = node.find("friction")) p.friction = friction->number();
-    return p;
-}
 
 // Whether the scene has several bodies. Throws if it mixes members of both kinds.
 bool has_several(const JsonNode& root) {
@@ -67,7 +58,7 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     if (const JsonNode* loads = root.find("loads"))
         for (const JsonNode* one : loads->elements()) s.loads.push_back(parse_load(*one, s.joints));
     if (const JsonNode* planes = root.find("planes"))
-        for (const JsonNode* one : planes->elements()) s.planes.push_back(plane(*one));
+        for (const JsonNode* one : planes->elements()) s.planes.push_back(parse_plane(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {
         tolerated->require_known_keys(keys_of(scene_keys(), "tolerated"));
         for (const JsonNode* error : tolerated->members()) s.tolerated[error->key()] = error->number();

@@ -126,7 +126,16 @@ std::span<const FileKey> scene_keys() {
         {"plane", "offset", "number", "m", "0", "0", "the body is on the side normal . x > offset"},
         {"plane", "restitution", "number, 0 to 1", "", "required", "0.5",
          "coefficient of restitution: ratio of the normal speeds after and before an impact"},
-        {"plane", "friction", "number >= 0", "", "0", "0.3", "coefficient of Coulomb friction"},
+        {"plane", "friction", "number >= 0", "", "0", "0.3",
+         "coefficient mu of Coulomb friction, static and kinetic, with a circular cone"},
+        {"plane", "torsional_friction", "number >= 0", "m", "0", "0.001",
+         "limit of the torque about the normal against the spin, divided by the normal force"},
+        {"plane", "rolling_friction", "number >= 0", "m", "0", "0.002",
+         "limit of the torque against the rolling velocity, divided by the normal force"},
+        {"plane", "restitution_law", "\"stronge\", \"poisson\" or \"newton\"", "", "\"stronge\"", "\"poisson\"",
+         "how restitution defines the end of an impact: by normal work, normal impulse or normal speed; the laws agree "
+         "without friction and for balls"},
+        {"plane", "name", "text", "", "\"plane 1\", ..", "\"floor\"", "name of the plane in messages and tables"},
 
         {"import of a robot", "file", "text", "", "required", "\"robot.urdf\"",
          "a URDF, MJCF or SDFormat file in the scene's folder"},

@@ -6,6 +6,7 @@
 #include "scene/joint_file.h"
 #include "scene/json_values.h"
 #include "scene/load_file.h"
+#include "scene/plane_file.h"
 #include "scene/scene_file.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
@@ -33,11 +34,7 @@ std::string write_scene(const Scene& scene) {
         loads += (loads.empty() ? "\n    " : ",\n    ") + write_load(load, scene.joints);
     if (!loads.empty()) member("loads", "[" + loads + "\n  ]");
     std::string planes;
-    for (const Plane& plane : scene.planes)
-        planes += fmt::format(R"({}{{"normal": {}, "offset": {}, "restitution": {}, "friction": {}}})",
-                              planes.empty() ? "\n    " : ",\n    ", write_json(plane.normal_W),
-                              shortest_decimal(plane.offset), shortest_decimal(plane.restitution),
-                              shortest_decimal(plane.friction));
+    for (const Plane& plane : scene.planes) planes += (planes.empty() ? "\n    " : ",\n    ") + write_plane(plane);
     if (!planes.empty()) member("planes", "[" + planes + "\n  ]");
     std::string tolerated;
     for (const std::string_view block : tolerated_blocks)

@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "body/rigid_body.h"
 #include "scene/body_hull.h"
 #include "scene/body_source.h"
+#include "scene/plane_file.h"
 #include "scene/scene_check.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -185,6 +188,23 @@ struct LoadCheck {
     }
 };
 
+// Checks that the names of the planes, given and default, are unique and fit into tables.
+void check_plane_names(const SceneCheck& check, const Scene& scene) {
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < scene.planes.size(); ++i) {
+        const std::string name = plane_name(scene, i), place = fmt::format("/planes/{}/name", i);
+        check.text(place, name);
+        if (one_line(name, name.size()) != name || name.find_first_of(",\"") != name.npos || name.front() == ' ' ||
+            name.back() == ' ')
+            check.fail(place, "is not a valid name for tables",
+                       "use printable characters without commas, quotation marks and blanks at the ends");
+        check.name(place, name);
+        if (!names.insert(name).second)
+            check.fail(place, fmt::format("names a second plane \"{}\"", one_line(name, 60)),
+                       "give each plane a unique name");
+    }
+}
+
 // Checks each plane, then against the body: it needs a shape, no pivot, and must start above the plane.
 void check_planes(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.planes.size(); ++i) {
@@ -205,6 +225,8 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
         if (!(plane.friction >= 0))
             check.fail(place + "/friction", "is " + shortest_decimal(plane.friction),
                        "the coefficient of Coulomb friction must be >= 0");
+        check.not_negative(place + "/torsional_friction", plane.torsional_friction, "the torsional friction in m");
+        check.not_negative(place + "/rolling_friction", plane.rolling_friction, "the rolling friction in m");
         if (scene.pivot)
             check.fail(place, "is given, but the scene has a pivot",
                        "remove one of them: a body with a pivot does not support planes");
@@ -280,6 +302,7 @@ void validate(const Scene& scene, const std::string& file) {
         std::visit(LoadCheck{check, place}, scene.loads[i]);
         check_window(check, place, window_of(scene.loads[i]));
     }
+    check_plane_names(check, scene);
     check_planes(check, scene);
     for (const auto& [block, error] : scene.tolerated) {
         if (!has_quantity(scene, block))

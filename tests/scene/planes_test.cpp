@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "scene/plane_file.h"
 #include "scene/random_scene.h"
 #include "scene/scene_file.h"
 
@@ -25,6 +26,23 @@ TEST(Planes, AreReadWithTheirDefaults) {
     EXPECT_EQ(scene.planes[0].friction, 0);
     EXPECT_EQ(scene.planes[1].offset, -1);
     EXPECT_EQ(scene.planes[1].friction, 0.5);
+}
+
+TEST(Planes, HaveContactCoefficientsAndNames) {
+    const Scene scene = parse_scene(with_planes(R"([{"normal": [0, 0, 1], "restitution": 0.25, "name": "floor",
+        "torsional_friction": 0.001, "rolling_friction": 0.002, "restitution_law": "poisson"},
+        {"normal": [0, 0, 1], "offset": -1, "restitution": 1}])"),
+                                    "test");
+    EXPECT_EQ(scene.planes[0].torsional_friction, 0.001);
+    EXPECT_EQ(scene.planes[0].rolling_friction, 0.002);
+    EXPECT_EQ(scene.planes[0].restitution_law, RestitutionLaw::poisson);
+    EXPECT_EQ(scene.planes[1].restitution_law, RestitutionLaw::stronge);
+    EXPECT_EQ(plane_name(scene, 0), "floor");
+    EXPECT_EQ(plane_name(scene, 1), "plane 2");
+    const std::string text = write_scene(scene);
+    EXPECT_EQ(write_scene(parse_scene(text, "written")), text);
+    EXPECT_NE(text.find(R"("restitution_law": "poisson", "name": "floor")"), std::string::npos);
+    EXPECT_EQ(text.find("stronge"), std::string::npos);
 }
 
 /// A body may touch a plane at the start, up to rounding.

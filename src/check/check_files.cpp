@@ -157,16 +157,19 @@ void compare_with_floors(const Scene& scene, const ErrorLimits& limits, CheckedF
 
 // Returns what to record if no cause was found.
 std::string explain_missing_diagnosis(const TrajectoryFile& file) {
-    double turn = 0;
-    for (std::size_t k = 1; k < file.rows.size(); ++k)
+    double turn = 0, interval = 0;
+    for (std::size_t k = 1; k < file.rows.size(); ++k) {
         turn = std::max(turn, rotation_angle_between(file.rows[k - 1].q, file.rows[k].q));
+        interval = std::max(interval, file.rows[k].t - file.rows[k - 1].t);
+    }
+    const bool complete = file.has_angular_velocity && file.has_velocity && (file.has_position || file.has_origin);
     return fmt::format(
         "no diagnosis: no known fault and no known update, in 1 to 16 or 20 steps per row, predicts a row from the "
-        "previous one; {} (the body rotates by up to {:.2g} rad between rows)",
-        file.has_angular_velocity && file.has_velocity && (file.has_position || file.has_origin)
-            ? "if rows were not written after every step of the engine, record a file in which they are"
-            : "record a row after every step of the engine, with w, p and v",
-        turn);
+        "previous one; rows are up to {:.4g} s apart, and the body rotates by up to {:.2g} rad between them; {}; the "
+        "first 200 steps suffice",
+        interval, turn,
+        complete ? "if the engine takes more steps than that per row, record a row after every step"
+                 : "record a row after every step of the engine, with w, p and v");
 }
 
 // Returns why a file of several bodies has no diagnosis, and what to record.

@@ -70,6 +70,7 @@ Json check_json(const CheckedFile& checked, const ErrorLimits& limits, int scene
               {"blocks", Json::array()},
               {"lines", Json::array()},
               {"diagnoses", Json::array()},
+              {"remarks", checked.remarks},
               {"t", Json::array()},
               {"errors", Json::array()},
               {"motion_method", nullptr}};

@@ -3,8 +3,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { gunzipSync } from "node:zlib";
-import { count, counted, duration, engineering, quantity, significant } from "../../src/report/page/source/format.ts";
-import { csv, latex, latexNumber, latexText, oneLine, plotText, shorten, type Cell } from "../../src/report/page/source/text.ts";
+import { count, counted, duration, engineering, errorDecades, quantity, significant } from "../../src/report/page/source/format.ts";
+import { csv, latex, latexNumber, latexText, oneLine, plotText, sceneLabel, shorten, type Cell } from "../../src/report/page/source/text.ts";
 import { parseFilter } from "../../src/report/page/source/filter.ts";
 import { parseFragment, parseList, writeFragment, writeList } from "../../src/report/page/source/fragment.ts";
 import { light, mostLit, toggleLit } from "../../src/report/page/source/lit.ts";
@@ -68,6 +68,26 @@ test("names become one short line without markup", () => {
   assert.equal(plotText("<b>&amp;</b>"), "&lt;b&gt;&amp;amp;&lt;/b&gt;");
   assert.equal(plotText("a<br>b\nc"), "a&lt;br&gt;b c");
   for (const method of hostileNames().methods) assert.doesNotMatch(plotText(method.name), /[<>\n]/);
+});
+
+test("labels of scenes", () => {
+  const cases: [string, string][] = [
+    ["free_asymmetric{/duration=20}", "free_asymmetric, duration 20 s"],
+    ["rope{/duration=0.25,/bodies/10/body/mass=7.8125}", "rope, duration 0.25 s, bodies[10].body.mass 7.8125 kg"],
+    ["zeno_ball{/planes/0/restitution=0.5}", "zeno_ball, planes[0].restitution 0.5"],
+    ["a{/initial/angular_velocity=[1,2,3]}", "a, initial.angular velocity [1,2,3] rad/s"],
+    // other braces, as in names shortened to a hash, stay
+    ["plain", "plain"], ["cut{0123456789abcdef}", "cut{0123456789abcdef}"], ["{/}", "{/}"], ["a{/b}", "a{/b}"], ["x\n{/duration=1}", "x , duration 1 s"],
+  ];
+  for (const [name, label] of cases) assert.equal(sceneLabel(name), label);
+});
+
+test("the axis of errors ignores samples 18 decades below the largest", () => {
+  assert.deepEqual(errorDecades([1e-30, 2e-9, 0.03]), [-9, -1]);
+  assert.deepEqual(errorDecades([null, 0, 1e-3]), [-3, -2]);
+  // errors of multiprecision methods
+  assert.deepEqual(errorDecades([3e-40, 2e-30]), [-40, -29]);
+  assert.equal(errorDecades([null, 0, NaN, Infinity]), null);
 });
 
 test("CSV", () => {

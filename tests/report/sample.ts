@@ -19,7 +19,7 @@ export function emptyRows(): Rows {
 export function emptyDocument(): ReportData {
   return {
     format: 1, folder: "empty", made: "2026-11-25T02:00:00Z", version: "1.0.0", experiments: [], families: [], methods: [], scenes: [],
-    findings: [], rows: emptyRows(), orders: [], drift: [], maps: [], tables: [], comparison: null, checks: [], motions: [], remarks: [],
+    findings: [], rows: emptyRows(), orders: [], drift: [], maps: [], tables: [], comparison: null, checks: [], motions: [], lessons: [], lesson_page: false, remarks: [],
   };
 }
 
@@ -295,14 +295,14 @@ export function richDocument(): ReportData {
       { name: "angular velocity", error: 0.0021, unit: "", limit: 0.01, passed: true, at: 4.1 },
       { name: "energy", error: 4e-5, unit: "", limit: null, passed: null, at: 10 },
     ],
-    lines: ["101 samples were read; the truth is known to 1e-20."], diagnoses: ["the gyroscopic term w x Iw is missing"],
+    lines: ["101 samples were read; the truth is known to 1e-20."], diagnoses: ["the gyroscopic term w x Iw is missing"], remarks: ["at the float32 floor: the attitude is as accurate as binary32 allows on this scene"],
     t, errors: [{ name: "attitude", unit: "rad", values: t.map((time) => 3.2e-4 * time ** 2 + 1e-7) }, { name: "angular velocity", unit: "", values: t.map((time, i) => (i === 50 ? null : 2e-4 * time + 1e-8)) }],
     motion_method: null,
   };
   data.checks = [
     check,
-    { ...check, file: "engine/lagrange_top.csv", scene: 2, verdict: "passed", passed: true, diagnoses: [], blocks: check.blocks.map((block) => ({ ...block, error: 1e-4, passed: block.limit === null ? null : true })), errors: [{ name: "attitude", unit: "rad", values: t.map((time) => 1e-5 * time + 1e-9) }] },
-    { ...check, file: "broken.csv", scene: 1, verdict: "the file has no column qw", passed: null, blocks: [], lines: [], diagnoses: [], t: [], errors: [] },
+    { ...check, file: "engine/lagrange_top.csv", scene: 2, verdict: "passed", passed: true, diagnoses: [], remarks: [], blocks: check.blocks.map((block) => ({ ...block, error: 1e-4, passed: block.limit === null ? null : true })), errors: [{ name: "attitude", unit: "rad", values: t.map((time) => 1e-5 * time + 1e-9) }] },
+    { ...check, file: "broken.csv", scene: 1, verdict: "the file has no column qw", passed: null, blocks: [], lines: [], diagnoses: [], remarks: [], t: [], errors: [] },
   ];
   data.motions = [motionOf(0)];
   data.scenes[0]!.motion = 0;
@@ -345,7 +345,7 @@ export function hostileNames(): ReportData {
     one.rows = one.rows.map((row, r) => row.map((cell) => (typeof cell === "string" ? name(r) : cell)));
   });
   data.maps.forEach((one) => Object.assign(one, { x_label: name(0), y_label: name(1), outcomes: one.outcomes.map((_, i) => name(i)) }));
-  data.checks.forEach((one, i) => Object.assign(one, { file: name(i), verdict: name(i + 1), lines: [name(i)], diagnoses: [name(2)], errors: one.errors.map((error, k) => ({ ...error, name: name(k), unit: name(1) })) }));
+  data.checks.forEach((one, i) => Object.assign(one, { file: name(i), verdict: name(i + 1), lines: [name(i)], diagnoses: [name(2)], remarks: [name(3)], errors: one.errors.map((error, k) => ({ ...error, name: name(k), unit: name(1) })) }));
   data.remarks = nasty;
   if (data.comparison !== null) Object.assign(data.comparison, { folder: name(12), how: name(0) });
   return data;

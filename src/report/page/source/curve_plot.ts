@@ -26,7 +26,7 @@ export interface Curve {
 export interface Picture {
   curves: Curve[];
   x: { title: string; log: boolean };
-  y: { title: string; log: boolean };
+  y: { title: string; log: boolean; range?: [number, number] }; // range: exponents of 10 on a logarithmic axis
   bands: { from: number; to: number; label: string; short: string }[];
   guides: { x: number[]; y: number[]; label: string }[];
   standard: number[]; // default selection of highlighted methods, the most important first
@@ -249,7 +249,7 @@ export class CurvePlot {
     });
     const layout: Layout = {
       xaxis: axis(theme, picture.x.title, picture.x.log),
-      yaxis: axis(theme, picture.y.title, picture.y.log),
+      yaxis: axis(theme, picture.y.title, picture.y.log, picture.y.range === undefined ? {} : { range: picture.y.range, autorange: false }),
       // failures are marked at the edge of the plot at any zoom
       xaxis2: { overlaying: "x", anchor: "y", range: [0, 1], fixedrange: true, visible: false },
       yaxis2: { overlaying: "y", anchor: "x", range: [0, 1], fixedrange: true, visible: false },

@@ -19,6 +19,8 @@ export interface ReportData {
   comparison: Comparison | null;
   checks: Check[];
   motions: Motion[];
+  lessons: Lesson[];
+  lesson_page: boolean; // the page of `polhode report --lesson`: only a lesson
   remarks: string[]; // one sentence per omission or reduction
 }
 
@@ -181,6 +183,7 @@ export interface Check {
   blocks: { name: string; error: number | null; unit: string; limit: number | null; passed: boolean | null; at: number | null }[];
   lines: string[]; // text report of `polhode check`
   diagnoses: string[]; // diagnosed faults and the matching update
+  remarks: string[]; // on the file and its floors; why no diagnosis was made, and what to record instead
   t: number[];
   errors: { name: string; unit: string; values: (number | null)[] }[];
   motion_method: number | null; // index of the trajectory in the `methods` of the scene's motion
@@ -204,6 +207,28 @@ export interface Motion {
   truth: Track;
   how: string; // how the truth was computed, and its error bound
   methods: MotionMethod[];
+}
+
+/** A lesson: a body that is free or has a fixed point, whose motion the page computes for any position of its sliders. */
+export interface Lesson {
+  name: string;
+  title: string;
+  text: string[]; // paragraphs
+  scene: string; // name of the scene that it starts from
+  duration: number; // s
+  mass: number;
+  inertia: number[]; // kg m^2, about the centre of mass, body axes, nine numbers
+  arm: number[] | null; // m, from the pivot to the centre of mass, body axes; null: free
+  gravity: number[] | null; // m/s^2, world
+  orientation: number[]; // w, x, y, z
+  angular_velocity: number[]; // rad/s, body axes
+  update: string; // name of a kernel of lesson/kernels.ts
+  step: number; // s
+  sliders: { quantity: string; from: number; to: number }[]; // quantities: valueOf() of lesson/simulate.ts
+  graphs: string[]; // "energy", "momentum", "angular_velocity", "tilt", "step_error"
+  show: string; // what the view shows at first, as the key motion_show
+  shape: BodyShape;
+  about: { moments: number[]; principal: number[] }; // inertia about the pivot or the centre of mass
 }
 
 export interface BodyShape {

@@ -40,6 +40,18 @@ export function duration(seconds: number | null | undefined): string {
   return Math.abs(seconds) >= 1000 ? `${significant(seconds, 4)}${thin}s` : engineering(seconds, "s");
 }
 
+/** Decades of a logarithmic axis of errors, as exponents of 10: from the smallest to the largest positive value. Values
+ * below 1e-18 of the largest are the rounding of a single sample, usually the first, and do not count. */
+export function errorDecades(values: readonly (number | null | undefined)[]): [number, number] | null {
+  const positive = values.filter((value): value is number => typeof value === "number" && value > 0 && Number.isFinite(value));
+  const high = positive.reduce((most, value) => Math.max(most, value), 0);
+  if (high === 0) return null;
+  const low = positive.reduce((least, value) => (value < 1e-18 * high ? least : Math.min(least, value)), high);
+  const bottom = Math.floor(Math.log10(low) + 1e-9);
+  const top = Math.ceil(Math.log10(high) - 1e-9) + 0; // no negative zero
+  return [bottom, Math.max(top, bottom + 1)];
+}
+
 /** An integer with thin spaces: 12 345. */
 export function count(value: number | null | undefined): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "";

@@ -5,7 +5,7 @@ import type { ReportData } from "./data.ts";
 import { readDocument } from "./decode.ts";
 import { faultOf, RowIndex } from "./rows.ts";
 import { Page } from "./state.ts";
-import { oneLine, shorten } from "./text.ts";
+import { oneLine, sceneLabel, shorten } from "./text.ts";
 import { chosenScene, sceneName, type Section, type Tools } from "./tools.ts";
 import { sections } from "./sections/all.ts";
 
@@ -42,7 +42,7 @@ function header(page: Page, tools: Tools | null): void {
   if (tools !== null && tools.data.scenes.length > 1) {
     const { data } = tools;
     const select = element("select", { id: "scene", onchange: () => page.set({ scene: select.value }) },
-      ...data.scenes.map((scene) => element("option", { value: scene.name, title: oneLine(scene.name).slice(0, 500) }, shorten(oneLine(scene.name), 56))));
+      ...data.scenes.map((scene) => element("option", { value: scene.name, title: oneLine(scene.name).slice(0, 500) }, shorten(sceneLabel(scene.name), 56))));
     const follow = (): void => {
       select.selectedIndex = chosenScene(tools);
     };

@@ -14,6 +14,32 @@ export function shorten(text: string, length = 40): string {
   return `${characters.slice(0, head).join("")}…${characters.slice(characters.length - (length - 1 - head)).join("")}`;
 }
 
+const units: Record<string, string> = {
+  duration: "s", mass: "kg", inertia: "kg m²", angular_velocity: "rad/s", position: "m", velocity: "m/s", density: "kg/m³",
+};
+
+/** Splits "/a=1,/b=[2,3]" at the commas that start a new JSON pointer. */
+function changesOf(text: string): [string, string][] | null {
+  const parts = text.split(/,(?=\/[^,{}[\]"]*=)/).map((part) => /^\/([^=]+)=(.+)$/s.exec(part));
+  return parts.every((part) => part !== null) ? parts.map((part) => [part?.[1] ?? "", part?.[2] ?? ""]) : null;
+}
+
+/** Readable name of a scene and its variation: "free_asymmetric{/duration=20}" becomes "free_asymmetric, duration 20 s".
+ * Other names are returned as one line. */
+export function sceneLabel(name: string): string {
+  const plain = oneLine(name);
+  const parts = /^([^{]*)\{(\/.*)\}$/.exec(plain);
+  const changes = parts === null ? null : changesOf(parts[2] ?? "");
+  if (parts === null || changes === null) return plain;
+  return [parts[1] ?? "", ...changes.map(([pointer, value]) => {
+    const keys = pointer.split("/");
+    const key = keys.filter((one) => !/^\d+$/.test(one)).pop() ?? "";
+    const path = keys.map((one, i) => (/^\d+$/.test(one) ? `[${one}]` : (i > 0 ? "." : "") + one)).join("").replace(/_/g, " ");
+    const unit = units[key] ?? "";
+    return `${path} ${value}${unit === "" ? "" : ` ${unit}`}`;
+  })].join(", ");
+}
+
 /** Escapes for plotly, which interprets <b>, <a href> and entities in every text. */
 export function plotText(text: string, length = 80): string {
   return shorten(oneLine(text), length).replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");

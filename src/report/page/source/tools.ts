@@ -4,7 +4,7 @@ import type { ReportData, Table } from "./data.ts";
 import type { RowIndex } from "./rows.ts";
 import type { Page } from "./state.ts";
 import { element } from "./dom.ts";
-import { oneLine, shorten } from "./text.ts";
+import { oneLine, sceneLabel, shorten } from "./text.ts";
 import { colorOf, markOf, swatch } from "./marks.ts";
 
 export interface Tools {
@@ -57,11 +57,14 @@ export function precisionOf(tools: Tools, method: number): string {
 }
 
 /** A shortened name with the full name as tooltip. */
-export function named(name: string, length = 40): HTMLElement {
-  const plain = oneLine(name);
-  const short = shorten(plain, length);
+export function named(name: string, length = 40, full = name): HTMLElement {
+  const plain = oneLine(full);
+  const short = shorten(oneLine(name), length);
   return element("span", { class: "name", title: short === plain ? null : plain.slice(0, 2000) }, short);
 }
+
+/** The readable name of a scene with the name in the tables as tooltip. */
+export const namedScene = (name: string, length = 40): HTMLElement => named(sceneLabel(name), length, name);
 
 /** A method with its mark and colour. */
 export function methodLabel(tools: Tools, method: number, length = 34): HTMLElement {
@@ -92,7 +95,7 @@ export function otherScenes(tools: Tools, what: string, scenes: readonly number[
       "p",
       { class: "buttons" },
       ...shown.map((scene) =>
-        element("button", { type: "button", onclick: () => tools.page.set({ scene: sceneName(tools, scene) }) }, named(sceneName(tools, scene), 48)),
+        element("button", { type: "button", onclick: () => tools.page.set({ scene: sceneName(tools, scene) }) }, namedScene(sceneName(tools, scene), 48)),
       ),
       scenes.length > shown.length ? ` and ${scenes.length - shown.length} more` : null,
     ),
@@ -108,7 +111,7 @@ export function standIn(tools: Tools, scene: number, having: readonly number[]):
 
 /** Note that names the scene shown if it is not the selected one. */
 export function standInNote(tools: Tools, chosen: number, seen: number): HTMLElement | null {
-  return chosen === seen ? null : element("p", { class: "note" }, "Showing ", named(sceneName(tools, seen), 60), ": there are no results for the selected scene itself.");
+  return chosen === seen ? null : element("p", { class: "note" }, "Showing ", namedScene(sceneName(tools, seen), 60), ": there are no results for the selected scene itself.");
 }
 
 export function columnPlace(table: Table, name: string): number {

@@ -1,7 +1,7 @@
 // Attitude errors over time on a logarithmic scale, with a line at the current time of the view.
 
 import { fill, vector } from "../dom.ts";
-import { significant } from "../format.ts";
+import { errorDecades, significant } from "../format.ts";
 import { shorten } from "../text.ts";
 import { type Actor, errorAt } from "./actors.ts";
 import { dashOf } from "./polhode_view.ts";
@@ -20,19 +20,8 @@ export function ticks(low: number, high: number, most: number): number[] {
   return made;
 }
 
-/** Exponents of the decades that contain the errors. Ignores zeros. */
-export function decades(errors: readonly (number | null)[]): [number, number] {
-  let [low, high] = [Infinity, -Infinity];
-  for (const error of errors) {
-    if (error === null || !(error > 0) || !Number.isFinite(error)) continue;
-    low = Math.min(low, error);
-    high = Math.max(high, error);
-  }
-  if (!(high >= low)) return [-16, 0];
-  const bottom = Math.floor(Math.log10(low) + 1e-9);
-  const top = Math.ceil(Math.log10(high) - 1e-9) + 0; // no negative zero
-  return [bottom, Math.max(top, bottom + 1)];
-}
+/** Exponents of the decades that contain the errors; [-16, 0] if there are none. */
+export const decades = (errors: readonly (number | null)[]): [number, number] => errorDecades(errors) ?? [-16, 0];
 
 export class ErrorPlot {
   readonly root: SVGSVGElement;

@@ -12,7 +12,7 @@ import { Choice, element, fill, vector } from "../dom.ts";
 import { quantity, significant } from "../format.ts";
 import { parseList, writeList } from "../fragment.ts";
 import { swatch } from "../marks.ts";
-import { oneLine, shorten } from "../text.ts";
+import { oneLine, sceneLabel, shorten } from "../text.ts";
 import { type Actor, chosenMethods, errorAt, firstMethods, isDrawn, methodActor, mostMethods, settingOf, titleOf, truthActor } from "./actors.ts";
 import { dot, scale, unit, type Vector, vectorAt } from "./algebra.ts";
 import { BodyView, type Palette, type Pane, type Shown } from "./body_view.ts";
@@ -209,10 +209,10 @@ class MotionView {
     const scenes = [...new Set(data.motions)].map((one) => this.nameOf(one));
     const asked = page.get("scene") || (data.scenes[0]?.name ?? "");
     const isSubstitute = data.scenes.find((one) => one.name === asked)?.motion === null;
-    this.which.update(scenes.map((name) => [name, shorten(oneLine(name), 44)]), this.nameOf(motion));
+    this.which.update(scenes.map((name) => [name, shorten(sceneLabel(name), 44)]), this.nameOf(motion));
     this.which.root.hidden = !isSubstitute || scenes.length < 2;
     this.substitute.hidden = !isSubstitute;
-    this.substitute.textContent = isSubstitute ? `No motion is available for ${shorten(oneLine(asked), 100)}; showing ${shorten(oneLine(this.nameOf(motion)), 100)}.` : "";
+    this.substitute.textContent = isSubstitute ? `No motion is available for ${shorten(sceneLabel(asked), 100)}; showing ${shorten(sceneLabel(this.nameOf(motion)), 100)}.` : "";
     // methods without a motion come last and are marked
     const offered = [true, false].flatMap((drawn) => motion.methods.filter((method) => isDrawn(method) === drawn)
       .map((method): [string, string] => [method.label, `${shorten(titleOf(method), 60)}${drawn ? "" : " (no motion)"}`]));

@@ -1,7 +1,7 @@
 import { element } from "../dom.ts";
-import { quantity, significant } from "../format.ts";
+import { errorDecades, quantity, significant } from "../format.ts";
 import { axis, Plot, type Layout, type Trace } from "../plot.ts";
-import { fileName, named, sceneName, type Section, type Tools } from "../tools.ts";
+import { fileName, named, namedScene, sceneName, type Section, type Tools } from "../tools.ts";
 import { oneLine, plotText, shorten } from "../text.ts";
 import { writeFragment } from "../fragment.ts";
 import { swatch } from "../marks.ts";
@@ -32,6 +32,8 @@ function errorPlot(tools: Tools, check: Check): HTMLElement | null {
   const colorAt = (i: number, dark: boolean): string => (dark ? palette[i % palette.length]?.dark : palette[i % palette.length]?.light) ?? "#808080";
   const symbolAt = (i: number): string => symbols[i % symbols.length] ?? "circle";
   const label = (error: Check["errors"][number]): string => shorten(oneLine(error.name), 40) + (error.unit === "" ? "" : ` (${shorten(oneLine(error.unit), 20)})`);
+  // the first sample has only the rounding of the start, many decades below the others
+  const decades = errorDecades([...drawable.flatMap((error) => error.values.slice(1)), ...limits.map((block) => block.limit)]);
   plot.draw((theme) => {
     const traces = drawable.map((error, i): Trace => ({
       type: "scatter", mode: "lines+markers", name: plotText(label(error)), x: check.t, y: error.values.map((value) => (value === 0 ? null : positive(value))), connectgaps: false,
@@ -39,7 +41,7 @@ function errorPlot(tools: Tools, check: Check): HTMLElement | null {
       line: { color: colorAt(i, theme.dark), width: 1.6 }, marker: { color: colorAt(i, theme.dark), size: 6, symbol: symbolAt(i), maxdisplayed: 16 },
     } as Trace));
     const layout: Layout = {
-      xaxis: axis(theme, "time (s)", false), yaxis: axis(theme, "error", true),
+      xaxis: axis(theme, "time (s)", false), yaxis: axis(theme, "error", true, decades === null ? {} : { range: [decades[0] - 0.1, decades[1] + 0.2], autorange: false }),
       shapes: limits.map((block) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: block.limit, y1: block.limit, line: { color: colorAt(drawable.findIndex((error) => error.name === block.name), theme.dark), width: 1.4, dash: "dash" } })) as Layout["shapes"],
       // equal limits share a label
       annotations: [...new Set(limits.map((block) => block.limit))].map((limit) => ({
@@ -68,11 +70,12 @@ export const checks: Section = {
       host.append(element(
         "article", { class: "check" },
         element("h3", {}, named(check.file, 70), " ", element("span", { class: check.passed === false ? "verdict bad" : check.passed === true ? "verdict good" : "verdict" }, shorten(oneLine(check.verdict), 200))),
-        element("p", { class: "faint" }, "scene ", named(scene, 60),
+        element("p", { class: "faint" }, "scene ", namedScene(scene, 60),
           check.motion_method !== null && tools.data.motions.length > 0
             ? element("span", {}, " · ", element("a", { href: `#${writeFragment({ section: "motion", scene })}` }, "show its motion"))
             : null),
         check.diagnoses.length > 0 ? element("div", { class: "warning" }, element("strong", {}, "Diagnosis"), element("ul", {}, ...check.diagnoses.slice(0, 20).map((text) => element("li", {}, shorten(oneLine(text), 500))))) : null,
+        check.remarks.length > 0 ? element("ul", { class: "remarks" }, ...check.remarks.slice(0, 20).map((text) => element("li", {}, shorten(oneLine(text), 600)))) : null,
         blockTable(check),
         errorPlot(tools, check),
         check.lines.length > 0 ? element("details", {}, element("summary", {}, "Full report"), ...check.lines.slice(0, 200).map((line) => element("p", {}, shorten(oneLine(line), 500)))) : null,

@@ -6,7 +6,7 @@ import { chosenScene, methodLabel, methodName, otherScenes, sceneName, standIn, 
 import { curvesOf, hoverOf, measures, positive } from "./work_precision.ts";
 import type { Order, ReportData } from "../data.ts";
 import { settingKinds, type Row } from "../rows.ts";
-import { oneLine, shorten } from "../text.ts";
+import { oneLine, sceneLabel, shorten } from "../text.ts";
 
 /** Largest accepted difference between the fitted and the claimed order. */
 export const mostOrderDifference = 0.2;
@@ -130,7 +130,7 @@ export const convergence: Section = {
         });
       }
       const content = {
-        caption: `Orders of convergence on ${sceneName(tools, scene)}`,
+        caption: `Orders of convergence on ${sceneLabel(sceneName(tools, scene))}`,
         columns: [
           { name: "method", numeric: false }, { name: "setting_kind", numeric: false }, { name: "claimed", numeric: true }, { name: "observed", numeric: true },
           { name: "difference", numeric: true }, { name: "points", numeric: true, integral: true }, { name: "from", numeric: true }, { name: "to", numeric: true },

@@ -1,10 +1,10 @@
 import { CurvePlot, type Curve } from "../curve_plot.ts";
 import { Choice, element, fill } from "../dom.ts";
-import { duration, quantity, significant } from "../format.ts";
+import { duration, errorDecades, quantity, significant } from "../format.ts";
 import { TableView } from "../table_view.ts";
 import { chosenScene, methodLabel, methodName, otherScenes, sceneName, standIn, standInNote, type Section, type Tools } from "../tools.ts";
 import type { Drift } from "../data.ts";
-import { oneLine, shorten, type Cell } from "../text.ts";
+import { oneLine, sceneLabel, shorten, type Cell } from "../text.ts";
 import { measures as all, positive } from "./work_precision.ts";
 
 type Measure = "attitude" | "omega" | "energy" | "momentum" | "norm";
@@ -90,8 +90,9 @@ export const drift: Section = {
         for (const run of runs) if (!growth.has(run.method)) growth.set(run.method, exponentText(run.growth[measure.key]));
         const last = new Map<number, number>();
         for (const curve of curves) last.set(curve.method, Math.min(last.get(curve.method) ?? Infinity, curve.y[curve.y.length - 1] ?? Infinity));
+        const decades = errorDecades(curves.flatMap((curve) => curve.y.filter((_, i) => (curve.x[i] ?? 0) > 0)));
         chart.show({
-          curves, x: { title: "time (s)", log }, y: { title: `${measure.title}${measure.unit === "" ? "" : ` (${measure.unit})`}`, log: true },
+          curves, x: { title: "time (s)", log }, y: { title: `${measure.title}${measure.unit === "" ? "" : ` (${measure.unit})`}`, log: true, ...(decades === null ? {} : { range: [decades[0] - 0.1, decades[1] + 0.1] as [number, number] }) },
           bands: [], guides: [], standard: [...last.entries()].sort((a, b) => a[1] - b[1]).map(([method]) => method),
           detailHead: "exponent",
           detail: (method) => ({ text: growth.get(method) ?? "", flag: "" }),
@@ -102,7 +103,7 @@ export const drift: Section = {
         return;
       }
       const content = {
-        caption: `Growth of errors on ${sceneName(tools, scene)}: exponents p of error ~ t^p`,
+        caption: `Growth of errors on ${sceneLabel(sceneName(tools, scene))}: exponents p of error ~ t^p`,
         columns: [
           { name: "method", numeric: false }, { name: "setting", numeric: true },
           ...measures.flatMap((one) => [{ name: `${one.key}_exponent`, numeric: true }, { name: `${one.key}_deviation`, numeric: true, hidden: true }]),

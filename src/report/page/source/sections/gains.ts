@@ -2,7 +2,7 @@ import { Choice, element, fill } from "../dom.ts";
 import { DotPlot, type Dot } from "../dot_plot.ts";
 import { TableView } from "../table_view.ts";
 import { chosenScene, columnPlace, numberIn, sceneName, textIn, type Section, type Tools } from "../tools.ts";
-import { oneLine, shorten } from "../text.ts";
+import { oneLine, sceneLabel, shorten } from "../text.ts";
 import type { ReportData, Table } from "../data.ts";
 
 function gainTables(data: ReportData): Table[] {
@@ -25,7 +25,7 @@ function one(host: HTMLElement, tools: Tools, table: Table): void {
     const asked = tools.page.get(key) || sceneName(tools, chosenScene(tools));
     const withGain = scenes.filter((scene) => table.rows.some((row) => textIn(row, place.scene) === scene && numberIn(row, place.gain) !== null));
     const scene = scenes.includes(asked) ? asked : (withGain[0] ?? scenes[0] ?? "");
-    choice.update(scenes.map((name) => [name, shorten(oneLine(name), 48)]), scene);
+    choice.update(scenes.map((name) => [name, shorten(sceneLabel(name), 48)]), scene);
     const rows = table.rows.filter((row) => textIn(row, place.scene) === scene);
     const texts = [...new Set(rows.map((row) => textIn(row, place.left)).filter((text) => text !== ""))];
     left.textContent = texts.length > 0 ? `Omitted: ${shorten(oneLine(texts.join("; ")), 300)}.` : "";

@@ -1,7 +1,7 @@
 import { element } from "../dom.ts";
 import { count, counted } from "../format.ts";
 import { statuses } from "../rows.ts";
-import { oneLine, shorten } from "../text.ts";
+import { oneLine, sceneLabel, shorten } from "../text.ts";
 import type { Experiment } from "../data.ts";
 import type { Section, Tools } from "../tools.ts";
 
@@ -44,6 +44,11 @@ function statusCounts(tools: Tools): HTMLElement | null {
   );
 }
 
+/** Replaces the names of varied scenes in a text by their readable names. */
+function labelScenes(tools: Tools, text: string): string {
+  return text.includes("{/") ? tools.data.scenes.filter((scene) => scene.name.includes("{/")).reduce((all, { name }) => all.replaceAll(oneLine(name), sceneLabel(name)), text) : text;
+}
+
 export const overview: Section = {
   name: "overview",
   title: "Overview",
@@ -77,7 +82,7 @@ export const overview: Section = {
           { class: "cards" },
           ...data.findings.slice(0, 3).map((finding) =>
             element("li", {}, element("a", { class: "card", href: /^#/.test(finding.link) ? finding.link : "#section=overview" },
-              element("strong", {}, shorten(oneLine(finding.title), 120)), element("span", {}, shorten(oneLine(finding.text), 400)))),
+              element("strong", {}, shorten(labelScenes(tools, oneLine(finding.title)), 120)), element("span", {}, shorten(labelScenes(tools, oneLine(finding.text)), 400)))),
           ),
         ),
       );

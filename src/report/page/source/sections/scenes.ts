@@ -1,7 +1,7 @@
 import { element } from "../dom.ts";
 import { duration, significant } from "../format.ts";
 import { TableView } from "../table_view.ts";
-import { chosenScene, methodLabel, named, type Section, type Tools } from "../tools.ts";
+import { chosenScene, methodLabel, namedScene, type Section, type Tools } from "../tools.ts";
 import type { Cell } from "../text.ts";
 import type { Scene } from "../data.ts";
 
@@ -52,7 +52,7 @@ export const scenes: Section = {
         if (scene === undefined) return null;
         if (column === 0) {
           const is = placeOf(row) === chosenScene(tools);
-          return element("button", { type: "button", class: "pick", "data-scene": placeOf(row), "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, named(scene.name, 44));
+          return element("button", { type: "button", class: "pick", "data-scene": placeOf(row), "aria-pressed": String(is), onclick: () => page.set({ scene: scene.name }) }, namedScene(scene.name, 44));
         }
         const among = column - 1 < 2 * errors.length ? column - 1 : -1;
         if (among >= 0 && among % 2 === 0) {
@@ -69,7 +69,7 @@ export const scenes: Section = {
       chosen.replaceChildren();
       if (scene === undefined) return;
       chosen.append(
-        element("h3", {}, named(scene.name, 90)),
+        element("h3", {}, namedScene(scene.name, 90)),
         element("p", {}, [scene.about, scene.source === "" ? "" : `Source: ${scene.source}`].filter((part) => part !== "").map((part) => part.replace(/[^.!?]$/, "$&.")).join(" ").slice(0, 900)),
         element("p", { class: "faint" }, [
           scene.duration === null ? "" : `duration ${duration(scene.duration)}`,

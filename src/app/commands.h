@@ -76,8 +76,10 @@ void require_positive(const char* option, double value);
 /// Parses the value of --convention. An empty value is polhode's convention. Throws UsageError.
 Convention parse_convention_option(const std::string& words);
 
-/// Throws UsageError if the scene has neither joints nor loops, or if `path`, for their reactions, equals `other`.
-void require_joints(const Scene& scene, const std::string& path, const std::string& other);
+/// Checks the files of --reactions and --joints, which may be empty. Throws UsageError if the scene has no joints for
+/// them, or if two of the files, `output` included, have the same name.
+void require_joint_files(const Scene& scene, const std::string& reactions, const std::string& joints,
+                         const std::string& output);
 
 /// Throws UsageError if the scene has several bodies. `option` needs a scene of one body; `reason` says why.
 void require_one_body(const Scene& scene, const std::string& option, const std::string& reason);

@@ -98,10 +98,19 @@ void require_output(const std::string& path) {
     }
 }
 
-void require_joints(const Scene& scene, const std::string& path, const std::string& other) {
-    if (scene.joints.empty() && scene.loops.empty())
+void require_joint_files(const Scene& scene, const std::string& reactions, const std::string& joints,
+                         const std::string& output) {
+    if (!reactions.empty() && scene.joints.empty() && scene.loops.empty())
         throw UsageError("--reactions: the scene has neither joints nor loops; remove the option");
-    if (path == other) throw UsageError("--reactions and --output name the same file; give two files");
+    if (!joints.empty() && scene.joints.empty())
+        throw UsageError("--joints: the scene has no joints; remove the option");
+    const auto require_two = [](const std::string& first, const char* one, const std::string& second, const char* two) {
+        if (!first.empty() && first == second)
+            throw UsageError(fmt::format("{} and {} name the same file; give two files", one, two));
+    };
+    require_two(reactions, "--reactions", output, "--output");
+    require_two(joints, "--joints", output, "--output");
+    require_two(joints, "--joints", reactions, "--reactions");
 }
 
 void require_one_body(const Scene& scene, const std::string& option, const std::string& reason) {

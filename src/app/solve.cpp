@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/joint_history.h"
 #include "app/lookup.h"
 #include "integrators/method.h"
 #include "motion/mechanism_motion.h"
@@ -20,7 +21,7 @@ namespace {
 constexpr long most_samples = 10'000'000, most_steps = 1'000'000'000'000, most_evaluations = 1'000'000'000'000'000;
 
 struct SolveOptions {
-    std::string scene, method = "auto", output, reactions;
+    std::string scene, method = "auto", output, reactions, joints;
     std::optional<double> step, tolerance, duration;
     std::optional<long> steps;
     long samples = 100, max_steps = Settings{}.max_steps, max_evaluations = Settings{}.max_evaluations;
@@ -39,6 +40,7 @@ void require_sane(const SolveOptions& options) {
     require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
     require_output(options.reactions);
+    require_output(options.joints);
 }
 
 Choice chosen(const SolveOptions& options, const Problem& problem, const Settings& settings) {
@@ -107,6 +109,22 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
     return text + joint_errors(problem.scene, trajectory);
 }
 
+// Writes the file of joint coordinates, if there is one. Returns whether that was possible.
+bool write_joints(const SolveOptions& options, const Problem& problem, const Choice& choice, const Settings& settings,
+                  const Trajectory& trajectory) {
+    if (options.joints.empty() || trajectory.samples.empty()) return true;
+    const JointHistory<double> history = joint_history(problem, choice.method, settings, trajectory);
+    if (history.fault.empty()) {
+        std::vector<std::string> names = joint_names(problem.scene);
+        names.resize(problem.scene.joints.size());  // without loops
+        write_output(options.joints, joints_csv(history.times, history.motions, names));
+        return true;
+    }
+    std::fputs(fmt::format("polhode: {} was not written: {}\n", one_line(options.joints, 200), history.fault).c_str(),
+               stderr);
+    return false;
+}
+
 int solve_command(const SolveOptions& options) {
     require_sane(options);
     if (options.method != "auto") method_named(options.method);
@@ -122,7 +140,7 @@ int solve_command(const SolveOptions& options) {
     settings.tolerance = options.tolerance;
     if (settings.step) require_positive("the step", *settings.step);
     if (options.full) require_one_body(scene, "--full", "the full formulation supports one body");
-    if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
+    require_joint_files(scene, options.reactions, options.joints, options.output);
     Problem problem = pose(scene, settings.formulation);
     problem.reactions = !options.reactions.empty();
     const Choice choice = chosen(options, problem, settings);
@@ -131,6 +149,7 @@ int solve_command(const SolveOptions& options) {
     // an incomplete trajectory is also written: it shows how far the method got
     if (!trajectory.samples.empty())
         write_trajectory_output(options.output, trajectory_csv(trajectory, body_names(scene)));
+    const bool no_joints = !write_joints(options, problem, choice, settings, trajectory);
     const bool no_reactions = trajectory.status == Status::ok && problem.reactions && trajectory.reactions.empty();
     if (problem.reactions && !trajectory.reactions.empty())
         write_output(options.reactions, reactions_csv(trajectory, joint_names(scene)));
@@ -142,7 +161,7 @@ int solve_command(const SolveOptions& options) {
                         one_line(options.reactions, 200), choice.method->name)
                 .c_str(),
             stderr);
-    if (no_reactions) return 1;
+    if (no_reactions || no_joints) return 1;
     return trajectory.status == Status::ok ? 0 : 1;
 }
 
@@ -187,6 +206,10 @@ void add_solve(CLI::App& program, int& exit_code) {
     command->add_option("--reactions", options->reactions,
                         "CSV file for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "
                         "Force in N and torque in N m by the parent on the child, world axes, about the child's point");
+    command->add_option("--joints", options->joints,
+                        "CSV file for the coordinates of joints (several bodies): t,joint,coordinate,rate, one line "
+                        "per coordinate. Angles in rad with full revolutions, displacements in m; the quaternion "
+                        "w, x, y, z of a spherical joint");
     command->add_flag("--full", options->full,
                       "Integrate all 13 variables instead of the reduced formulation (one body)");
     command->callback([options, &exit_code] { exit_code = solve_command(*options); });

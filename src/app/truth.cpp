@@ -2,6 +2,7 @@
 // does not hold their digits. Without --certified all rows share one bound; with it each number has a proven radius.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/joint_history.h"
 #include "app/lookup.h"
 #include "integrators/truth/balls/certified.h"
 #include "integrators/truth/reference.h"
@@ -25,7 +27,7 @@ constexpr long most_true_samples = 1'000'000;
 constexpr const char* names[] = {"qw", "qx", "qy", "qz", "wx", "wy", "wz", "px", "py", "pz", "vx", "vy", "vz"};
 
 struct TruthOptions {
-    std::string scene, format = "csv", output, reactions;
+    std::string scene, format = "csv", output, reactions, joints;
     std::optional<double> duration;
     long samples = 100;
     int digits = 17;
@@ -170,6 +172,55 @@ int run_certified(const TruthOptions& options, const Scene& scene) {
     return 0;
 }
 
+// The joints' coordinates and rates as decimals: t,joint,coordinate,rate, one line per coordinate.
+std::string joints_csv_of(const Scene& scene, const JointHistory<Wide>& history, int digits) {
+    const std::vector<std::string> joints = joint_names(scene);
+    std::string text = "t,joint,coordinate,rate\n";
+    for (std::size_t i = 0; i < history.motions.size(); ++i) {
+        const std::vector<Wide> x = history.motions[i].coordinates(), rate = history.motions[i].rates();
+        for (std::size_t k = 0; k < x.size(); ++k)
+            text +=
+                fmt::format("{},{},{},{}\n", shortest_decimal(history.times[i / scene.joints.size()]),
+                            joints[i % scene.joints.size()], wide_decimal(x[k], digits), wide_decimal(rate[k], digits));
+    }
+    return text;
+}
+
+std::string joints_json(const Scene& scene, const JointHistory<Wide>& history, int digits) {
+    std::string text =
+        fmt::format("{{\"scene\": {}, \"columns\": [\"t\", \"joint\", \"coordinate\", \"rate\"],\n \"joints\": [",
+                    json_string(scene.name));
+    bool first = true;
+    for (std::size_t i = 0; i < history.motions.size(); ++i) {
+        const std::vector<Wide> x = history.motions[i].coordinates(), rate = history.motions[i].rates();
+        for (std::size_t k = 0; k < x.size(); ++k, first = false)
+            text += fmt::format("{}\n  [\"{}\", {}, \"{}\", \"{}\"]", first ? "" : ",",
+                                shortest_decimal(history.times[i / scene.joints.size()]),
+                                json_string(scene.joints[i % scene.joints.size()].name), wide_decimal(x[k], digits),
+                                wide_decimal(rate[k], digits));
+    }
+    return text + "\n]}\n";
+}
+
+// Writes the file of joint coordinates, if there is one. Returns whether that was possible.
+bool write_joints(const TruthOptions& options, const Scene& scene) {
+    if (options.joints.empty()) return true;
+    // at least as many digits as the decimals of the trajectory are computed with
+    const Reference truth = reference(scene, options.samples, std::max(options.digits, 25), options.max_seconds);
+    const std::string name = one_line(options.joints, 200);
+    std::string fault = truth.available ? "" : truth.message;
+    if (fault.empty()) {
+        const JointHistory<Wide> history = joint_history(scene, truth);
+        const int written = options.digits + 2;
+        fault = history.fault;
+        if (fault.empty())
+            write_output(options.joints, options.format == "json" ? joints_json(scene, history, written)
+                                                                  : joints_csv_of(scene, history, written));
+    }
+    if (!fault.empty()) std::fputs(fmt::format("polhode: {} was not written: {}\n", name, fault).c_str(), stderr);
+    return fault.empty();
+}
+
 int truth_command(const TruthOptions& options) {
     require_count("--samples", options.samples, most_true_samples);
     require_count("--digits", options.digits, 1'000'000);
@@ -177,12 +228,18 @@ int truth_command(const TruthOptions& options) {
     require_positive("--max-seconds", options.max_seconds);
     require_output(options.output);
     require_output(options.reactions);
+    require_output(options.joints);
     Scene scene = read_scene_with_notes(options.scene);
     require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
-    if (!options.reactions.empty()) require_joints(scene, options.reactions, options.output);
+    require_joint_files(scene, options.reactions, options.joints, options.output);
     if (options.certified && !options.reactions.empty())
         throw UsageError("--reactions: certified reactions are not available; remove --certified");
+    if (options.certified && !options.joints.empty())
+        throw UsageError("--joints: certified joint coordinates are not available; remove --certified");
+    if (!options.joints.empty() && options.digits > most_joint_digits)
+        throw UsageError(fmt::format("--joints: {} digits are not available for joint coordinates; give at most {}",
+                                     options.digits, most_joint_digits));
     if (options.certified) return run_certified(options, scene);
     const DecimalReference truth = decimal_reference(scene, options.samples, options.digits, options.max_seconds);
     if (!truth.available) {
@@ -200,7 +257,8 @@ int truth_command(const TruthOptions& options) {
                            truth.bound)
                    .c_str(),
                stderr);
-    if (options.reactions.empty() || !truth.reactions.empty()) return 0;
+    const bool joints = write_joints(options, scene);
+    if (options.reactions.empty() || !truth.reactions.empty()) return joints ? 0 : 1;
     std::fputs(fmt::format("polhode: {} was not written: the truth of this scene does not include reactions\n",
                            one_line(options.reactions, 200))
                    .c_str(),
@@ -243,6 +301,10 @@ void add_truth(CLI::App& program, int& exit_code) {
     command->add_option("--reactions", options->reactions,
                         "File for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "
                         "Force in N and torque in N m by the parent on the child, world axes, about the child's point");
+    command->add_option("--joints", options->joints,
+                        "File for the coordinates of joints (several bodies): t,joint,coordinate,rate, one line per "
+                        "coordinate. Angles in rad with full revolutions, displacements in m; the quaternion w, x, y, "
+                        "z of a spherical joint");
     command->add_option("--output", options->output, "Output file (default: stdout)");
     add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = truth_command(*options); });

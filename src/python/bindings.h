@@ -53,6 +53,8 @@ struct SolvedScene {
     std::string method;
     std::string why;  ///< why `auto` selected the method
     std::optional<double> tolerance;
+    std::optional<Settings> settings;  ///< settings of the run; empty for a trajectory of another program
+    Formulation formulation = Formulation::reduced;
 };
 
 /// Returns the method of this name, including methods registered in Python. Throws UsageError with similar names.

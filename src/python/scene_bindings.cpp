@@ -7,6 +7,7 @@
 #include "python/bindings.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
+#include "scene/scene_keys.h"
 #include "text/json_document.h"
 #include "text/message.h"
 #include "text/named_file.h"
@@ -90,6 +91,13 @@ void bind_scenes(py::module_& module) {
         .def_property_readonly("duration", [](const ReadScene& s) { return s.scene().duration; })
         .def_property_readonly("bodies", [](const ReadScene& s) { return body_names(s.scene()); })
         .def_property_readonly("joints", [](const ReadScene& s) { return joint_names(s.scene()); })
+        .def("centers_of_mass",
+             [](const ReadScene& s) {
+                 std::vector<double> centers;
+                 for (std::size_t b = 0; b < body_count(s.scene()); ++b)
+                     for (const double x : scene_body(s.scene(), b).body.center_of_mass.component) centers.push_back(x);
+                 return take(std::move(centers), {static_cast<py::ssize_t>(body_count(s.scene())), 3});
+             })
         .def_property_readonly("omitted", [](const ReadScene& s) { return s.scene().omitted; })
         .def_property_readonly("assumed", [](const ReadScene& s) { return s.scene().assumed; })
         .def("describe", [](const ReadScene& s) { return call([&] { return describe_scene(s.scene()); }); })
@@ -99,6 +107,13 @@ void bind_scenes(py::module_& module) {
     module.def("allow_outside_files", &allow_outside_files, py::arg("allowed"),
                "Allows or forbids scene and experiment files to name files outside their directories. The default is "
                "to forbid it.");
+    // (object, key, type, unit, default, example, meaning) of every key of a scene file
+    module.def("scene_keys", [] {
+        py::list all;
+        for (const FileKey& key : scene_keys())
+            all.append(py::make_tuple(key.object, key.key, key.type, key.unit, key.fallback, key.example, key.meaning));
+        return all;
+    });
     module.def("scene_names", &builtin_scene_names);
     module.def("experiment_names", &builtin_experiment_names);
     module.def("experiment_text", [](const std::string& name) {

@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/describe.h"
+#include "app/joint_history.h"
 #include "app/lookup.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
@@ -60,6 +61,37 @@ py::object reactions(const SolvedScene& solved, const py::object& owner) {
                 owner);
 }
 
+// Returns the motions of the joints: for each joint its name, type, coordinates (n, k) and rates (n, k), and for a
+// spherical joint its angular velocities (n, 3). Throws UsageError if revolutions cannot be counted.
+py::list joints_of(const SolvedScene& solved) {
+    const Scene& scene = solved.scene->scene();
+    const JointHistory<double> history = call([&] {
+        const std::shared_ptr<const Problem> problem = solved.scene->problem(solved.formulation, false);
+        const Method* method = solved.settings ? &method_by_name(solved.method) : nullptr;
+        return joint_history(*problem, method, solved.settings.value_or(Settings{}), solved.trajectory);
+    });
+    if (!history.fault.empty()) throw UsageError(history.fault);
+    static constexpr const char* types[] = {"revolute", "prismatic", "spherical", "universal", "fixed"};
+    const std::size_t joints = scene.joints.size();
+    const py::ssize_t moments = static_cast<py::ssize_t>(history.times.size());
+    py::list all;
+    for (std::size_t j = 0; j < joints; ++j) {
+        std::vector<double> coordinates, rates, angular_velocities;
+        for (std::size_t k = j; k < history.motions.size(); k += joints) {
+            const JointMotion<double>& motion = history.motions[k];
+            for (const double x : motion.coordinates()) coordinates.push_back(x);
+            for (const double rate : motion.rates()) rates.push_back(rate);
+            for (const double w : motion.angular_velocity.component) angular_velocities.push_back(w);
+        }
+        const auto columns = static_cast<py::ssize_t>(moments > 0 ? coordinates.size() / history.times.size() : 0);
+        all.append(py::make_tuple(scene.joints[j].name, types[static_cast<std::size_t>(scene.joints[j].type)],
+                                  take(std::move(coordinates), {moments, columns}),
+                                  take(std::move(rates), {moments, columns}),
+                                  take(std::move(angular_velocities), {moments, 3})));
+    }
+    return all;
+}
+
 void require_positive(const char* what, const std::optional<double>& value) {
     if (value && !(std::isfinite(*value) && *value > 0))
         throw UsageError(fmt::format("{} is {}; give a finite number > 0", what, *value));
@@ -86,6 +118,7 @@ std::shared_ptr<SolvedScene> solve_scene(const std::shared_ptr<ReadScene>& scene
                 fmt::format("{} does not take a tolerance; remove the argument tolerance", choice.method->name));
         const Settings complete = with_defaults(*problem, *choice.method, settings);
         solved->tolerance = complete.tolerance;
+        solved->settings = complete, solved->formulation = full ? Formulation::full : Formulation::reduced;
         const RaisingHere raising;
         return solve(*problem, *choice.method, complete);
     });
@@ -157,6 +190,7 @@ void bind_solving(py::module_& module) {
         .def_property_readonly("v", array(3, [](const Sample& s) { return s.velocity_W.component.data(); }))
         .def("w", &world_rates)
         .def("reactions", [](const py::object& self) { return reactions(self.cast<const SolvedScene&>(), self); })
+        .def("joints", &joints_of)
         .def_property_readonly("impact_times", [](const SolvedScene& s) { return s.trajectory.impact_times; })
         .def_property_readonly("status", [](const SolvedScene& s) { return name_of(s.trajectory.status); })
         .def_property_readonly("message", [](const SolvedScene& s) { return s.trajectory.message; })

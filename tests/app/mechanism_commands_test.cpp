@@ -149,6 +149,81 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
         for (const char* f : {"fx", "fz", "ty"}) EXPECT_NEAR(number(solved[k], f), number(reactions[k], f), 1e-8);
 }
 
+// The positions of the bars, computed from the angles, are those of the trajectory.
+TEST_F(Mechanisms, JointCoordinatesDetermineTheMotion) {
+    for (const char* command : {"solve", "truth"}) {
+        ASSERT_EQ(run({command, swinging, "--samples", "5", "--joints", "j.csv", "--output", "t.csv"}).exit_code, 0);
+        const std::vector<CsvRow> motion = rows_of(written("t.csv")), joints = rows_of(written("j.csv"));
+        ASSERT_EQ(joints.size(), 12u);
+        EXPECT_TRUE(written("j.csv").starts_with("t,joint,coordinate,rate\n0,shoulder,1.25"));
+        EXPECT_NEAR(number(joints[0], "rate"), 0.5, 1e-15);
+        EXPECT_NEAR(number(joints[1], "coordinate"), -0.5, 1e-15);
+        for (std::size_t k = 0; k < 6; ++k) {
+            EXPECT_EQ(joints[2 * k].at("joint"), "shoulder");
+            EXPECT_EQ(number(joints[2 * k + 1], "t"), static_cast<double>(k) / 5);
+            const double a = number(joints[2 * k], "coordinate"), b = a + number(joints[2 * k + 1], "coordinate");
+            const double a_rate = number(joints[2 * k], "rate"), b_rate = a_rate + number(joints[2 * k + 1], "rate");
+            const CsvRow& lower = motion[2 * k + 1];
+            EXPECT_NEAR(number(lower, "px"), -std::sin(a) - std::sin(b) / 2, 1e-14);
+            EXPECT_NEAR(number(lower, "pz"), -std::cos(a) - std::cos(b) / 2, 1e-14);
+            EXPECT_NEAR(number(lower, "vz"), a_rate * std::sin(a) + b_rate * std::sin(b) / 2, 1e-13);
+        }
+    }
+}
+
+// A rotor without load: its angle is 1000 t, however few the samples, and to all digits of the truth.
+TEST_F(Mechanisms, JointAnglesCountRevolutionsBetweenSamples) {
+    const std::string rotor = write("rotor.json", R"({"name": "rotor", "duration": 2,
+        "bodies": [{"name": "r", "body": {"mass": 1, "inertia": [1, 1, 1]}}],
+        "joints": [{"name": "j", "type": "revolute", "parent": "world", "child": "r", "axis": [0, 0, 1],
+                    "initial": {"angle": 0.25, "rate": 1000}}]})");
+    for (const char* command : {"solve", "truth"}) {
+        const Outcome outcome = run({command, rotor, "--samples", "2", "--joints", "j.csv", "--output", "t.csv"});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        const std::vector<CsvRow> rows = rows_of(written("j.csv"));
+        ASSERT_EQ(rows.size(), 3u);
+        for (const CsvRow& row : rows) EXPECT_NEAR(number(row, "coordinate"), 0.25 + 1000 * number(row, "t"), 1e-6);
+    }
+    ASSERT_EQ(run({"truth", rotor, "--samples", "2", "--digits", "25", "--joints", "j.json", "--output", "t.json",
+                   "--format", "json"})
+                  .exit_code,
+              0);
+    const nlohmann::json file = nlohmann::json::parse(written("j.json"));
+    ASSERT_EQ(file["joints"].size(), 3u);
+    // 27 digits, the last ones round-off of 2000.25 = 2000 + 1/4 in the attitude
+    EXPECT_EQ(file["joints"][2][2].get<std::string>().substr(0, 25), "2.00025000000000000000000");
+    EXPECT_EQ(file["joints"][2][3], "1.00000000000000000000000000e3");
+}
+
+// A four-bar linkage: the file has its joints and not its loop, and rates are the derivatives of coordinates.
+TEST_F(Mechanisms, JointFilesOmitLoops) {
+    for (const char* command : {"solve", "truth"}) {
+        std::vector<std::string> arguments{command, "mechanisms/four_bar", "--samples", "200", "--joints", "j.csv"};
+        arguments.insert(arguments.end(), {"--output", "t.csv", "--duration", "0.5"});
+        const Outcome outcome = run(arguments);
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        const std::vector<CsvRow> rows = rows_of(written("j.csv"));
+        ASSERT_EQ(rows.size(), 3 * 201u);
+        for (std::size_t k = 3; k + 3 < rows.size(); ++k) {
+            EXPECT_EQ(rows[k].at("joint"), rows[k - 3].at("joint"));
+            // central differences over 5 ms
+            const double rate = (number(rows[k + 3], "coordinate") - number(rows[k - 3], "coordinate")) / 5e-3;
+            EXPECT_NEAR(rate, number(rows[k], "rate"), 1e-2 * (1 + std::abs(rate))) << rows[k].at("joint");
+        }
+    }
+}
+
+TEST_F(Mechanisms, JointsAreRefusedWhereThereAreNone) {
+    for (const char* command : {"solve", "truth"}) {
+        expect_refused({command, one, "--joints", "j.csv"}, "--joints: the scene has no joints");
+        expect_refused({command, resting, "--joints", "j.csv", "--output", "j.csv"}, "name the same file");
+        expect_refused({command, resting, "--joints", "j.csv", "--reactions", "j.csv"}, "name the same file");
+        expect_refused({command, resting, "--joints", "no/such/place.csv"}, "no/such/place.csv");
+    }
+    expect_refused({"truth", resting, "--certified", "--joints", "j.csv"}, "certified joint coordinates");
+    expect_refused({"truth", resting, "--digits", "40", "--joints", "j.csv"}, "give at most 28");
+}
+
 TEST_F(Mechanisms, ReactionsAreRefusedWhereThereAreNone) {
     for (const char* command : {"solve", "truth"}) {
         expect_refused({command, one, "--reactions", "r.csv"}, "--reactions: the scene has neither joints nor loops");

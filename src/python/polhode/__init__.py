@@ -17,10 +17,15 @@ Examples
 True
 """
 
+from typing import TYPE_CHECKING
+
+from polhode._attitudes import BodyMotion
+from polhode._builders import BUILDERS, Builder
 from polhode._checking import Report, check
 from polhode._ensembles import Ensemble, ensemble
 from polhode._errors import Errors, errors
 from polhode._experiments import Results, run
+from polhode._joints import JointMotion, Joints, Reactions
 from polhode._methods import Method, method, methods, solver
 from polhode._polhode import InputError, LoadState, NoTruthError, RightHandSide, __version__, allow_outside_files
 from polhode._scenes import Scene, describe, scene, scenes
@@ -28,14 +33,18 @@ from polhode._solving import Motion, OdeResult, Trajectory, solve, solve_ivp, tr
 from polhode._truth import Truth, truth
 
 __all__ = [
+    "BodyMotion",
     "Ensemble",
     "Errors",
     "InputError",
+    "JointMotion",
+    "Joints",
     "LoadState",
     "Method",
     "Motion",
     "NoTruthError",
     "OdeResult",
+    "Reactions",
     "Report",
     "Results",
     "RightHandSide",
@@ -59,3 +68,44 @@ __all__ = [
     "trajectory",
     "truth",
 ]
+
+# functions that build the objects of a scene; a type without a declaration below has a function, too
+globals().update({name: builder for name, builder in BUILDERS.items() if name not in globals()})
+__all__ += sorted(BUILDERS)
+
+if TYPE_CHECKING:
+    body: Builder
+    named_body: Builder
+    initial: Builder
+    part: Builder
+    plane: Builder
+    gravity: Builder
+    torque: Builder
+    force: Builder
+    impulse: Builder
+    drag: Builder
+    spring: Builder
+    motor: Builder
+    point_spring: Builder
+    revolute: Builder
+    prismatic: Builder
+    spherical: Builder
+    universal: Builder
+    fixed: Builder
+    loop_spherical: Builder
+    loop_revolute: Builder
+    loop_distance: Builder
+    box: Builder
+    sphere: Builder
+    hollow_sphere: Builder
+    cylinder: Builder
+    hollow_cylinder: Builder
+    capsule: Builder
+    cone: Builder
+    ellipsoid: Builder
+    torus: Builder
+    rod: Builder
+    disc: Builder
+    plate: Builder
+    tetrahedron: Builder
+    frustum: Builder

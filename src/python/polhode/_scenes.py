@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import json
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, SupportsIndex, Union
 
 import numpy as np
 
 from polhode import _polhode
+from polhode._builders import Built
 from polhode._html import table_html
 
 #: Types that `scene` makes a scene from.
@@ -95,11 +97,14 @@ class Blocks(list):  # type: ignore[type-arg]
 class Block(dict):  # type: ignore[type-arg]
     """A JSON object: a dict whose keys are also attributes."""
 
-    __slots__ = ("_changes",)
+    __slots__ = ("_changes", "_built")
     _changes: Changes
+    _built: tuple[str, dict[str, str]] | None  #: the function that built it, and its arguments by path
 
     def __init__(self, data: Mapping[str, Any], changes: Changes) -> None:
+        built = (data.builder, data.arguments) if isinstance(data, Built) else getattr(data, "_built", None)
         object.__setattr__(self, "_changes", changes)
+        object.__setattr__(self, "_built", built if isinstance(built, tuple) else None)
         super().__init__({key: _comfortable(value, changes) for key, value in data.items()})
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -143,6 +148,33 @@ class Block(dict):  # type: ignore[type-arg]
     def __dir__(self) -> Iterator[str]:
         yield from super().__dir__()
         yield from self
+
+
+def _expression_at(scene: Block, path: str) -> str:
+    """Returns the Python expression of the value at a JSON pointer, and the argument that it was built from."""
+    expression, built = "scene", ""
+    place: Any = scene
+    names = [name.replace("~1", "/").replace("~0", "~") for name in path.split("/")[1:]]
+    for k, name in enumerate(names):
+        if isinstance(place, Block) and place._built is not None:
+            builder, arguments = place._built
+            below = "/".join(names[k:])
+            argument = next((a for p, a in arguments.items() if below == p or below.startswith(p + "/")), name)
+            built = f", {builder}(.., {argument}=..)"
+        expression += f"[{name}]" if name.isdigit() else f".{name}" if name.isidentifier() else f"[{name!r}]"
+        try:
+            place = place[int(name)] if isinstance(place, list) else place[name]
+        except (KeyError, IndexError, TypeError, ValueError):
+            place = None
+    return expression + built
+
+
+def _with_expression(scene: Block, message: str) -> str:
+    """Returns the message of an error in a scene, followed by the Python expression of its place."""
+    found = re.match(r"[^/]*: (/[^\s:]+): ", message)
+    if found is None:
+        return message
+    return f"{message} (in Python: {_expression_at(scene, found.group(1))})"
 
 
 for _name in ("__delitem__", "pop", "popitem", "clear"):
@@ -299,7 +331,10 @@ class Scene(Block):
         count = self._changes.count
         if self._read is not None and self._read[0] == count:
             return self._read[1]
-        read = _polhode.ReadScene(self.json(), self._file, self._directory, self._torques)
+        try:
+            read = _polhode.ReadScene(self.json(), self._file, self._directory, self._torques)
+        except _polhode.InputError as error:
+            raise _polhode.InputError(_with_expression(self, str(error))) from None
         object.__setattr__(self, "_read", (count, read))
         return read
 
@@ -312,16 +347,16 @@ class Scene(Block):
         return table_html(["key", "value"], rows, caption=str(self.get("name", "")))
 
 
-def scene(source: SceneLike, **changes: Any) -> Scene:
-    """Makes a scene from a name, a file or a dict.
+def scene(source: SceneLike | None = None, **changes: Any) -> Scene:
+    """Makes a scene from a name, a file, a dict, or keyword arguments.
 
     Parameters
     ----------
-    source : str, path, mapping or Scene
+    source : str, path, mapping or Scene, optional
         A built-in scene (see `scenes`), a scene file, or the contents of one. A mapping without a ``name`` gets the
         name "own".
     **changes
-        Keys of the scene and their new values.
+        Keys of the scene and their new values. Functions such as `body`, `revolute` and `gravity` build them.
 
     Returns
     -------
@@ -342,7 +377,16 @@ def scene(source: SceneLike, **changes: Any) -> Scene:
     ...                      "initial": {"angular_velocity": [0.01, 2, 0]}})
     >>> polhode.solve(box).status
     'ok'
+    >>> pendulum = polhode.scene(
+    ...     duration=2,
+    ...     bodies=[polhode.named_body("bar", polhode.body(shape=polhode.rod(1), mass=2))],
+    ...     joints=[polhode.revolute("hinge", "world", "bar", [0, 1, 0], child_point=[0, 0, 0.5], angle=0.5)],
+    ...     loads=[polhode.gravity([0, 0, -9.81])])
+    >>> polhode.solve(pendulum, samples=10).joints["hinge"].angle.shape
+    (11,)
     """
+    if source is None:
+        source = {}
     if isinstance(source, Scene):
         return source.copy(**changes)
     if isinstance(source, Mapping):

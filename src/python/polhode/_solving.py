@@ -11,9 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode import _polhode
+from polhode._attitudes import Attitudes, BodyMotion
 from polhode._checking import Report, check
 from polhode._errors import Errors, errors
 from polhode._html import pairs_html
+from polhode._joints import Joints, Reactions, index_of
 from polhode._plot import plot_trajectory
 from polhode._scenes import Scene, SceneLike, scene as make_scene
 from polhode._truth import Truth
@@ -36,10 +38,11 @@ class Motion(NamedTuple):
     v: Array  #: (.., 3): velocity of the centre of mass, m/s
 
 
-class Trajectory:
+class Trajectory(Attitudes):
     """The result of a method: the motion at the sample times, the status and the cost of the run.
 
-    Arrays are read-only views of the samples. For several bodies each array except ``t`` has a second axis, of bodies.
+    Arrays are read-only views of the samples. For several bodies each array except ``t`` has a second axis, of bodies,
+    and ``motion["lower"]`` is the motion of the body named "lower".
 
     Attributes
     ----------
@@ -51,6 +54,11 @@ class Trajectory:
         Angular velocity, body axes, rad/s.
     p, v : ndarray, shape (n, 3)
         Position and velocity of the centre of mass, world axes, m and m/s.
+    joints : Joints
+        The motions of the joints of several bodies by name: ``motion.joints["elbow"].angle``.
+    reactions : Reactions
+        The reactions of joints and loops, an array of shape (n, joints, 6), and by name:
+        ``motion.reactions("elbow")``. Pass ``reactions=True`` to `solve`.
     scene : Scene
         The scene that was solved.
     method : str
@@ -92,7 +100,9 @@ class Trajectory:
             value = self._native.w()
             value.flags.writeable = False
         elif name == "reactions":
-            value = self._native.reactions()
+            value = Reactions(self._native.reactions(), len(self.t), self._native.scene.joints, self.method)
+        elif name == "joints":
+            value = Joints(self.t, self._native.joints())
         else:
             raise AttributeError(f"a trajectory has no attribute {name}")
         self.__dict__[name] = value
@@ -110,7 +120,48 @@ class Trajectory:
         tolerance: float | None
         counts: dict[str, int | None]
         impact_times: list[float]
-        reactions: Array | None
+        reactions: Reactions
+        joints: Joints
+
+    def __getitem__(self, name: str) -> BodyMotion:
+        """Returns the motion of one of several bodies.
+
+        Parameters
+        ----------
+        name : str
+            Name of a body.
+
+        Returns
+        -------
+        BodyMotion
+            Its arrays are views of those of the trajectory.
+
+        Raises
+        ------
+        InputError
+            If there is no body of this name.
+
+        Examples
+        --------
+        >>> import polhode
+        >>> polhode.solve("mechanisms/double_pendulum", samples=10)["lower"].q.shape
+        (11, 4)
+        """
+        names = self._bodies()
+        if not names:
+            raise _polhode.InputError("a scene of one body has no names of bodies; use the arrays q, w, p and v")
+        b = index_of(name, names, "body")
+        if self.q.ndim < 3:  # a single body of a mechanism
+            return BodyMotion(name, self.t, self.q, self.w, self.w_B, self.p, self.v, self._centers())
+        return BodyMotion(name, self.t, self.q[:, b], self.w[:, b], self.w_B[:, b], self.p[:, b], self.v[:, b],
+                          self._centers()[b])
+
+    def _bodies(self) -> list[str]:
+        return self._native.scene.bodies
+
+    def _centers(self) -> Array:
+        centers: Array = self._native.scene.centers_of_mass()
+        return centers if self.q.ndim > 2 else centers[0]  # type: ignore[no-any-return]
 
     @property
     def ok(self) -> bool:
@@ -196,6 +247,9 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    # not a sequence of bodies: __getitem__ takes names only
+    __iter__ = None
 
     def _told(self) -> list[tuple[str, object]]:
         pairs: list[tuple[str, object]] = [

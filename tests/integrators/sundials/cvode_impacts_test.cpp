@@ -205,8 +205,11 @@ TEST(CvodeImpacts, BetweenTwoWallsAreEvenlySpaced) {
 }
 
 TEST(Planes, AreUnsupportedByMethodsThatKnowNone) {
+    const Problem elastic = pose(bouncing(1, 0.1));
     for (const Method* method : methods()) {
-        const Trajectory run = solve(bouncing(1, 0.1), *method, {});
+        // some support only inelastic impacts
+        const bool bounces = !method->planes || refusal(*method, elastic).empty();
+        const Trajectory run = solve(bouncing(bounces ? 1 : 0, 0.1), *method, {});
         EXPECT_EQ(run.status == Status::unsupported, !method->planes) << method->name << ": " << run.message;
     }
 }

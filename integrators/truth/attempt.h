@@ -20,6 +20,8 @@ struct Truth {
     std::vector<DecimalColumns> decimals;             ///< one row per sample and body, with more digits than agree
     std::vector<std::string> impact_decimals;         ///< Reference::impact_times, with more digits than agree
     std::vector<ReactionDecimals> reaction_decimals;  ///< Reference::reactions, with more digits than agree
+    std::vector<DecimalContactEvent> contact_events;  ///< with more digits than agree
+    std::vector<DecimalContactInterval> contact_intervals;  ///< with more digits than agree
 };
 
 /// Returns the reference from the cache, or computes it within the limit and caches it. Throws as reference() does.
@@ -58,6 +60,11 @@ template <unsigned working>
 Attempt attempt_by_mechanism_series(const Problem& problem, const std::vector<double>& sample_times,
                                     double local_digits);
 
+/// One body that touches planes, by its contact modes, in reduced coordinates and with multipliers. Digits: see
+/// attempt_by_taylor().
+template <unsigned working>
+Attempt attempt_by_contact_modes(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+
 /// True if the whole motion has a closed form: no events, and the given axes are principal.
 bool has_single_closed_form(const Problem& problem);
 
@@ -73,6 +80,8 @@ extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<
 extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_mechanism_series<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_mechanism_series<100>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_contact_modes<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_contact_modes<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<100>(const Problem&, const std::vector<double>&, double);
 

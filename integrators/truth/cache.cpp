@@ -8,6 +8,7 @@
 #include "integrators/truth/cache.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmp.h>
 #include <mpfr.h>
 
@@ -24,6 +25,7 @@
 #include <thread>
 
 #include "scene/scene_file.h"
+#include "scene/scene_limits.h"
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
 #include "text/sealed.h"
@@ -38,6 +40,8 @@ constexpr std::string_view file_mark = "polhode truth";
 constexpr std::string_view checksum_word = "checksum ";
 // precedes the data that only references of several bodies have
 constexpr std::string_view bodies_word = "bodies";
+// precedes the data that only references with contact modes have
+constexpr std::string_view contacts_word = "contacts";
 
 fs::path cache_directory() {
     const auto variable = [](const char* name) {
@@ -124,6 +128,40 @@ class WordReader {
     std::string_view rest_;
 };
 
+void encode_contacts(const Truth& truth, std::string& text) {
+    text += fmt::format("{} {} {} {}\n", contacts_word, truth.contact_events.size(), truth.contact_intervals.size(),
+                        truth.reaction_decimals.size());
+    for (const DecimalContactEvent& e : truth.contact_events)
+        text += fmt::format("{} {} {} {} {}\n", e.t, e.plane, e.event, e.normal_impulse,
+                            fmt::join(e.tangential_impulse, " "));
+    for (const DecimalContactInterval& in : truth.contact_intervals) {
+        text += fmt::format("{} {} {} {} ", in.from, in.to, in.plane, in.mode);
+        put(text, in.largest_ratio);
+        text += '\n';
+    }
+    for (const ReactionDecimals& decimals : truth.reaction_decimals)
+        text += fmt::format("{}\n", fmt::join(decimals, " "));
+}
+
+// Reads the data that encode_contacts() writes.
+void read_contacts(WordReader& in, Truth& truth) {
+    if (in.word() != contacts_word) throw std::runtime_error("foreign");
+    const std::size_t events = in.count(in.left() / 14), intervals = in.count(in.left() / 10);
+    const std::size_t forces = in.count(in.left() / 12);
+    truth.contact_events.resize(events), truth.contact_intervals.resize(intervals);
+    truth.reaction_decimals.resize(forces);
+    for (DecimalContactEvent& e : truth.contact_events) {
+        e.t = in.word(), e.plane = in.count(most_planes), e.event = in.word(), e.normal_impulse = in.word();
+        for (std::string& component : e.tangential_impulse) component = in.word();
+    }
+    for (DecimalContactInterval& interval : truth.contact_intervals) {
+        interval.from = in.word(), interval.to = in.word(), interval.plane = in.count(most_planes);
+        interval.mode = in.word(), interval.largest_ratio = in.real();
+    }
+    for (ReactionDecimals& decimals : truth.reaction_decimals)
+        for (std::string& decimal : decimals) decimal = in.word();
+}
+
 }  // namespace
 
 std::string encode(const std::string& key, const Truth& truth) {
@@ -163,6 +201,7 @@ std::string encode(const std::string& key, const Truth& truth) {
             text += '\n';
         }
     }
+    if (!truth.contact_intervals.empty()) encode_contacts(truth, text);
     const std::string checksum = content_hash(text);
     return text.append(checksum_word).append(checksum).append("\n");
 }
@@ -212,7 +251,7 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
             visit_pairs(truth.reference.samples[i], [&](Pair& pair) { pair.high = in.real(), pair.low = in.real(); });
             for (std::string& decimal : truth.decimals[i]) decimal = in.word();
         }
-        if (in.more() && !in.next_is(bodies_word)) {
+        if (in.more() && !in.next_is(bodies_word) && !in.next_is(contacts_word)) {
             const std::size_t impacts = in.count(in.left() / 6);
             truth.reference.impact_time_error = in.real();
             for (std::size_t i = 0; i < impacts; ++i) {
@@ -221,7 +260,10 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
                 truth.impact_decimals.emplace_back(in.word());
             }
         }
-        if (in.more()) read_system(in, truth);
+        if (in.next_is(contacts_word))
+            read_contacts(in, truth);
+        else if (in.more())
+            read_system(in, truth);
         return truth;
     } catch (const std::runtime_error&) {
         return {};

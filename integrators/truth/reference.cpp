@@ -5,6 +5,7 @@
 //   Formulas::series                      Taylor series, Euler's equations and world momenta (attempt_taylor.h)
 //   Formulas::collocation                 Radau IIA, the same formulations, for stiff motion (attempt_collocation.h)
 //   Formulas::closed_form                 from both ends, start checked by a series (attempt_closed_form.cpp)
+//   attempt_contact()                     Taylor series, contact modes with friction (attempt_contact.h)
 //   Formulas::series_in_joint_coordinates Taylor series, joint and maximal coordinates (attempt_mechanism.h)
 // Both runs share rounding errors of the mass properties and the initial state, which their difference does not show.
 // SharedData adds these errors to the bound (shared.h).
@@ -24,6 +25,7 @@
 #include "integrators/truth/rounded_decimal.h"
 #include "integrators/truth/shared.h"
 #include "integrators/truth/strong_damping.h"
+#include "motion/contact.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
 #include "text/content_hash.h"
@@ -123,6 +125,23 @@ double digits_lost_by_momenta(const Problem& problem) {
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
 
+// Whether the motion is followed by its contact modes: with friction, and for a hull of one piece. A body of several
+// pieces that comes to rest without friction has contact modes from that time on.
+bool has_contact_modes(const Problem& problem) {
+    if (problem.scene.planes.empty()) return false;
+    return problem.body.geometry->pieces.size() == 1 ||
+           std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.friction > 0; });
+}
+// The fault of a run that follows impacts only (taylor.h), if lasting contact ends it.
+bool needs_contact_modes(const Scene& scene, const std::string& fault) {
+    return !scene.planes.empty() && fault.find("comes to rest on a plane") != std::string::npos;
+}
+
+Attempt attempt_contact(const Problem& problem, const std::vector<double>& times, double local_digits) {
+    return fits_50_digits(local_digits) ? truth::attempt_by_contact_modes<50>(problem, times, local_digits)
+                                        : truth::attempt_by_contact_modes<100>(problem, times, local_digits);
+}
+
 // Repeats attempts until the digits agree. Each attempt adds the digits that the last one lost (local minus agreed).
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
@@ -144,10 +163,16 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
     if (lost_digits + digits > 50) local = std::max(local, min_100_digits);
     const bool without_momenta =
         lost_digits + digits > 100 && !prefers_closed_form(problem) && truth::has_single_closed_form(problem);
+    bool by_modes = has_contact_modes(problem);
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
-        Attempt result = without_momenta ? truth::attempt_by_series_and_closed_form(problem, times, local)
-                                         : attempt(problem, times, local);
+        Attempt result = by_modes          ? attempt_contact(problem, times, local)
+                         : without_momenta ? truth::attempt_by_series_and_closed_form(problem, times, local)
+                                           : attempt(problem, times, local);
         fault = result.fault;
+        if (!by_modes && needs_contact_modes(scene, fault)) {
+            by_modes = true;
+            continue;
+        }
         if (!fault.empty()) break;
         shared.add_to_bound(result, local);
         // no digit agrees: one of the formulations may have lost the component that determines the motion
@@ -203,8 +228,8 @@ std::string refusal(const Scene& scene, int digits) {
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "no truth: user-defined torques are not supported";
     for (const Plane& plane : scene.planes)
-        if (plane.friction > 0 || plane.torsional_friction > 0 || plane.rolling_friction > 0)
-            return "no truth: impacts with friction are not supported";
+        if (plane.torsional_friction > 0 || plane.rolling_friction > 0)
+            return "no truth: torsional and rolling friction are not supported";
     if (digits > most_truth_digits)
         return fmt::format("no truth to {} digits: at most {} digits are available without certification", digits,
                            most_truth_digits);
@@ -234,6 +259,14 @@ DecimalReference convert_to_decimals(const Truth& truth, const Scene& scene, int
     };
     rounded(truth.decimals, result.columns);
     rounded(truth.reaction_decimals, result.reactions);
+    result.contact_events = truth.contact_events, result.contact_intervals = truth.contact_intervals;
+    for (DecimalContactEvent& event : result.contact_events) {
+        event.t = truth::rounded_decimal(event.t, written);
+        event.normal_impulse = truth::rounded_decimal(event.normal_impulse, written);
+        for (std::string& component : event.tangential_impulse) component = truth::rounded_decimal(component, written);
+    }
+    for (DecimalContactInterval& interval : result.contact_intervals)
+        for (std::string* time : {&interval.from, &interval.to}) *time = truth::rounded_decimal(*time, written);
     return result;
 }
 

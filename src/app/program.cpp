@@ -100,8 +100,8 @@ void require_output(const std::string& path) {
 
 void require_joint_files(const Scene& scene, const std::string& reactions, const std::string& joints,
                          const std::string& output) {
-    if (!reactions.empty() && scene.joints.empty() && scene.loops.empty())
-        throw UsageError("--reactions: the scene has neither joints nor loops; remove the option");
+    if (!reactions.empty() && scene.joints.empty() && scene.loops.empty() && scene.planes.empty())
+        throw UsageError("--reactions: the scene has neither joints nor loops nor planes; remove the option");
     if (!joints.empty() && scene.joints.empty())
         throw UsageError("--joints: the scene has no joints; remove the option");
     const auto require_two = [](const std::string& first, const char* one, const std::string& second, const char* two) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/contact_output.h"
 #include "app/joint_history.h"
 #include "app/lookup.h"
 #include "integrators/method.h"
@@ -27,6 +28,7 @@ struct SolveOptions {
     long samples = 100, max_steps = Settings{}.max_steps, max_evaluations = Settings{}.max_evaluations;
     double max_seconds = Settings{}.seconds_limit;
     bool full = false;
+    ContactOptions contacts;
 };
 
 void require_sane(const SolveOptions& options) {
@@ -125,6 +127,21 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
     return false;
 }
 
+// Writes the events and modes of the method, if it records them. Returns whether they were written.
+bool report_contacts(const SolveOptions& options, const Scene& scene, const Method& method) {
+    if (!options.contacts.any()) return true;
+    if (method.family != Family::reference) {
+        std::fputs(fmt::format("polhode: --modes and --events: {} does not record contacts; use the method truth\n",
+                               method.name)
+                       .c_str(),
+                   stderr);
+        return false;
+    }
+    constexpr int digits = 17;
+    return write_contacts(scene, options.contacts, decimal_reference(scene, options.samples, digits),
+                          !options.output.empty());
+}
+
 int solve_command(const SolveOptions& options) {
     require_sane(options);
     if (options.method != "auto") method_named(options.method);
@@ -141,6 +158,7 @@ int solve_command(const SolveOptions& options) {
     if (settings.step) require_positive("the step", *settings.step);
     if (options.full) require_one_body(scene, "--full", "the full formulation supports one body");
     require_joint_files(scene, options.reactions, options.joints, options.output);
+    require_contacts(scene, options.contacts, options.output, options.reactions);
     Problem problem = pose(scene, settings.formulation);
     problem.reactions = !options.reactions.empty();
     const Choice choice = chosen(options, problem, settings);
@@ -162,6 +180,7 @@ int solve_command(const SolveOptions& options) {
                 .c_str(),
             stderr);
     if (no_reactions || no_joints) return 1;
+    if (trajectory.status == Status::ok && !report_contacts(options, scene, *choice.method)) return 1;
     return trajectory.status == Status::ok ? 0 : 1;
 }
 
@@ -200,6 +219,7 @@ void add_solve(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command->add_option("--max-seconds", options->max_seconds, "Fail after this CPU time of the thread, in s")
         ->capture_default_str();
+    add_contact_options(*command, options->contacts);
     add_engines_option(*command);
     add_outside_option(*command);
     command->add_option("--output", options->output, "Output file (default: stdout)");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/contact_output.h"
 #include "app/joint_history.h"
 #include "app/lookup.h"
 #include "integrators/truth/balls/certified.h"
@@ -33,6 +34,7 @@ struct TruthOptions {
     int digits = 17;
     double max_seconds = truth_seconds;
     bool certified = false;
+    ContactOptions contacts;
 };
 
 std::string csv(const Scene& scene, const DecimalReference& truth) {
@@ -80,13 +82,13 @@ std::string json(const Scene& scene, const TruthOptions& options, const DecimalR
     return text + "\n]}\n";
 }
 
-constexpr const char* reaction_names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+constexpr const char* reaction_columns[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 
-// Returns the reactions of joints, then of loops, at each time.
+// Returns the reactions of joints, then of loops, or those of planes, at each time.
 std::string reactions_csv_of(const Scene& scene, const DecimalReference& truth) {
-    const std::vector<std::string> joints = joint_names(scene);
-    std::string text = "t,joint";
-    for (const char* name : reaction_names) text.append(",").append(name);
+    const std::vector<std::string> joints = reaction_names(scene);
+    std::string text = scene.planes.empty() ? "t,joint" : "t,plane";
+    for (const char* name : reaction_columns) text.append(",").append(name);
     text += '\n';
     for (std::size_t i = 0; i < truth.reactions.size(); ++i) {
         text += shortest_decimal(truth.times[i / joints.size()]);
@@ -98,10 +100,10 @@ std::string reactions_csv_of(const Scene& scene, const DecimalReference& truth) 
 }
 
 std::string reactions_json(const Scene& scene, const DecimalReference& truth) {
-    const std::vector<std::string> joints = joint_names(scene);
-    std::string text = fmt::format("{{\"scene\": {}, \"scene_hash\": \"{}\",\n \"columns\": [\"t\", \"joint\"",
-                                   json_string(scene.name), truth.scene_hash);
-    for (const char* name : reaction_names) text += fmt::format(", \"{}\"", name);
+    const std::vector<std::string> joints = reaction_names(scene);
+    std::string text = fmt::format("{{\"scene\": {}, \"scene_hash\": \"{}\",\n \"columns\": [\"t\", \"{}\"",
+                                   json_string(scene.name), truth.scene_hash, scene.planes.empty() ? "joint" : "plane");
+    for (const char* name : reaction_columns) text += fmt::format(", \"{}\"", name);
     text += "],\n \"reactions\": [";
     for (std::size_t i = 0; i < truth.reactions.size(); ++i) {
         text += fmt::format("{}\n  [\"{}\", {}", i == 0 ? "" : ",", shortest_decimal(truth.times[i / joints.size()]),
@@ -233,6 +235,9 @@ int truth_command(const TruthOptions& options) {
     require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
     require_joint_files(scene, options.reactions, options.joints, options.output);
+    require_contacts(scene, options.contacts, options.output, options.reactions);
+    if (options.certified && options.contacts.any())
+        throw UsageError("--modes and --events: certified events are not available; remove --certified");
     if (options.certified && !options.reactions.empty())
         throw UsageError("--reactions: certified reactions are not available; remove --certified");
     if (options.certified && !options.joints.empty())
@@ -258,6 +263,7 @@ int truth_command(const TruthOptions& options) {
                    .c_str(),
                stderr);
     const bool joints = write_joints(options, scene);
+    if (!write_contacts(scene, options.contacts, truth, !options.output.empty())) return 1;
     if (options.reactions.empty() || !truth.reactions.empty()) return joints ? 0 : 1;
     std::fputs(fmt::format("polhode: {} was not written: the truth of this scene does not include reactions\n",
                            one_line(options.reactions, 200))
@@ -300,12 +306,14 @@ void add_truth(CLI::App& program, int& exit_code) {
         ->capture_default_str();
     command->add_option("--reactions", options->reactions,
                         "File for the reactions of joints and loops (several bodies): t,joint,fx,fy,fz,tx,ty,tz. "
-                        "Force in N and torque in N m by the parent on the child, world axes, about the child's point");
+                        "Force in N and torque in N m by the parent on the child, world axes, about the child's point. "
+                        "With planes: t,plane,.., the force of each plane at the contact point");
     command->add_option("--joints", options->joints,
                         "File for the coordinates of joints (several bodies): t,joint,coordinate,rate, one line per "
                         "coordinate. Angles in rad with full revolutions, displacements in m; the quaternion w, x, y, "
                         "z of a spherical joint");
     command->add_option("--output", options->output, "Output file (default: stdout)");
+    add_contact_options(*command, options->contacts);
     add_outside_option(*command);
     command->callback([options, &exit_code] { exit_code = truth_command(*options); });
 }

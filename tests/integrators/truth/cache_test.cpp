@@ -104,6 +104,7 @@ TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
                                         "integrators/series",
                                         "integrators/closed_form",
                                         "integrators/maximal",
+                                        "integrators/contact",
                                         "integrators/truth"};
     int files = 0;
     for (const std::string& folder : folders) {

@@ -1,0 +1,70 @@
+// What a formulation reports about one contact, and the sizes by which its errors are measured.
+#pragma once
+
+#include <cstddef>
+
+#include "body/algebra.h"
+#include "body/elementary.h"
+#include "motion/contact.h"
+
+namespace polhode::contact {
+
+/// A pair of a plane and a piece of the hull.
+struct Pair {
+    std::size_t plane = 0, piece = 0;
+    bool operator==(const Pair&) const = default;
+};
+
+/// Axes at a plane: two tangents and the normal, unit vectors in world axes.
+template <class P>
+struct ContactAxes {
+    Vector3<P> first_W, second_W, normal_W;
+
+    ContactAxes() = default;
+    explicit ContactAxes(const Vector3<P>& normal) : normal_W(normal) {
+        // the world axis that is least along the normal
+        std::size_t least = 0;
+        for (std::size_t i = 1; i < 3; ++i)
+            if (Elementary<P>::magnitude(normal[i]) < Elementary<P>::magnitude(normal[least])) least = i;
+        Vector3<P> axis;
+        axis[least] = P(1);
+        const Vector3<P> tangent = axis - dot(axis, normal) * normal;
+        first_W = (P(1) / length(tangent)) * tangent;
+        second_W = cross(normal, first_W);
+    }
+    const Vector3<P>& operator[](std::size_t i) const { return i == 0 ? first_W : i == 1 ? second_W : normal_W; }
+    Vector3<P> to_world(const Vector3<P>& v) const { return v[0] * first_W + v[1] * second_W + v[2] * normal_W; }
+    Vector3<P> from_world(const Vector3<P>& v) const { return {dot(v, first_W), dot(v, second_W), dot(v, normal_W)}; }
+};
+
+/// Velocity and accelerations of the body's point at a contact, in the contact's axes: a force f there adds K f to the
+/// acceleration c that it has without a contact force.
+template <class P>
+struct ContactResponse {
+    Vector3<P> velocity;      ///< u, m/s
+    Vector3<P> acceleration;  ///< c, m/s^2
+    Matrix3<P> matrix;        ///< K, 1/kg
+};
+
+/// Largest lengths of the motion so far.
+struct Sizes {
+    double angular_velocity = 0;  ///< rad/s
+    double position = 0;          ///< m
+    double velocity = 0;          ///< m/s
+};
+
+/// Variables of a state with a common scale.
+struct Block {
+    int first, size;
+    double scale;
+};
+
+/// The system that a formulation integrates.
+enum class System {
+    flight,
+    sliding,
+    rolling,
+    shock,  ///< an impact with slip, over the normal impulse
+};
+
+}  // namespace polhode::contact

@@ -1,0 +1,691 @@
+// Follows one body with contacts on planes from event to event, for any formulation and any scalar.
+//
+// ContactDriver integrates a formulation (reduced_form.h, truth/multiplier_form.h) by Taylor series (A. Jorba and M.
+// Zou 2005, Exp. Math. 14, 99). Each mode is a smooth system; an event function that falls to zero ends it
+// (event_roots.h): the gap in flight, the normal force in sliding, the friction cone in rolling, the gaps of other
+// points. transition() selects what follows: an impact (impact(), the shock equations of Darboux and Keller), contact
+// in sliding or rolling, or flight. Sliding ends when the
+// slip is below the error of the steps and decreases, since the slip itself has no change of sign.
+//
+// While the body slides with friction, the independent variable s is stretched, dt = |u_t| ds, because the direction of
+// the slip converges by a power of the remaining time, so that no series in t converges there.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "integrators/contact/contact_record.h"
+#include "integrators/contact/event_roots.h"
+#include "integrators/contact/transitions.h"
+#include "integrators/series/limb_real.h"
+#include "integrators/series/real.h"
+#include "integrators/series/series.h"
+#include "motion/itinerary.h"
+#include "scene/plane_file.h"
+
+namespace polhode::contact {
+
+struct ContactSettings {
+    int order = 20;
+    double event_digits = 13;  ///< a slip or a speed of separation below 10^-event_digits of the motion's is zero
+    double digits = 15;        ///< local error: 10^-digits of each block's size
+    double step_factor = 1;    ///< ratio of the step to the one that just meets `digits`
+    long max_steps = 100'000;
+    /// Why the run must stop now; null to continue. Called before each step.
+    std::function<const char*()> stop = [] { return nullptr; };
+};
+
+template <class P, class Form>
+class ContactDriver {
+  public:
+    ContactDriver(const Scene& scene, const std::vector<double>& sample_times, const ContactSettings& settings)
+        : scene_(&scene),
+          geometry_(make_geometry(scene)),
+          form_(scene, geometry_),
+          settings_(settings),
+          samples_(sample_times) {}
+
+    Run<P> run() {
+        motion_ = form_.initial();
+        for (const Leg& leg : itinerary(*scene_)) {
+            t_ = P(leg.begin);
+            form_.enter(leg.begin, motion_);
+            note_sizes();
+            if (leg.index == 0) start_at_contact();
+            if (!fails()) transition(nullptr);
+            for (; !fails() && samples_.due(leg, leg.begin); samples_.pop()) show(motion_, {});
+            while (!fails() && t_ < P(leg.end)) advance(leg);
+            if (fails()) break;
+        }
+        close_interval();
+        return std::move(run_);
+    }
+
+  private:
+    using T = typename SeriesScalar<P>::Type;
+
+    const Scene* scene_;
+    ContactGeometry<P> geometry_;
+    Form form_;
+    ContactSettings settings_;
+    SampleQueue samples_;
+    Run<P> run_;
+    P t_{0};
+    BodyMotion<P> motion_;
+    Sizes sizes_;
+    std::optional<Pair> contact_;  // the lasting contact
+    System mode_ = System::flight;
+    std::vector<std::size_t> zeros_;  // known order of the zero of each pair's gap at the start of the mode
+    bool has_started_ = false;        // the first transition
+    long stalled_ = 0;                // events without progress in time
+    P stalled_at_{-1};
+
+    static ContactGeometry<P> make_geometry(const Scene& scene) {
+        return contact_geometry(scene, mass_properties<P>(scene.body).center, Quaternion<P>{});
+    }
+    bool fails() const { return !run_.fault.empty(); }
+    std::string at_time() const { return fmt::format("at t = {:.10g} s", static_cast<double>(t_)); }
+    void fail(const std::string& fault) {
+        if (run_.fault.empty()) run_.fault = fault;
+    }
+    std::string plane_at(Pair pair) const { return plane_name(*scene_, pair.plane); }
+    double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
+    double reach() const { return static_cast<double>(geometry_.reach); }
+    double speed() const { return sizes_.velocity + reach() * sizes_.angular_velocity; }
+    P mu(Pair pair) const { return geometry_.planes[pair.plane].friction; }
+
+    // the sizes start from the motion, and from what the loads do over the body's length
+    void note_sizes() {
+        const auto size = [](const Vector3<P>& v) { return static_cast<double>(length(v)); };
+        if (!has_started_) {
+            Pair any;
+            const ContactResponse<P> at = form_.response(any, motion_);
+            const double fall = size(at.acceleration);
+            sizes_ = {std::sqrt(fall / reach()), reach(), std::sqrt(fall * reach())};
+            if (!(fall > 0)) sizes_ = {0, reach(), 0};
+        }
+        sizes_.angular_velocity = std::max(sizes_.angular_velocity, size(motion_.angular_velocity_B));
+        sizes_.position = std::max(sizes_.position, size(motion_.position_W));
+        sizes_.velocity = std::max(sizes_.velocity, size(motion_.velocity_W));
+        if (sizes_.velocity == 0) sizes_.velocity = reach() * std::max(sizes_.angular_velocity, 1e-3);
+        if (sizes_.angular_velocity == 0) sizes_.angular_velocity = sizes_.velocity / reach();
+    }
+
+    P gap(std::size_t k, const BodyMotion<P>& m) const {
+        const Pair pair = form_.pair_at(k);
+        const ContactPlane<P>& plane = geometry_.planes[pair.plane];
+        return dot(plane.normal_W, m.position_W) +
+               geometry_.pieces[pair.piece].lowest(rotate_back(m.q, plane.normal_W)) - plane.offset;
+    }
+
+    // a start that touches a plane within 10^-12 of the body's size touches it exactly: the plane is moved there
+    void start_at_contact() {
+        zeros_.assign(geometry_.size(), 0);
+        for (std::size_t plane = 0; plane < geometry_.planes.size(); ++plane) {
+            const Placement<P> at{motion_.q, motion_.position_W, motion_.velocity_W, {}};
+            const P distance = geometry_.distance(plane, at);
+            if (Elementary<P>::magnitude(distance) <= P(1e-12 * reach()))
+                geometry_.planes[plane].offset = geometry_.planes[plane].offset + distance;
+        }
+    }
+
+    std::vector<std::size_t> touching() const {
+        std::vector<std::size_t> all;
+        // gaps drift by the error of the steps
+        const P tolerance(reach() * error(has_started_ ? 8 : 4));
+        for (std::size_t k = 0; k < geometry_.size(); ++k)
+            if (!(gap(k, motion_) > tolerance)) all.push_back(k);
+        return all;
+    }
+
+    /// Applies impacts until no touching point approaches, then selects the mode. `arrived`: the kind of event that led
+    /// here, if the transition is not an impact.
+    void transition(const EventKind* arrived) {
+        if (t_ == stalled_at_) {
+            if (++stalled_ > 1000) return fail("too many events " + at_time());
+        } else {
+            stalled_ = 0, stalled_at_ = t_;
+        }
+        const bool first = !has_started_;
+        has_started_ = true;
+        const System former = mode_;
+        const std::optional<Pair> former_contact = contact_;
+        const double resting = speed() * (first ? 1e-12 : error(1));
+        const std::vector<std::size_t> near = touching();
+        bool landed = false;
+        std::optional<Pair> accumulated;
+        for (int round = 0; round < 200; ++round) {
+            bool again = false;
+            for (const std::size_t k : near) {
+                const Pair pair = form_.pair_at(k);
+                const ContactResponse<P> at = form_.response(pair, motion_);
+                if (!(at.velocity[2] < P(-resting))) continue;
+                if (!impact(pair, at, resting, landed, accumulated)) return;
+                again = true;
+            }
+            if (!again) break;
+            if (round == 199) return fail("simultaneous impacts do not end " + at_time());
+        }
+        zeros_.assign(geometry_.size(), 0);
+        std::optional<Pair> lasting;
+        for (const std::size_t k : near) {
+            const Pair pair = form_.pair_at(k);
+            const ContactResponse<P> at = form_.response(pair, motion_);
+            if (at.velocity[2] > P(resting)) {
+                zeros_[k] = 1;
+                continue;
+            }
+            if (at.acceleration[2] > P(0) || !(at.acceleration[2] < P(0))) {
+                const bool lifted = arrived && *arrived == EventKind::lifts_off;
+                zeros_[k] = lifted ? 3 : 2;
+                continue;
+            }
+            if (lasting)
+                return fail(
+                    fmt::format("several lasting contacts at once are not supported: the body touches {} at a "
+                                "second point {}",
+                                plane_at(pair), at_time()));
+            lasting = pair;
+        }
+        if (arrived && *arrived == EventKind::lifts_off) {
+            if (lasting && former_contact && *lasting == *former_contact) lasting.reset();
+            if (former_contact) zeros_[index_of(*former_contact)] = 3;
+        }
+        enter_mode(lasting, first, former, former_contact, landed, accumulated);
+    }
+    std::size_t index_of(Pair pair) const { return pair.plane * geometry_.pieces.size() + pair.piece; }
+
+    void record(Pair pair, EventKind kind) { run_.record.events.push_back({t_, pair.plane, kind, P(0), {}}); }
+
+    void enter_mode(std::optional<Pair> lasting, bool first, System former, std::optional<Pair> former_contact,
+                    bool landed, std::optional<Pair> accumulated) {
+        System next = System::flight;
+        if (lasting) {
+            const std::optional<System> found = contact_mode(*lasting);
+            if (fails()) return;
+            if (found)
+                next = *found;
+            else
+                zeros_[index_of(*lasting)] = 2, lasting.reset();
+        }
+        if (accumulated) record(*accumulated, EventKind::accumulates);
+        const bool continues = former_contact && lasting && *former_contact == *lasting;
+        if (!first && !landed) {
+            if (former_contact && !continues && former != System::flight && !lasting)
+                record(*former_contact, EventKind::lifts_off);
+            if (lasting && !continues && !accumulated) record(*lasting, EventKind::lands);
+            if (lasting && continues && next != former)
+                record(*lasting, next == System::sliding ? EventKind::slides
+                                 : is_at_rest()          ? EventKind::stops
+                                                         : EventKind::rolls);
+        }
+        const bool same = continues && next == former && !first;
+        mode_ = next, contact_ = lasting;
+        if (!same) open_interval();
+    }
+
+    bool is_at_rest() const {
+        const P small(error(6) * speed());
+        return length(motion_.velocity_W) <= small && length(motion_.angular_velocity_B) * P(reach()) <= small;
+    }
+
+    // the mode of a contact whose point does not approach; nothing if the contact force would pull
+    std::optional<System> contact_mode(Pair pair) {
+        const ContactResponse<P> at = form_.response(pair, motion_);
+        const P friction = mu(pair);
+        if (!(friction > P(0))) return System::sliding;
+        const P slip = square_root(P(at.velocity[0] * at.velocity[0] + at.velocity[1] * at.velocity[1]));
+        if (slip > P(error(2) * speed())) {
+            const Vector3<P> direction(at.velocity[0] / slip, at.velocity[1] / slip, P(0));
+            const SlidingStart<P> start = sliding_start(at, friction, direction);
+            if (!(start.stiffness > P(0))) {
+                fail("Painleve's paradox " + at_time());
+                return {};
+            }
+            return System::sliding;
+        }
+        if (is_admissible(rolling_force(at), friction)) return System::rolling;
+        const std::optional<Vector3<P>> direction = slip_direction(at, friction);
+        if (!direction) {
+            fail("Painleve's paradox " + at_time());
+            return {};
+        }
+        // start with a slip at the error of the steps; the direction attracts
+        const Vector3<P> begin = P(error(3) * speed()) * *direction;
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        motion_.velocity_W = motion_.velocity_W + axes.to_world(begin);
+        return System::sliding;
+    }
+
+    /// Applies the impact at a pair. Returns false if the motion cannot be followed.
+    bool impact(Pair pair, const ContactResponse<P>& before, double resting, bool& landed,
+                std::optional<Pair>& accumulated) {
+        constexpr std::size_t most_impacts = 100'000;
+        const BodyMotion<P> start = motion_;
+        const Plane& plane = scene_->planes[pair.plane];
+        if (!resolve_shock(pair, before, plane)) return false;
+        const P separation = form_.response(pair, motion_).velocity[2];
+        const P mass = mass_properties<P>(scene_->body).mass;
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        const Vector3<P> impulse = mass * (motion_.velocity_W - start.velocity_W);
+        const P normal = dot(impulse, axes.normal_W);
+        const bool separates = separation > P(resting);
+        // below this speed the rest of a series of impacts is a geometric sum to the accuracy of the steps
+        const bool accumulates = plane.restitution > 0 && !separates;
+        run_.record.events.push_back({t_, pair.plane, separates || accumulates ? EventKind::impact : EventKind::lands,
+                                      normal, impulse - normal * axes.normal_W});
+        if (!separates || accumulates) {
+            landed = true;
+            if (accumulates) accumulated = pair, sum_impacts(pair, separation, P(separation / -before.velocity[2]));
+        }
+        note_sizes();
+        if (run_.record.events.size() > most_impacts) {
+            fail("too many impacts " + at_time());
+            return false;
+        }
+        return true;
+    }
+
+    /// The flights after an impact with the separation speed u last 2 u / |c| (1 + r + r^2 + ..), where r is the ratio
+    /// of successive speeds and c the normal acceleration. Moves the body over this time and removes the normal
+    /// velocity.
+    void sum_impacts(Pair pair, const P& separation, const P& ratio) {
+        const ContactResponse<P> at = form_.response(pair, motion_);
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        motion_.velocity_W = motion_.velocity_W - at.velocity[2] * axes.normal_W;
+        if (!(separation > P(0)) || !(at.acceleration[2] < P(0)) || !(ratio < P(1))) return;
+        const P rest = P(-2) * separation / (at.acceleration[2] * (P(1) - ratio));
+        t_ = t_ + rest;
+        const P half = rest / P(2);
+        const Vector3<P> turn = half * motion_.angular_velocity_B;
+        motion_.q = normalized(motion_.q * Quaternion<P>{P(1), turn[0], turn[1], turn[2]});
+        motion_.position_W = motion_.position_W + rest * motion_.velocity_W;
+    }
+
+    /// How far an impact has come.
+    struct Shock {
+        bool compressing = true;
+        P impulse{0}, work{0};                          // since the start
+        P compression_impulse{0}, compression_work{0};  // at the end of compression
+        P approach{0};                                  // u_n at the start
+    };
+    // what remains until the impact ends, given the normal velocity, the impulse and the work
+    static P remaining(const Plane& plane, const Shock& shock, const P& normal, const P& impulse, const P& work) {
+        const P e(plane.restitution);
+        switch (plane.restitution_law) {
+            case RestitutionLaw::stronge:
+                return -e * e * shock.compression_work - (work - shock.compression_work);
+            case RestitutionLaw::poisson:
+                return (P(1) + e) * shock.compression_impulse - impulse;
+            case RestitutionLaw::newton:
+                break;
+        }
+        return -e * shock.approach - normal;
+    }
+
+    bool resolve_shock(Pair pair, const ContactResponse<P>& before, const Plane& plane) {
+        Shock shock;
+        shock.approach = before.velocity[2];
+        const P slip =
+            square_root(P(before.velocity[0] * before.velocity[0] + before.velocity[1] * before.velocity[1]));
+        if (mu(pair) > P(0) && slip > P(error(2) * speed())) {
+            const std::optional<bool> ended = follow_shock(pair, plane, shock);
+            if (!ended) return false;
+            if (*ended) return true;
+        }
+        return finish_shock(pair, plane, shock);
+    }
+
+    // The part of an impact without a change of direction: sticking, or slip from zero in a constant direction.
+    bool finish_shock(Pair pair, const Plane& plane, Shock& shock) {
+        ContactResponse<P> at = form_.response(pair, motion_);
+        Vector3<P> f(P(0), P(0), P(1));
+        if (mu(pair) > P(0)) {
+            at.acceleration = Vector3<P>(P(0), P(0), P(-1));
+            const Vector3<P> stick = rolling_force(at);
+            if (is_admissible(stick, mu(pair))) {
+                f = (P(1) / stick[2]) * stick;
+            } else {
+                const std::optional<Vector3<P>> direction = slip_direction(at, mu(pair));
+                if (!direction) {
+                    fail("the impact has no consistent direction of slip " + at_time());
+                    return false;
+                }
+                f = Vector3<P>(-mu(pair) * (*direction)[0], -mu(pair) * (*direction)[1], P(1));
+            }
+        }
+        const P slope = (at.matrix * f)[2];
+        P normal = at.velocity[2], total(0);
+        const auto add = [&](const P& impulse) {
+            shock.work = shock.work + normal * impulse + slope * impulse * impulse / P(2);
+            shock.impulse = shock.impulse + impulse;
+            normal = normal + slope * impulse, total = total + impulse;
+        };
+        if (shock.compressing) {
+            add(P(-normal / slope));
+            normal = P(0);
+            end_compression(shock);
+        }
+        switch (plane.restitution_law) {
+            case RestitutionLaw::stronge: {
+                // normal j + slope j^2 / 2 = what remains of the work
+                const P rest = remaining(plane, shock, normal, shock.impulse, shock.work);
+                if (rest > P(0)) add(P((square_root(P(normal * normal + P(2) * slope * rest)) - normal) / slope));
+                break;
+            }
+            case RestitutionLaw::poisson:
+                add(remaining(plane, shock, normal, shock.impulse, shock.work));
+                break;
+            case RestitutionLaw::newton:
+                if (const P rest = remaining(plane, shock, normal, shock.impulse, shock.work); rest > P(0))
+                    add(P(rest / slope));
+                break;
+        }
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        form_.push(motion_, pair, axes.to_world(total * f));
+        return true;
+    }
+    static void end_compression(Shock& shock) {
+        shock.compressing = false;
+        shock.compression_impulse = shock.impulse, shock.compression_work = shock.work;
+    }
+
+    /// Follows an impact while it slips. Returns whether it ended (otherwise the slip did); nothing on a fault.
+    std::optional<bool> follow_shock(Pair pair, const Plane& plane, Shock& shock) {
+        form_.select(System::shock, pair);
+        const int n = form_.dimension(), clock = form_.clock(), work = form_.work(), normal = clock + 1;
+        std::vector<P> y(n);
+        form_.start(motion_, P(0), y.data());
+        Series<T> series(cast_recording<T>(record_form(n)), settings_.order);
+        for (;;) {
+            if (!may_step()) return {};
+            for (int i = clock + 1; i < n; ++i) y[i] = P(0);
+            series.expand(y.data());
+            const auto coefficient = [&](int i, int k) { return static_cast<P>(series.coefficient(i, k)); };
+            const P square = coefficient(clock + 2, 1), growth = P(2) * coefficient(clock + 2, 2);
+            if (square <= P(error(2) * speed()) * P(error(2) * speed()) && !(growth > P(0))) {
+                motion_ = form_.motion(y.data());
+                shock.impulse = y[clock], shock.work = y[work];
+                return false;
+            }
+            P h(step_of(series, form_.blocks(sizes_, std::sqrt(static_cast<double>(square)))));
+            bool ends = false, compressed = false;
+            if (shock.compressing) {
+                std::vector<P> approach;
+                for (int k = 1; k <= settings_.order; ++k) approach.push_back(P(-k) * coefficient(normal, k));
+                if (const auto root = FirstRoot<P>(approach, 0, h, 0).find()) h = *root, compressed = true;
+            } else {
+                std::vector<P> rest;
+                for (int k = 0; k < settings_.order; ++k) {
+                    const P velocity = P(k + 1) * coefficient(normal, k + 1);
+                    Shock only = shock;
+                    if (k > 0) only.approach = only.compression_impulse = only.compression_work = P(0);
+                    rest.push_back(remaining(plane, only, velocity, coefficient(clock, k), coefficient(work, k)));
+                }
+                if (const auto root = FirstRoot<P>(rest, 0, h, 0).find()) h = *root, ends = true;
+            }
+            series.evaluate(h, y.data());
+            if (compressed) {
+                shock.impulse = y[clock], shock.work = y[work];
+                end_compression(shock);
+                ends = plane.restitution == 0;
+            }
+            if (ends) {
+                motion_ = form_.motion(y.data());
+                return true;
+            }
+        }
+    }
+
+    Recording<P> record_form(int n) const { return polhode::record<P>(form_, n); }
+    bool may_step() {
+        if (run_.steps++ >= settings_.max_steps) fail("the step limit is reached " + at_time());
+        if (const char* why = settings_.stop()) fail(why);
+        return !fails();
+    }
+
+    /// The polynomial of a step.
+    struct Step {
+        const Series<T>& series;
+        int clock;
+        bool stretched;
+        P length{0};  // in the independent variable s
+
+        P coefficient(int i, int k) const { return static_cast<P>(series.coefficient(i, k)); }
+        // s at which the clock is t, for a clock that increases
+        P when(const P& t, const P& start) const {
+            if (!stretched) return t - start;
+            P low(0), high = length, s = length / P(2);
+            for (int i = 0; i < 300; ++i) {
+                P value(0), slope(0);
+                for (int k = series.order(); k >= 0; --k) {
+                    slope = slope * s + value;
+                    value = value * s + coefficient(clock, k);
+                }
+                (value < t ? low : high) = s;
+                P next = s - (value - t) / slope;
+                if (!(next >= low && next <= high)) next = (low + high) / P(2);
+                const P change = Elementary<P>::magnitude(P(next - s));
+                s = next;
+                if (!(change > P(4) * Elementary<P>::epsilon() * high)) break;
+            }
+            return s;
+        }
+    };
+
+    // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
+    double step_of(const Series<T>& series, const std::vector<Block>& blocks) const {
+        double log2_step = std::numeric_limits<double>::infinity();
+        for (const Block& block : blocks)
+            for (int k = settings_.order - 3; k <= settings_.order; ++k) {
+                double size = -std::numeric_limits<double>::infinity();
+                for (int i = block.first; i < block.first + block.size; ++i)
+                    size = std::max(size, log2_magnitude(series.coefficient(i, k)));
+                const double allowed = std::log2(block.scale) - settings_.digits * std::log2(10.0);
+                log2_step = std::min(log2_step, (allowed - size) / k);
+            }
+        return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
+    }
+    // The series of the observed functions must converge as well. Their sizes: the body's length for gaps, the contact
+    // force for forces, and its square for the cone.
+    double observed_step(const Step& step) const {
+        const int first = step.clock + 1, own = form_.own_functions(), all = form_.dimension() - first;
+        double force = 0;
+        for (int i = 0; i < own; ++i)
+            if (i != 1) force = std::max(force, std::abs(static_cast<double>(step.coefficient(first + i, 1))));
+        double log2_step = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < all; ++i) {
+            if (i == 1 && own > 0 && mode_ == System::sliding) continue;
+            const double scale = i >= own ? reach() : i == 1 ? force * force : force;
+            for (int k = settings_.order - 4; k < settings_.order; ++k) {
+                const double size = log2_magnitude(series_coefficient(step, first + i, k + 1)) + std::log2(k + 1);
+                log2_step = std::min(log2_step, (std::log2(scale) - settings_.digits * std::log2(10.0) - size) / k);
+            }
+        }
+        return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
+    }
+    static const T& series_coefficient(const Step& step, int i, int k) { return step.series.coefficient(i, k); }
+
+    struct Found {
+        P s{0};
+        enum class What { gap, normal_force, cone } what = What::gap;
+        std::size_t pair = 0;
+    };
+
+    // the first event within the step
+    std::optional<Found> first_event(const Step& step) const {
+        std::optional<Found> first;
+        const auto look = [&](int index, std::size_t zeros, double noise, typename Found::What what, std::size_t pair) {
+            std::vector<P> function;
+            for (int k = 1; k <= settings_.order; ++k) function.push_back(P(k) * step.coefficient(index, k));
+            const auto root = FirstRoot<P>(function, zeros, step.length, noise).find();
+            if (root && (!first || *root < first->s)) first = Found{*root, what, pair};
+        };
+        int next = step.clock + 1 + form_.own_functions();
+        const std::vector<std::size_t>& gaps = form_.observed_gaps();
+        for (std::size_t i = 0; i < gaps.size(); ++i)
+            look(next++, zeros_[gaps[i]], reach() * 1e-6 * error() * error(), Found::What::gap, gaps[i]);
+        if (mode_ == System::sliding) look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
+        if (mode_ == System::rolling) {
+            look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
+            look(step.clock + 2, 0, 0, Found::What::cone, 0);
+        }
+        return first;
+    }
+
+    /// Integrates the present mode until it ends or the leg does.
+    void advance(const Leg& leg) {
+        form_.select(mode_, contact_.value_or(Pair{}));
+        const int n = form_.dimension(), clock = form_.clock();
+        std::vector<P> y(n);
+        form_.start(motion_, t_, y.data());
+        Series<T> series(cast_recording<T>(record_form(n)), settings_.order);
+        while (t_ < P(leg.end)) {
+            if (!may_step()) return;
+            for (int i = clock + 1; i < n; ++i) y[i] = P(0);
+            series.expand(y.data());
+            Step step{series, clock, form_.is_stretched()};
+            double slip = 0;
+            if (step.stretched) {
+                const P square = step.coefficient(clock + 2, 1), growth = P(2) * step.coefficient(clock + 2, 2);
+                slip = std::sqrt(static_cast<double>(square));
+                // growth = 2 |u_t|^2 d|u_t|/dt
+                if (slip <= error(2) * speed() && !(growth > P(0))) return end_slip(series, square, growth, y);
+            }
+            const double length = std::min(step_of(series, form_.blocks(sizes_, slip)), observed_step(step));
+            if (std::isnan(length)) return fail("the motion is not finite " + at_time());
+            step.length = P(length);
+            bool to_end = false;
+            if (!step.stretched) {
+                if (P(leg.end) - t_ <= step.length) step.length = P(leg.end) - t_, to_end = true;
+            } else {
+                limit_to_leg(step, leg, to_end);
+            }
+            const std::optional<Found> found = first_event(step);
+            if (found) step.length = found->s, to_end = false;
+            const P start = t_;
+            const P reached = to_end ? P(leg.end) : clock_at(step);
+            if (!found && !to_end && !(reached > t_) && !step.stretched)
+                return fail("step size below the spacing of numbers " + at_time());
+            take_samples(step, leg, start, reached, n);
+            note_ratio(step);
+            series.evaluate(step.length, y.data());
+            t_ = reached;
+            motion_ = form_.motion(y.data());
+            note_sizes();
+            if (found) return handle(*found);
+            std::fill(zeros_.begin(), zeros_.end(), 0);
+        }
+    }
+    P clock_at(const Step& step) const {
+        P value(0);
+        for (int k = settings_.order; k >= 0; --k) value = value * step.length + step.coefficient(step.clock, k);
+        return value;
+    }
+    void limit_to_leg(Step& step, const Leg& leg, bool& to_end) const {
+        // a long step may reach the end of the leg long before its end: halve until the clock is monotone
+        if (clock_at(step) < P(leg.end)) return;
+        step.length = step.when(P(leg.end), t_);
+        to_end = true;
+    }
+
+    void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached, int n) {
+        std::vector<P> y(n);
+        for (; samples_.due(leg, reached); samples_.pop()) {
+            const P s = step.when(P(samples_.front()), start);
+            step.series.evaluate(s, y.data());
+            std::vector<Vector3<P>> forces(scene_->planes.size());
+            if (contact_) {
+                const int first = step.clock + 3;
+                for (int i = 0; i < 3; ++i) {
+                    P sum(0);
+                    for (int k = settings_.order; k >= 1; --k) sum = sum * s + P(k) * step.coefficient(first + i, k);
+                    forces[contact_->plane][static_cast<std::size_t>(i)] = sum;
+                }
+            }
+            show(form_.motion(y.data()), std::move(forces));
+        }
+    }
+    void show(const BodyMotion<P>& m, std::vector<Vector3<P>> forces) {
+        if (forces.empty()) forces.resize(scene_->planes.size());
+        run_.motions.push_back(m);
+        run_.forces_W.push_back(std::move(forces));
+    }
+
+    void open_interval() {
+        close_interval();
+        const Mode mode = mode_ == System::flight    ? Mode::flight
+                          : mode_ == System::sliding ? Mode::sliding
+                                                     : Mode::rolling;
+        run_.record.intervals.push_back({t_, t_, contact_.value_or(Pair{}).plane, mode, 0});
+    }
+    void close_interval() {
+        if (run_.record.intervals.empty()) return;
+        run_.record.intervals.back().to = t_;
+        // a mode that ends when it starts is no interval
+        if (!(run_.record.intervals.back().to > run_.record.intervals.back().from) && !fails())
+            run_.record.intervals.pop_back();
+    }
+    // the largest |F|/(mu N) at nine points of the step
+    void note_ratio(const Step& step) {
+        if (mode_ == System::flight || run_.record.intervals.empty()) return;
+        double& largest = run_.record.intervals.back().largest_ratio;
+        const double friction = form_.friction_of(*contact_);
+        if (!(friction > 0)) return;
+        if (mode_ == System::sliding) {
+            largest = 1;
+            return;
+        }
+        for (int i = 0; i <= 8; ++i) {
+            const P s = step.length * P(i) / P(8);
+            P normal(0), cone(0);
+            for (int k = settings_.order; k >= 1; --k) {
+                normal = normal * s + P(k) * step.coefficient(step.clock + 1, k);
+                cone = cone * s + P(k) * step.coefficient(step.clock + 2, k);
+            }
+            const double limit = friction * static_cast<double>(normal);
+            const double margin = static_cast<double>(cone) / (limit * limit);
+            largest = std::max(largest, std::sqrt(std::max(0.0, 1 - margin)));
+        }
+    }
+
+    // The slip is below the error of the steps and decreases: it ends after the time |u_t| / |d|u_t|/dt|.
+    void end_slip(const Series<T>& series, const P& square, const P& growth, std::vector<P>& y) {
+        // dy/dt = c_1 / |u_t|, d|u_t|/dt = growth / (2 |u_t|^2), and the remaining time is -|u_t| / (d|u_t|/dt)
+        if (growth < P(0)) {
+            const P factor = P(-2) * square / growth;
+            for (int i = 0; i <= form_.clock(); ++i) y[i] = y[i] + factor * static_cast<P>(series.coefficient(i, 1));
+        }
+        t_ = y[form_.clock()];
+        motion_ = form_.motion(y.data());
+        remove_slip();
+        transition(nullptr);
+    }
+    void remove_slip() {
+        const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
+        const Vector3<P> u = form_.response(*contact_, motion_).velocity;
+        motion_.velocity_W = motion_.velocity_W - u[0] * axes.first_W - u[1] * axes.second_W;
+    }
+
+    void handle(const Found& found) {
+        if (found.what == Found::What::gap) return transition(nullptr);
+        if (found.what == Found::What::normal_force) {
+            const EventKind lifts = EventKind::lifts_off;
+            return transition(&lifts);
+        }
+        fail(
+            fmt::format("the friction at {} no longer suffices for rolling {}, and the onset of slip during rolling "
+                        "is not supported",
+                        plane_at(*contact_), at_time()));
+    }
+};
+
+}  // namespace polhode::contact

@@ -1,0 +1,291 @@
+// Contact dynamics of one body in body axes, with the constraint forces eliminated as far as the mode permits.
+//
+//   flight    w, q, p, v                Euler's equations
+//   sliding   w, q, p, slip (2)         v follows from the slip u_t:  v = u_t - w x r,  r from the centre to the
+//   contact rolling   w, q, p                   v = -w x r; momentum about the contact point:
+//       (I + m (s^2 1 - s s^T)) dw/dt = tau - w x Iw + m s x (s' x w + w x (s x w)) - m s x a
+//   shock     u, work                   du/dp = K (n - mu u_t / |u_t|),  dW/dp = u_n
+//
+// s is the contact point from the centre of mass in body axes, s' its velocity over the body, a the acceleration by the
+// loads. While the body slides with friction, the independent variable is stretched, dt = |u_t| ds (shock: dp = |u_t|
+// ds): the direction of the slip then stays smooth up to the end of the slip. State: the variables above, the clock (t,
+// or p of a shock), and the integrals of the observed functions over s, from which their series follow.
+#pragma once
+
+#include <vector>
+
+#include "integrators/contact/contact_point.h"
+#include "integrators/contact/contact_state.h"
+#include "motion/body_equations.h"
+#include "motion/exact_body_of.h"
+
+namespace polhode::contact {
+
+template <class P>
+class ReducedForm {
+  public:
+    static constexpr const char* name = "reduced coordinates in body axes";
+
+    /// `geometry` must outlive the form.
+    ReducedForm(const Scene& scene, const ContactGeometry<P>& geometry)
+        : scene_(&scene),
+          geometry_(&geometry),
+          body_(exact_body<P>(scene)),
+          inertia_{body_.inertia_B, inverse(body_.inertia_B)} {}
+
+    BodyMotion<P> initial() const { return {body_.q, body_.angular_velocity_B, body_.position_W, body_.velocity_W}; }
+    /// Sets the loads that act from `begin` on, and applies the impulses at that time.
+    void enter(double begin, BodyMotion<P>& m) {
+        forcing_ = forcing_at<P>(*scene_, body_, begin, Quaternion<P>{});
+        for (const PosedImpulse<P>& impulse : impulses_at<P>(*scene_, body_, begin, Quaternion<P>{}))
+            apply(impulse, inertia_, body_.mass, false, m.angular_velocity_B, m.q, m.position_W, m.velocity_W);
+    }
+    /// Selects the system for later calls of the functions of a state.
+    void select(System system, Pair pair) {
+        system_ = system, pair_ = pair;
+        axes_ = ContactAxes<P>(geometry_->planes[pair.plane].normal_W);
+        others_.clear();
+        for (std::size_t k = 0; k < geometry_->size(); ++k)
+            if (system == System::flight || !(pair_at(k) == pair)) others_.push_back(k);
+    }
+    Pair pair_at(std::size_t k) const { return {k / geometry_->pieces.size(), k % geometry_->pieces.size()}; }
+    /// Indices of the pairs whose gaps are observed, in this order, after the system's own functions.
+    const std::vector<std::size_t>& observed_gaps() const { return others_; }
+    bool is_stretched() const { return system_ == System::shock || (system_ == System::sliding && friction() > P(0)); }
+    int clock() const {
+        switch (system_) {
+            case System::flight:
+                return 13;
+            case System::sliding:
+                return 12;
+            case System::rolling:
+                return 10;
+            case System::shock:
+                break;
+        }
+        return 4;
+    }
+    int work() const { return 3; }  ///< shock: index of the normal work
+    /// Number of the system's own observed functions: sliding N, slip^2, force (3); rolling N, (mu N)^2 - F_t^2, force
+    /// (3); shock u_n, slip^2.
+    int own_functions() const { return system_ == System::flight ? 0 : system_ == System::shock ? 2 : 5; }
+    int dimension() const {
+        return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
+    }
+    std::vector<Block> blocks(const Sizes& sizes, double slip) const {
+        if (system_ == System::shock) {
+            const double speed = sizes.velocity, mass = static_cast<double>(body_.mass);
+            return {{0, 3, speed}, {3, 1, mass * speed * speed}};
+        }
+        std::vector<Block> all{{0, 3, sizes.angular_velocity}, {3, 4, 1}, {7, 3, sizes.position}};
+        if (system_ == System::flight) all.push_back({10, 3, sizes.velocity});
+        if (system_ == System::sliding) all.push_back({10, 2, is_stretched() ? slip : sizes.velocity});
+        return all;
+    }
+
+    void start(const BodyMotion<P>& m, const P& clock_time, P* y) {
+        for (int i = 0; i < dimension(); ++i) y[i] = P(0);
+        y[clock()] = clock_time;
+        if (system_ == System::shock) {
+            frozen_ = m;
+            response_ = response(pair_, m);
+            put(y, 0, response_.velocity);
+            return;
+        }
+        put(y, 0, m.angular_velocity_B), put(y, 3, m.q), put(y, 7, m.position_W);
+        if (system_ == System::flight) put(y, 10, m.velocity_W);
+        if (system_ == System::sliding) {
+            const Vector3<P> u = response(pair_, m).velocity;
+            y[10] = u[0], y[11] = u[1];
+        }
+    }
+    BodyMotion<P> motion(const P* y) const {
+        if (system_ == System::shock) {
+            const Vector3<P> change = vector_at(y, 0) - response_.velocity;
+            BodyMotion<P> m = frozen_;
+            push(m, pair_, axes_.to_world(inverse(response_.matrix) * change));
+            return m;
+        }
+        BodyMotion<P> m{normalized(quaternion_at(y, 3)), vector_at(y, 0), vector_at(y, 7), {}};
+        if (system_ == System::flight) {
+            m.velocity_W = vector_at(y, 10);
+            return m;
+        }
+        const Vector3<P> n = rotate_back(m.q, axes_.normal_W);
+        const ContactPoint<P> at = contact_point(piece(), n, m.angular_velocity_B);
+        m.velocity_W = rotate(m.q, cross(at.point_B, m.angular_velocity_B));
+        if (system_ == System::sliding) m.velocity_W = m.velocity_W + y[10] * axes_.first_W + y[11] * axes_.second_W;
+        return m;
+    }
+
+    /// Velocity and accelerations at a contact.
+    ContactResponse<P> response(Pair pair, const BodyMotion<P>& m) const {
+        const ContactAxes<P> axes(geometry_->planes[pair.plane].normal_W);
+        const Vector3<P>& w = m.angular_velocity_B;
+        const Vector3<P> n = rotate_back(m.q, axes.normal_W);
+        const ContactPoint<P> at = contact_point(geometry_->pieces[pair.piece], n, w);
+        ContactResponse<P> result;
+        const Vector3<P> spin = rotate(m.q, cross(w, at.point_B));
+        result.velocity = axes.from_world(m.velocity_W + spin);
+        const Vector3<P> tau = torque(forcing_, 0, w, m.q, m.position_W, m.velocity_W);
+        const Vector3<P> free = inertia_.angular_acceleration(w, tau);
+        const Vector3<P> b = cross(free, at.point_B) + cross(w, at.moves_B) + cross(w, cross(w, at.point_B));
+        result.acceleration = axes.from_world(load_acceleration(m.q, m.velocity_W) + rotate(m.q, b));
+        for (std::size_t j = 0; j < 3; ++j) {
+            const Vector3<P> f_B = rotate_back(m.q, axes[j]);
+            const Vector3<P> d_B =
+                (P(1) / body_.mass) * f_B + cross(inertia_.response(cross(at.point_B, f_B)), at.point_B);
+            const Vector3<P> column = axes.from_world(rotate(m.q, d_B));
+            for (std::size_t i = 0; i < 3; ++i) result.matrix[i][j] = column[i];
+        }
+        return result;
+    }
+    /// Applies an impulse (N s, world axes) at a contact.
+    void push(BodyMotion<P>& m, Pair pair, const Vector3<P>& impulse_W) const {
+        const Vector3<P> n = rotate_back(m.q, geometry_->planes[pair.plane].normal_W);
+        const Vector3<P> point = contact_point(geometry_->pieces[pair.piece], n, m.angular_velocity_B).point_B;
+        m.angular_velocity_B = m.angular_velocity_B + inertia_.response(cross(point, rotate_back(m.q, impulse_W)));
+        m.velocity_W = m.velocity_W + (P(1) / body_.mass) * impulse_W;
+    }
+    double friction_of(Pair pair) const { return static_cast<double>(geometry_->planes[pair.plane].friction); }
+
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        switch (system_) {
+            case System::flight:
+                flight(y, dy);
+                break;
+            case System::sliding:
+                sliding(y, dy);
+                break;
+            case System::rolling:
+                rolling(y, dy);
+                break;
+            case System::shock:
+                shock(y, dy);
+                break;
+        }
+    }
+
+  private:
+    const Scene* scene_;
+    const ContactGeometry<P>* geometry_;
+    ExactBody<P> body_;
+    FullInertia<P> inertia_;
+    Forcing<P> forcing_;
+    System system_ = System::flight;
+    Pair pair_;
+    ContactAxes<P> axes_;
+    std::vector<std::size_t> others_;
+    BodyMotion<P> frozen_;         // shock: the motion before it
+    ContactResponse<P> response_;  // shock: before it
+
+    const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
+    const P& friction() const { return geometry_->planes[pair_.plane].friction; }
+
+    template <class S>
+    Vector3<S> load_acceleration(const Quaternion<S>& q, const Vector3<S>& v) const {
+        Vector3<S> a = cast<S>(forcing_.acceleration_W);
+        if (forcing_.has_body_force) a = a + rotate(q, forcing_.specific_force);
+        if (forcing_.has_translational_drag) a = a - forcing_.specific_drag * v;
+        return a;
+    }
+    template <class S>
+    void observe_gaps(const Quaternion<S>& q, const Vector3<S>& p, S* dy) const {
+        int next = clock() + 1 + own_functions();
+        for (const std::size_t k : others_) {
+            const Pair pair = pair_at(k);
+            const ContactPlane<P>& plane = geometry_->planes[pair.plane];
+            const Vector3<S> n = rotate_back(q, plane.normal_W);
+            dy[next++] = dot(plane.normal_W, p) + lowest_height(geometry_->pieces[pair.piece], n) - plane.offset;
+        }
+    }
+    template <class S>
+    void flight(const S* y, S* dy) const {
+        const Vector3<S> w = vector_at(y, 0), p = vector_at(y, 7), v = vector_at(y, 10);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        put(dy, 0, inertia_.angular_acceleration(w, torque(forcing_, 0, w, q, p, v)));
+        put(dy, 3, attitude_rate(P(1) / P(2), q, w));
+        put(dy, 7, v), put(dy, 10, load_acceleration(q, v));
+        dy[13] = S(1);
+        observe_gaps(q, p, dy);
+    }
+    template <class S>
+    void sliding(const S* y, S* dy) const {
+        const Vector3<S> w = vector_at(y, 0), p = vector_at(y, 7);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        const Vector3<S> n = rotate_back(q, axes_.normal_W), e1 = rotate_back(q, axes_.first_W),
+                         e2 = rotate_back(q, axes_.second_W);
+        const ContactPoint<S> at = contact_point(piece(), n, w);
+        const Vector3<S>& s = at.point_B;
+        const Vector3<S> v = y[10] * axes_.first_W + y[11] * axes_.second_W + rotate(q, cross(s, w));
+        const S square = y[10] * y[10] + y[11] * y[11];
+        const bool rubs = friction() > P(0);
+        S pace(1);
+        Vector3<S> f = n;
+        if (rubs) {
+            pace = square_root(square);
+            const S share = friction() / pace;
+            f = n - (share * y[10]) * e1 - (share * y[11]) * e2;
+        }
+        const Vector3<S> free = inertia_.angular_acceleration(w, torque(forcing_, 0, w, q, p, v));
+        const Vector3<S> b = cross(free, s) + cross(w, at.moves_B) + cross(w, cross(w, s));
+        const Vector3<S> turn = inertia_.response(cross(s, f));
+        const Vector3<S> d = (P(1) / body_.mass) * f + cross(turn, s);
+        const Vector3<S> a = load_acceleration(q, v);
+        const S N = P(-1) * ((dot(axes_.normal_W, a) + dot(n, b)) / dot(n, d));
+        put(dy, 0, pace * (free + N * turn));
+        const Quaternion<S> turning = attitude_rate(P(1) / P(2), q, w);
+        put(dy, 3, Quaternion<S>{pace * turning.w, pace * turning.x, pace * turning.y, pace * turning.z});
+        put(dy, 7, pace * v);
+        dy[10] = pace * (dot(axes_.first_W, a) + dot(e1, b) + N * dot(e1, d));
+        dy[11] = pace * (dot(axes_.second_W, a) + dot(e2, b) + N * dot(e2, d));
+        dy[12] = pace;
+        dy[13] = N, dy[14] = square;
+        put(dy, 15, N * rotate(q, f));
+        observe_gaps(q, p, dy);
+    }
+    template <class S>
+    void rolling(const S* y, S* dy) const {
+        const Vector3<S> w = vector_at(y, 0), p = vector_at(y, 7);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        const Vector3<S> n = rotate_back(q, axes_.normal_W);
+        const ContactPoint<S> at = contact_point(piece(), n, w);
+        const Vector3<S>& s = at.point_B;
+        const Vector3<S> v_B = cross(s, w), v = rotate(q, v_B);
+        const Vector3<S> a_B = rotate_back(q, load_acceleration(q, v));
+        const Vector3<S> c = cross(at.moves_B, w) + cross(w, v_B) - a_B;
+        const S square = dot(s, s);
+        Matrix3<S> about;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) {
+                const S shift = i == j ? square - s[i] * s[j] : P(-1) * (s[i] * s[j]);
+                about[i][j] = inertia_.tensor[i][j] + body_.mass * shift;
+            }
+        const Vector3<S> moment =
+            torque(forcing_, 0, w, q, p, v) - cross(w, inertia_.tensor * w) + body_.mass * cross(s, c);
+        const Vector3<S> w_rate = inverse(about) * moment;
+        const Vector3<S> force_B = body_.mass * (c + cross(s, w_rate));
+        const S N = dot(n, force_B);
+        const P mu_square = friction() * friction();
+        put(dy, 0, w_rate);
+        put(dy, 3, attitude_rate(P(1) / P(2), q, w));
+        put(dy, 7, v);
+        dy[10] = S(1);
+        dy[11] = N, dy[12] = (mu_square + P(1)) * (N * N) - dot(force_B, force_B);
+        put(dy, 13, rotate(q, force_B));
+        observe_gaps(q, p, dy);
+    }
+    template <class S>
+    void shock(const S* y, S* dy) const {
+        const S square = y[0] * y[0] + y[1] * y[1], pace = square_root(square);
+        const P mu = friction();
+        const Vector3<S> f(P(-1) * (mu * y[0]), P(-1) * (mu * y[1]), pace);
+        put(dy, 0, response_.matrix * f);
+        dy[3] = pace * y[2];
+        dy[4] = pace;
+        dy[5] = y[2], dy[6] = square;
+    }
+};
+
+}  // namespace polhode::contact

@@ -1,0 +1,252 @@
+// Second formulation of contact dynamics, written independently: momenta in world axes with the contact force as a
+// multiplier of the constraint on the contact point's velocity.
+//
+//   dL/dt = tau + r x F,  dP/dt = f + F,  u = P/m + w x r,  w = I_W^-1 L
+//   du/dt = P'/m + I_W^-1 (L' - w x L) x r + w x r' + K F
+//
+// F is zero in flight; N (n - mu u_t / |u_t|) with n . du/dt = 0 in sliding; and solves du/dt = 0 in rolling. The loads
+// are those of momentum_form.h. With n fixed, the contact point of an ellipsoid with A A^T = B in world axes is
+// r = c - radius n - B n / sqrt(n . B n), and (B n)' = w x B n - B (w x n). The independent variable is stretched as in
+// contact/reduced_form.h, and the state is laid out like there: L, q, p, P (shock: L, P, work), the clock, the observed
+// functions.
+#pragma once
+
+#include <vector>
+
+#include "integrators/contact/contact_state.h"
+#include "integrators/truth/momentum_form.h"
+#include "motion/body_equations.h"
+
+namespace polhode::truth {
+
+template <class P>
+class MultiplierForm {
+  public:
+    static constexpr const char* name = "momenta in world axes with multipliers";
+    using System = contact::System;
+
+    /// `geometry` must outlive the form.
+    MultiplierForm(const Scene& scene, const ContactGeometry<P>& geometry)
+        : geometry_(&geometry),
+          loads_(scene),
+          body_(mass_properties<P>(scene.body)),
+          inverse_inertia_(inverse(body_.inertia)) {
+        const Vector3<double> m(static_cast<double>(body_.inertia[0][0]), static_cast<double>(body_.inertia[1][1]),
+                                static_cast<double>(body_.inertia[2][2]));
+        least_moment_ = std::min({m[0], m[1], m[2]});
+    }
+
+    Motion<P> initial() const {
+        P y[13];
+        loads_.initial(y);
+        return loads_.motion(y);
+    }
+    void enter(double begin, Motion<P>& m) {
+        P y[13];
+        momenta(m, y);
+        loads_.enter(begin, y);
+        m = loads_.motion(y);
+    }
+    void select(System system, contact::Pair pair) {
+        system_ = system, pair_ = pair;
+        others_.clear();
+        for (std::size_t k = 0; k < geometry_->size(); ++k)
+            if (system == System::flight || !(pair_at(k) == pair)) others_.push_back(k);
+    }
+    contact::Pair pair_at(std::size_t k) const { return {k / geometry_->pieces.size(), k % geometry_->pieces.size()}; }
+    const std::vector<std::size_t>& observed_gaps() const { return others_; }
+    bool is_stretched() const { return system_ == System::shock || (system_ == System::sliding && mu() > P(0)); }
+    int clock() const { return system_ == System::shock ? 7 : 13; }
+    int work() const { return 6; }
+    int own_functions() const { return system_ == System::flight ? 0 : system_ == System::shock ? 2 : 5; }
+    int dimension() const {
+        return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
+    }
+    std::vector<contact::Block> blocks(const contact::Sizes& sizes, double) const {
+        const double mass = static_cast<double>(body_.mass), turn = least_moment_ * sizes.angular_velocity;
+        if (system_ == System::shock)
+            return {{0, 3, turn}, {3, 3, mass * sizes.velocity}, {6, 1, mass * sizes.velocity * sizes.velocity}};
+        return {{0, 3, turn}, {3, 4, 1}, {7, 3, sizes.position}, {10, 3, mass * sizes.velocity}};
+    }
+
+    void start(const Motion<P>& m, const P& clock_time, P* y) {
+        for (int i = 0; i < dimension(); ++i) y[i] = P(0);
+        y[clock()] = clock_time;
+        if (system_ != System::shock) {
+            momenta(m, y);
+            return;
+        }
+        frozen_ = m;
+        P all[13];
+        momenta(m, all);
+        put(y, 0, vector_at(all, 0)), put(y, 3, vector_at(all, 10));
+    }
+    Motion<P> motion(const P* y) const {
+        if (system_ != System::shock) return loads_.motion(y);
+        P all[13];
+        momenta(frozen_, all);
+        put(all, 0, vector_at(y, 0)), put(all, 10, vector_at(y, 3));
+        return loads_.motion(all);
+    }
+
+    contact::ContactResponse<P> response(contact::Pair pair, const Motion<P>& m) const {
+        const contact::ContactAxes<P> axes(geometry_->planes[pair.plane].normal_W);
+        P y[13], rate[13];
+        momenta(m, y);
+        loads_.derivative(y, rate);
+        const Kinematics<P> k = kinematics(pair, y, rate);
+        contact::ContactResponse<P> result{axes.from_world(k.velocity), axes.from_world(k.acceleration), {}};
+        for (std::size_t j = 0; j < 3; ++j) {
+            const Vector3<P> column = axes.from_world(k.respond(axes[j]));
+            for (std::size_t i = 0; i < 3; ++i) result.matrix[i][j] = column[i];
+        }
+        return result;
+    }
+    void push(Motion<P>& m, contact::Pair pair, const Vector3<P>& impulse_W) const {
+        P y[13], rate[13];
+        momenta(m, y);
+        loads_.derivative(y, rate);
+        const Vector3<P> arm = kinematics(pair, y, rate).arm;
+        put(y, 0, vector_at(y, 0) + cross(arm, impulse_W)), put(y, 10, vector_at(y, 10) + impulse_W);
+        m = loads_.motion(y);
+    }
+    double friction_of(contact::Pair pair) const { return static_cast<double>(geometry_->planes[pair.plane].friction); }
+
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        if (system_ == System::shock) {
+            shock(y, dy);
+            return;
+        }
+        loads_.derivative(y, dy);
+        const Vector3<P>& n = geometry_->planes[pair_.plane].normal_W;
+        S pace(1);
+        if (system_ != System::flight) {
+            const Kinematics<S> k = kinematics(pair_, y, dy);
+            Vector3<S> F;
+            if (system_ == System::rolling) {
+                Matrix3<S> K;
+                for (std::size_t j = 0; j < 3; ++j) {
+                    Vector3<P> unit;
+                    unit[j] = P(1);
+                    const Vector3<S> column = k.respond(unit);
+                    for (std::size_t i = 0; i < 3; ++i) K[i][j] = column[i];
+                }
+                F = P(-1) * (inverse(K) * k.acceleration);
+                const S N = dot(n, F);
+                dy[14] = N, dy[15] = (mu() * mu()) * (N * N) - (dot(F, F) - N * N);
+            } else {
+                const Vector3<S> slip = k.velocity - dot(n, k.velocity) * n;
+                const S square = dot(slip, slip);
+                Vector3<S> f = cast<S>(n);
+                if (mu() > P(0)) {
+                    pace = square_root(square);
+                    f = n - (mu() / pace) * slip;
+                }
+                const S N = P(-1) * (dot(n, k.acceleration) / dot(n, k.respond(f)));
+                F = N * f;
+                dy[14] = N, dy[15] = square;
+            }
+            put(dy, 16, F);
+            put(dy, 0, vector_at(dy, 0) + cross(k.arm, F)), put(dy, 10, vector_at(dy, 10) + F);
+            if (is_stretched())
+                for (int i = 0; i < 13; ++i) dy[i] = pace * dy[i];
+        }
+        dy[13] = pace;
+        int next = 14 + own_functions();
+        const Quaternion<S> q = quaternion_at(y, 3);
+        for (const std::size_t k : others_) dy[next++] = gap(pair_at(k), q, vector_at(y, 7));
+    }
+
+  private:
+    const ContactGeometry<P>* geometry_;
+    MomentumForm<P> loads_;
+    MassProperties<P> body_;
+    Matrix3<P> inverse_inertia_;
+    double least_moment_ = 1;
+    System system_ = System::flight;
+    contact::Pair pair_;
+    std::vector<std::size_t> others_;
+    Motion<P> frozen_;  // shock: the motion before it
+
+    const P& mu() const { return geometry_->planes[pair_.plane].friction; }
+
+    // L, q, p, P
+    void momenta(const Motion<P>& m, P* y) const {
+        put(y, 0, rotate(m.q, Vector3<P>(body_.inertia * m.angular_velocity_B)));
+        put(y, 3, m.q), put(y, 7, m.position_W), put(y, 10, Vector3<P>(body_.mass * m.velocity_W));
+    }
+
+    /// The contact point in world axes.
+    template <class S>
+    struct Kinematics {
+        Vector3<S> arm;           // r
+        Vector3<S> velocity;      // u
+        Vector3<S> acceleration;  // du/dt without contact force
+        Matrix3<S> inverse_inertia_W;
+        P inverse_mass;
+
+        // K f
+        template <class T>
+        Vector3<S> respond(const Vector3<T>& f) const {
+            return inverse_mass * f + cross(inverse_inertia_W * cross(arm, f), arm);
+        }
+    };
+    // `rate` holds dL/dt and dP/dt by the loads
+    template <class S>
+    Kinematics<S> kinematics(contact::Pair pair, const S* y, const S* rate) const {
+        const SupportPiece<P>& piece = geometry_->pieces[pair.piece];
+        const Vector3<P>& n = geometry_->planes[pair.plane].normal_W;
+        const Matrix3<S> axes = rotation_matrix(quaternion_at(y, 3));
+        Kinematics<S> k;
+        k.inverse_mass = P(1) / body_.mass;
+        k.inverse_inertia_W = axes * inverse_inertia_ * transposed(axes);
+        const Vector3<S> L = vector_at(y, 0), w = k.inverse_inertia_W * L;
+        const Vector3<S> center = axes * piece.center;
+        Vector3<S> moves = cross(w, center);
+        k.arm = center - piece.radius * n;
+        if (piece.extended) {
+            const Matrix3<S> G = axes * piece.semi_axes;
+            const auto shape = [&](const auto& v) { return Vector3<S>(G * (transposed(G) * v)); };
+            const Vector3<S> Bn = shape(n), Bn_rate = cross(w, Bn) - shape(cross(w, n));
+            const S h = dot(n, Bn), root = square_root(h), h_rate = dot(n, Bn_rate);
+            k.arm = k.arm - (P(1) / root) * Bn;
+            moves = moves - (P(1) / root) * Bn_rate + (h_rate / (P(2) * (h * root))) * Bn;
+        }
+        k.velocity = k.inverse_mass * vector_at(y, 10) + cross(w, k.arm);
+        const Vector3<S> w_rate = k.inverse_inertia_W * (vector_at(rate, 0) - cross(w, L));
+        k.acceleration = k.inverse_mass * vector_at(rate, 10) + cross(w_rate, k.arm) + cross(w, moves);
+        return k;
+    }
+    template <class S>
+    S gap(contact::Pair pair, const Quaternion<S>& q, const Vector3<S>& p) const {
+        const SupportPiece<P>& piece = geometry_->pieces[pair.piece];
+        const ContactPlane<P>& plane = geometry_->planes[pair.plane];
+        const Matrix3<S> axes = rotation_matrix(q);
+        S height = dot(plane.normal_W, p + axes * piece.center) - (piece.radius + plane.offset);
+        if (!piece.extended) return height;
+        const Vector3<S> m = transposed(axes * piece.semi_axes) * plane.normal_W;
+        return height - square_root(dot(m, m));
+    }
+    // attitude and position are constant during a shock
+    template <class S>
+    void shock(const S* y, S* dy) const {
+        const Vector3<P>& n = geometry_->planes[pair_.plane].normal_W;
+        P all[13], rate[13];
+        momenta(frozen_, all);
+        loads_.derivative(all, rate);
+        const Kinematics<P> k = kinematics(pair_, all, rate);
+        const Vector3<S> w = k.inverse_inertia_W * vector_at(y, 0);
+        const Vector3<S> u = k.inverse_mass * vector_at(y, 3) + cross(w, k.arm);
+        const S normal = dot(n, u);
+        const Vector3<S> slip = u - normal * n;
+        const S square = dot(slip, slip), pace = square_root(square);
+        const Vector3<S> f = pace * n - mu() * slip;
+        put(dy, 0, cross(k.arm, f)), put(dy, 3, f);
+        dy[6] = pace * normal;
+        dy[7] = pace;
+        dy[8] = normal, dy[9] = square;
+    }
+};
+
+}  // namespace polhode::truth

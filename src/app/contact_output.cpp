@@ -1,0 +1,91 @@
+#include "app/contact_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/commands.h"
+#include "motion/mechanism_motion.h"
+#include "scene/plane_file.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+constexpr const char* only_body = "body";
+
+std::string events_csv(const Scene& scene, const DecimalReference& truth) {
+    std::string text =
+        "t,body,other,event,normal_impulse,tangential_impulse_1,tangential_impulse_2,tangential_impulse_3\n";
+    for (const DecimalContactEvent& e : truth.contact_events)
+        text +=
+            fmt::format("{},{},{},{},{},{},{},{}\n", e.t, only_body, plane_name(scene, e.plane), e.event,
+                        e.normal_impulse, e.tangential_impulse[0], e.tangential_impulse[1], e.tangential_impulse[2]);
+    return text;
+}
+
+std::string modes_table(const Scene& scene, const DecimalReference& truth) {
+    std::size_t time = 8, contact = 7;
+    const auto other = [&](const DecimalContactInterval& in) {
+        return in.mode == "flight" ? std::string("-") : plane_name(scene, in.plane);
+    };
+    for (const DecimalContactInterval& in : truth.contact_intervals)
+        time = std::max({time, in.from.size(), in.to.size()}), contact = std::max(contact, other(in).size());
+    std::string text = fmt::format("{:<{}}  {:<{}}  body  {:<{}}  mode     |F|/(mu N)\n", "from (s)", time, "to (s)",
+                                   time, "contact", contact);
+    for (const DecimalContactInterval& in : truth.contact_intervals)
+        text += fmt::format("{:<{}}  {:<{}}  {}  {:<{}}  {:<7}  {}\n", in.from, time, in.to, time, only_body, other(in),
+                            contact, in.mode,
+                            in.largest_ratio > 0 ? fmt::format("{:.6g}", in.largest_ratio) : std::string("-"));
+    return text;
+}
+
+}  // namespace
+
+void add_contact_options(CLI::App& command, ContactOptions& options) {
+    command.add_flag("--modes", options.modes,
+                     "Print the contact modes over time: flight, sliding, rolling, with the largest |F|/(mu N). To "
+                     "stdout with --output, else to stderr");
+    command.add_option("--events", options.events,
+                       "CSV file for events at contacts: t,body,other,event and the impulse, N s, world axes. Events: "
+                       "impact, lands, rolls, slides, lifts_off, accumulates, stops");
+}
+
+void require_contacts(const Scene& scene, const ContactOptions& options, const std::string& output,
+                      const std::string& reactions) {
+    if (!options.any()) return;
+    require_output(options.events);
+    const char* name = options.modes ? "--modes" : "--events";
+    if (scene.planes.empty()) throw UsageError(fmt::format("{}: the scene has no planes; remove the option", name));
+    if (options.events.empty()) return;
+    if (options.events == output) throw UsageError("--events and --output name the same file; give two files");
+    if (options.events == reactions) throw UsageError("--events and --reactions name the same file; give two files");
+}
+
+bool write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout) {
+    if (!options.any()) return true;
+    if (truth.contact_intervals.empty()) {
+        std::fputs(
+            "polhode: no events or modes: this motion has impacts without friction only, which are not recorded "
+            "for hulls of several points\n",
+            stderr);
+        return false;
+    }
+    if (!options.events.empty()) write_output(options.events, events_csv(scene, truth));
+    if (!options.modes) return true;
+    if (to_stdout)
+        write_output("", modes_table(scene, truth));
+    else
+        std::fputs(modes_table(scene, truth).c_str(), stderr);
+    return true;
+}
+
+std::vector<std::string> reaction_names(const Scene& scene) {
+    if (scene.planes.empty()) return joint_names(scene);
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < scene.planes.size(); ++i) names.push_back(plane_name(scene, i));
+    return names;
+}
+
+}  // namespace polhode

@@ -1,0 +1,109 @@
+// Contact with friction in the reference, compared with closed forms of balls and with invariants.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "integrators/truth/reference.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+Scene contact_scene(const std::string& body, const std::string& initial, const std::string& gravity,
+                    const std::string& plane, double duration) {
+    return parse_scene(R"({"name": "contact", "duration": )" + std::to_string(duration) + R"(, "body": )" + body +
+                           R"(, "initial": )" + initial + R"(, "loads": [{"type": "gravity", "acceleration": )" +
+                           gravity + R"(}], "planes": [{"normal": [0, 0, 1], )" + plane + "}]}",
+                       "test");
+}
+
+const char* const solid_ball = R"({"shape": {"type": "sphere", "radius": 0.5}, "mass": 2})";
+
+DecimalReference available(const Scene& scene, long samples = 2, int digits = 25) {
+    DecimalReference truth = decimal_reference(scene, samples, digits);
+    EXPECT_TRUE(truth.available) << truth.message;
+    EXPECT_LE(truth.bound, std::pow(10, 1 - digits));
+    return truth;
+}
+
+long double value(const std::string& decimal) { return std::stold(decimal); }
+
+/// A solid ball that rolls down a slope has the acceleration 5/7 g sin a; it needs |F| = 2/7 m g sin a.
+TEST(ContactReference, BallRollsDownASlope) {
+    const Scene scene = contact_scene(solid_ball, R"({"position": [0, 0, 0.5]})", "[3, 0, -9]",
+                                      R"("restitution": 0.5, "friction": 0.3)", 2);
+    const DecimalReference truth = available(scene);
+    EXPECT_NEAR(value(truth.columns[2][7]), 5.0L / 7 * 3 * 2, 1e-17L);
+    EXPECT_NEAR(value(truth.columns[2][10]), 5.0L / 7 * 3 * 2, 1e-17L);
+    ASSERT_EQ(truth.contact_intervals.size(), 1U);
+    EXPECT_EQ(truth.contact_intervals[0].mode, "rolling");
+    EXPECT_NEAR(truth.contact_intervals[0].largest_ratio, 2.0 / 7 * 3 / (0.3 * 9), 1e-14);
+    EXPECT_TRUE(truth.contact_events.empty());
+    EXPECT_NEAR(value(truth.reactions[1][0]), -2.0L / 7 * 2 * 3, 1e-17L);
+    EXPECT_NEAR(value(truth.reactions[1][2]), 18, 1e-16L);
+}
+
+/// A sliding ball rolls from t = 2 |u_0| / (7 mu g) on, with v = (5 v_0 + 2 r w_0 x n) / 7 (Hopkins and Patterson 1977,
+/// Am. J. Phys. 45, 263).
+TEST(ContactReference, SlidingBallStartsToRoll) {
+    const Scene scene =
+        contact_scene(solid_ball, R"({"position": [0, 0, 0.5], "velocity": [4, 0, 0], "angular_velocity": [3, 0, 5]})",
+                      "[0, 0, -10]", R"("restitution": 0.5, "friction": 0.25)", 2);
+    const DecimalReference truth = available(scene);
+    ASSERT_EQ(truth.contact_events.size(), 1U);
+    EXPECT_EQ(truth.contact_events[0].event, "rolls");
+    EXPECT_NEAR(value(truth.contact_events[0].t), 2 * std::sqrt(16 + 2.25L) / (7 * 0.25L * 10), 1e-18L);
+    // w_0 x n = (0, -3, 0) up to the spin; r = 0.5
+    EXPECT_NEAR(value(truth.columns[2][10]), 20.0L / 7, 1e-17L);
+    EXPECT_NEAR(value(truth.columns[2][11]), -3.0L / 7, 1e-17L);
+    EXPECT_NEAR(value(truth.columns[2][6]), 5, 1e-16L);
+}
+
+/// Impacts of a ball dropped from the height h end at t_1 + 2 v_1 / g e / (1 - e), with v_1 = sqrt(2 g h).
+TEST(ContactReference, BouncingBallComesToRoll) {
+    const Scene scene =
+        contact_scene(solid_ball, R"({"position": [0, 0, 1.5], "velocity": [1, 0, 0], "angular_velocity": [3, 0, 5]})",
+                      "[0, 0, -10]", R"("restitution": 0.5, "friction": 0.25)", 4);
+    const DecimalReference truth = available(scene);
+    const long double first = std::sqrt(0.2L), limit = first + 2 * first;
+    ASSERT_FALSE(truth.contact_events.empty());
+    EXPECT_EQ(truth.contact_events.front().event, "impact");
+    EXPECT_NEAR(value(truth.contact_events.front().t), first, 1e-18L);
+    // normal impulse m (1 + e) v_1
+    EXPECT_NEAR(value(truth.contact_events.front().normal_impulse), 3 * 10 * first, 1e-16L);
+    EXPECT_EQ(truth.contact_events.back().event, "accumulates");
+    EXPECT_NEAR(value(truth.contact_events.back().t), limit, 1e-18L);
+    EXPECT_EQ(truth.contact_intervals.back().mode, "rolling");
+    EXPECT_NEAR(value(truth.columns[2][10]), 5.0L / 7, 1e-17L);
+    EXPECT_NEAR(value(truth.columns[2][11]), -3.0L / 7, 1e-17L);
+}
+
+/// A rolling ellipsoid keeps its energy: m v^2 / 2 + w I w / 2 + m g z.
+TEST(ContactReference, RollingEllipsoidKeepsItsEnergy) {
+    const Scene scene =
+        contact_scene(R"({"shape": {"type": "ellipsoid", "semi_axes": [0.5, 0.375, 0.25]}, "mass": 2})",
+                      R"({"position": [0, 0, 0.25], "velocity": [0.5, 0.25, 0], "angular_velocity": [-1, 2, 0.25]})",
+                      "[0, 0, -10]", R"("restitution": 0.5, "friction": 2)", 1);
+    const DecimalReference truth = available(scene, 8);
+    ASSERT_EQ(truth.contact_intervals.size(), 1U);
+    EXPECT_EQ(truth.contact_intervals[0].mode, "rolling");
+    const Reference reference_ = reference(scene, 8);
+    for (const ReferenceSample& sample : reference_.samples) {
+        EXPECT_EQ(sample.energy.high, reference_.samples.front().energy.high);
+        EXPECT_NEAR(sample.energy.low, reference_.samples.front().energy.low, 1e-24);
+    }
+}
+
+TEST(ContactReference, RefusesWhatItDoesNotFollow) {
+    const Scene rolling = contact_scene(solid_ball, R"({"position": [0, 0, 0.5]})", "[3, 0, -9]",
+                                        R"("restitution": 0.5, "rolling_friction": 0.01)", 2);
+    EXPECT_EQ(decimal_reference(rolling, 2).message, "no truth: torsional and rolling friction are not supported");
+    const Scene box =
+        contact_scene(R"({"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "mass": 2})",
+                      R"({"position": [0, 0, 0.5]})", "[0, 0, -9]", R"("restitution": 0.5, "friction": 0.5)", 2);
+    EXPECT_NE(decimal_reference(box, 2).message.find("several lasting contacts at once are not supported"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace polhode

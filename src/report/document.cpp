@@ -75,7 +75,9 @@ class DocumentWriter {
                   {"tables", tables_json()},
                   {"comparison", comparison_json()},
                   {"checks", content_.checks},
-                  {"motions", motions_json()}};
+                  {"motions", motions_json()},
+                  {"lessons", content_.lessons},
+                  {"lesson_page", content_.lesson_page}};
         remarks_.insert(remarks_.end(), folder_.remarks.begin(), folder_.remarks.end());
         remarks_.insert(remarks_.end(), content_.motions.omissions.begin(), content_.motions.omissions.end());
         json["remarks"] = remarks_;

@@ -31,6 +31,8 @@ struct ReportContent {
     const Json& checks;                            ///< Check[] of src/report/page/source/data.ts
     const ResultFolder* other = nullptr;           ///< directory to compare with, or null
     const FolderComparison* comparison = nullptr;  ///< comparison with `other`, or null
+    Json lessons = Json::array();                  ///< Lesson[] of src/report/page/source/data.ts
+    bool lesson_page = false;                      ///< the page has only a lesson
 };
 
 /// The contents as ReportData of src/report/page/source/data.ts, reduced to `detail`.

@@ -14,6 +14,7 @@
 #include "report/comparison.h"
 #include "report/document.h"
 #include "report/folder.h"
+#include "report/lessons.h"
 #include "report/motions.h"
 #include "report/page.h"
 #include "scene/scene_file.h"
@@ -57,7 +58,33 @@ std::string scene_of_files(const ReportRequest& request, ResultFolder& folder, s
                      "give --scene SCENE");
 }
 
+// The text of the built front-end.
+std::string read_page_template() {
+    std::ifstream file(page_template_path(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
 }  // namespace
+
+ReportSummary write_lesson_page(const std::string& lesson, const std::string& output) {
+    const Json json = find_lesson(lesson);
+    const std::string page_template = read_page_template();
+    ResultFolder folder;
+    folder.name = json["title"].get<std::string>();
+    folder.messages.place("");
+    const std::map<std::string, Scene> scenes;
+    const Motions motions;
+    const Json checks = Json::array();
+    const ReportContent content{folder, scenes, motions, checks, nullptr, nullptr, Json::array({json}), true};
+    const Json document = report_document(content, details[0]);
+    ReportSummary made;
+    made.path = output.empty() ? fs::path(json["name"].get<std::string>()).filename().string() + ".html" : output;
+    const std::string page =
+        fill_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
+    write_atomically(made.path, page);
+    made.bytes = page.size();
+    return made;
+}
 
 ReportSummary write_report_page(const ReportRequest& request) {
     ResultFolder folder = read_folder(request.directory, most_table_rows);
@@ -69,9 +96,7 @@ ReportSummary write_report_page(const ReportRequest& request) {
         other = read_folder(request.against, most_table_rows);
         comparison = compare_folders(folder, *other);
     }
-    const std::string path = page_template_path();
-    std::ifstream file(path, std::ios::binary);
-    const std::string page_template(std::istreambuf_iterator<char>(file), {});
+    const std::string page_template = read_page_template();
 
     CheckedTrajectories checked;
     if (!request.trajectories.empty())
@@ -86,8 +111,13 @@ ReportSummary write_report_page(const ReportRequest& request) {
     made.path = request.output.empty() ? (fs::path(request.directory) / "report.html").string() : request.output;
     const std::string made_in = fs::path(made.path).parent_path().string();
     remove_abandoned(made_in.empty() ? "." : made_in);
-    const ReportContent content{
-        folder, scenes, motions, checked.list, other ? &*other : nullptr, comparison ? &*comparison : nullptr};
+    const ReportContent content{folder,
+                                scenes,
+                                motions,
+                                checked.list,
+                                other ? &*other : nullptr,
+                                comparison ? &*comparison : nullptr,
+                                builtin_lessons_json()};
     for (const Detail& detail : details) {
         const Json document = report_document(content, detail);
         const std::string page =

@@ -25,6 +25,9 @@ std::span<const BuiltinText> builtin_robots();
 /// in as well.
 inline constexpr std::string_view builtin_directory = "builtin:";
 
+/// Lessons of the report page: every experiments/lessons/NAME.json.
+std::span<const BuiltinText> builtin_lessons();
+
 /// The names of the built-in robot descriptions, sorted.
 std::vector<std::string> builtin_robot_names();
 

@@ -41,6 +41,25 @@ class Report : public Program {
     std::string front_end;
 };
 
+TEST_F(Report, MakesAPageOfOneLesson) {
+    const Outcome outcome = report({"--lesson", "spinning_top"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json page = document("spinning_top.html");
+    EXPECT_EQ(page["lesson_page"], true);
+    EXPECT_EQ(page["lessons"][0]["scene"], "lagrange_top");
+    EXPECT_EQ(page["rows"]["count"], 0);
+    for (const std::vector<std::string>& wrong : {std::vector<std::string>{},
+                                                  {"--lesson", "none"},
+                                                  {"here", "--lesson", "poinsot"},
+                                                  {"--lesson", "poinsot", "--without-motions"},
+                                                  {"--lesson", "poinsot", "--output", "page.txt"}}) {
+        const Outcome refused = report(wrong);
+        EXPECT_EQ(refused.exit_code, 2);
+        EXPECT_EQ(lines(refused.err), 1) << refused.err;
+    }
+    EXPECT_FALSE(fs::exists(directory / "poinsot.html"));
+}
+
 TEST_F(Report, ShowsTheContentOfTheTables) {
     run_small("here");
     const Outcome outcome = report({"here"});

@@ -17,7 +17,7 @@ const axe = readFileSync(join(work, "node_modules/axe-core/axe.min.js"), "utf8")
 const screenshots = join(work, "screenshots");
 const folder = mkdtempSync(join(tmpdir(), "polhode-page-"));
 const allSections = [
-  "overview", "trajectories", "scenes", "work-precision", "comparison", "convergence", "drift", "motion", "stability", "gains", "engines", "mechanisms", "inertia", "tables",
+  "overview", "trajectories", "scenes", "work-precision", "comparison", "convergence", "drift", "motion", "stability", "gains", "engines", "mechanisms", "inertia", "lessons", "tables",
 ];
 
 const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);

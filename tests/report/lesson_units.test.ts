@@ -9,6 +9,8 @@ import { angleBetween, conjugate, dot, length, normalized, rotate, subtract, typ
 import { kernels } from "../../src/report/page/source/lesson/kernels.ts";
 import { aboutPivot, conservedMomentum, energyOf, inverseOf, momentumOf, product, type Sample, tiltOf } from "../../src/report/page/source/lesson/mechanics.ts";
 import { errorOfSteps, errorsOf, momentFault, run, setupOf, simulate, valueOf } from "../../src/report/page/source/lesson/simulate.ts";
+import { rangeOf } from "../../src/report/page/source/lesson/graph.ts";
+import { parseValues, sliderPosition, sliderValue } from "../../src/report/page/source/lesson/lesson.ts";
 import { reference } from "../../src/report/page/source/lesson/taylor.ts";
 import { freeLesson, topLesson } from "./lesson_sample.ts";
 
@@ -150,4 +152,27 @@ test("the inverse, the parallel axis theorem, and the motion for the view", () =
   const wild = simulate({ ...freeLesson(), angular_velocity: [100, 100, 100], step: 1, duration: 200 }, {}, kernel);
   assert.equal(wild.motion.methods[0]?.status, 2);
   assert.ok((wild.update[wild.update.length - 1]?.t ?? 0) < 200);
+});
+
+test("positions and values of sliders, and their text in the address", () => {
+  const lesson = topLesson();
+  for (const slider of lesson.sliders) {
+    assert.equal(sliderValue(slider, 0), slider.from);
+    assert.equal(sliderValue(slider, 200), slider.to);
+    for (const position of [0, 37, 100, 200]) assert.ok(Math.abs(sliderPosition(slider, sliderValue(slider, position)) - position) <= 1);
+  }
+  const step = lesson.sliders.find(({ quantity }) => quantity === "step") as Lesson["sliders"][number];
+  assert.equal(sliderValue(step, 100), 0.01); // the geometric mean of 1e-3 and 0.1
+  assert.deepEqual(parseValues(lesson, "tilt:0.3,step:0.02"), { tilt: 0.3, step: 0.02 });
+  assert.deepEqual(parseValues(lesson, "tilt:9,mass:1,step:x,gravity:,__proto__:1"), {});
+});
+
+test("ranges of graphs", () => {
+  const [low, high] = rangeOf([1, 3], false);
+  assert.ok(low < 1 && low > 0.8 && high > 3 && high < 3.2);
+  // rounding of a constant does not fill the graph
+  const [from, to] = rangeOf([5, 5 + 1e-14], false);
+  assert.ok(to - from > 4e-3);
+  assert.deepEqual(rangeOf([NaN, -1], true), [0, 1]);
+  assert.ok(Math.abs(rangeOf([1e-4, 1], true)[0] + 4.16) < 1e-9);
 });

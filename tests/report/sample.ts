@@ -1,6 +1,7 @@
 // Sample documents for tests of the page: one that resembles measured data, and hostile ones.
 
 import { indexColumns, numberColumns, type Check, type Drift, type Method, type Motion, type Order, type ReportData, type Rows, type StabilityMap, type Table } from "../../src/report/page/source/data.ts";
+import { freeLesson, topLesson } from "./lesson_sample.ts";
 
 /** Reproducible random numbers: a linear congruential generator with the constants of Numerical Recipes. */
 function generator(seed: number): () => number {
@@ -305,6 +306,7 @@ export function richDocument(): ReportData {
     { ...check, file: "broken.csv", scene: 1, verdict: "the file has no column qw", passed: null, blocks: [], lines: [], diagnoses: [], remarks: [], t: [], errors: [] },
   ];
   data.motions = [motionOf(0)];
+  data.lessons = [freeLesson(), topLesson()];
   data.scenes[0]!.motion = 0;
   return data;
 }
@@ -346,6 +348,7 @@ export function hostileNames(): ReportData {
   });
   data.maps.forEach((one) => Object.assign(one, { x_label: name(0), y_label: name(1), outcomes: one.outcomes.map((_, i) => name(i)) }));
   data.checks.forEach((one, i) => Object.assign(one, { file: name(i), verdict: name(i + 1), lines: [name(i)], diagnoses: [name(2)], remarks: [name(3)], errors: one.errors.map((error, k) => ({ ...error, name: name(k), unit: name(1) })) }));
+  data.lessons.forEach((one, i) => Object.assign(one, { name: name(i), title: name(i + 1), text: [name(i + 2), name(12)], scene: name(i) }));
   data.remarks = nasty;
   if (data.comparison !== null) Object.assign(data.comparison, { folder: name(12), how: name(0) });
   return data;

@@ -14,16 +14,22 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { Motion } from "../data.ts";
 import type { Actor } from "./actors.ts";
-import { across, add, length, type Quaternion, rotate, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
+import { across, add, length, multiply, type Quaternion, rotate, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
 import { type Extent, extentOf, middleOf } from "./extent.ts";
 import { type Surface, surfacesOf, tipOf } from "./geometry.ts";
 import type { Orbit } from "./orbit.ts";
-import { inertiaOf, spinAt } from "./spin.ts";
+import { semiAxes, toPrincipal, twiceEnergy } from "./ellipsoid.ts";
+import type { Keyframes } from "./interpolation.ts";
+import { type Inertia, inertiaOf, spinAt } from "./spin.ts";
 
 const fieldOfView = 30; // degrees, along the narrower side
 const trailPoints = 200;
+const pathPoints = 1500;
 /** Length of the trail as a fraction of the motion shown. */
 export const trailPart = 0.08;
+
+/** The point of a body that leaves a trace: its tip, or the end of one of its axes. */
+export type TracedPoint = "tip" | "x" | "y" | "z";
 
 export interface Palette {
   ground: string;
@@ -37,6 +43,11 @@ export interface Shown {
   momentum: boolean;
   angularVelocity: boolean;
   trail: boolean;
+  path: boolean; // trace from the start to the present time
+  axes: boolean; // body axes
+  ellipsoid: boolean; // inertia ellipsoid
+  follow: boolean; // the camera follows the bodies
+  point: TracedPoint;
   body: number; // index of the body with arrows
 }
 
@@ -58,6 +69,13 @@ const vector3 = (v: Vector): Vector3 => new Vector3(v[0], v[1], v[2]);
 const quaternion3 = (q: Quaternion): ThreeQuaternion => new ThreeQuaternion(q[1], q[2], q[3], q[0]);
 const up = new Vector3(0, 0, 1);
 
+// for the light and the dark theme
+const axisColors = [["#b3261e", "#ff9a8a"], ["#1b7f3b", "#7fd79b"], ["#0b57d0", "#9cc2ff"]] as const;
+const unitVectors: readonly Vector[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+const axisNames = ["x", "y", "z"] as const;
+/** Length of body axes in sizes of the largest body. */
+const axisLength = 1.15;
+
 /** Length of the longest arrow, m. */
 const arrowReach = (extent: Extent, motion: Motion): number =>
   1.1 * (motion.pivot !== null ? extent.radius : Math.max(extent.size, 0.4 * extent.radius));
@@ -73,7 +91,10 @@ interface Figure {
   pivotLink: Mesh | null;
   momentum: Arrow;
   angularVelocity: Arrow;
+  axes: Arrow[][]; // by body: x, y, z
+  ellipsoid: Mesh;
   trails: Trail[];
+  paths: Trail[];
 }
 
 /** An arrow along z with unit length before scaling. */
@@ -112,23 +133,24 @@ class Trail {
   readonly line: Line2;
   private readonly data: Float32Array;
 
-  constructor(readonly body: number, readonly tip: Vector, material: LineMaterial, keep: <T extends { dispose(): void }>(one: T) => T) {
+  constructor(readonly body: number, readonly tip: Vector, private readonly count: number, material: LineMaterial, keep: <T extends { dispose(): void }>(one: T) => T) {
     const geometry = keep(new LineGeometry());
-    geometry.setPositions(new Array<number>(3 * trailPoints).fill(0));
+    geometry.setPositions(new Array<number>(3 * count).fill(0));
     this.data = (geometry.getAttribute("instanceStart") as InterleavedBufferAttribute).data.array as Float32Array;
     this.line = new Line2(geometry, material);
     this.line.frustumCulled = false;
   }
 
-  set(actor: Actor, t: number, window: number, origin: Vector): void {
+  set(actor: Actor, t: number, window: number, origin: Vector, point: Vector): void {
     const { keyframes } = actor;
     if (keyframes === null) return;
+    const { count } = this;
     const end = Math.min(t, keyframes.end);
     const begin = Math.max(0, end - window);
     let before: Vector = zero;
-    for (let i = 0; i < trailPoints; ++i) {
-      const placed = keyframes.at(this.body, begin + ((end - begin) * i) / (trailPoints - 1));
-      const at = subtract(add(placed.position, rotate(placed.attitude, this.tip)), origin);
+    for (let i = 0; i < count; ++i) {
+      const placed = keyframes.at(this.body, begin + ((end - begin) * i) / (count - 1));
+      const at = subtract(add(placed.position, rotate(placed.attitude, point)), origin);
       if (i > 0) this.data.set([...before, ...at], 6 * (i - 1));
       before = at;
     }
@@ -297,12 +319,25 @@ export class BodyView {
     const angularVelocity = new Arrow(thick, ghost ? actor.color : dark ? "#5cc8b0" : "#00735c", keep);
     root.add(momentum.root, angularVelocity.root);
     const path = this.lines(actor.color, 2, ghost ? actor.place - 1 : 0, size);
-    const trails = surfaces.map((list, body) => {
-      const trail = new Trail(body, tipOf(list), path, keep);
+    const traces = (count: number): Trail[] => surfaces.map((list, body) => {
+      const trail = new Trail(body, tipOf(list), count, path, keep);
       root.add(trail.line);
       return trail;
     });
-    return { actor, root, solid, opacity: solid.opacity, bodies, joints, pivotLink, momentum, angularVelocity, trails };
+    const trails = traces(trailPoints);
+    const paths = traces(pathPoints);
+    const axes = bodies.map((group) => axisColors.map((pair, i) => {
+      const arrow = new Arrow(0.011 * size, pair[dark ? 1 : 0], keep);
+      arrow.set(zero, scale(axisLength * size, unitVectors[i] ?? zero));
+      group.add(arrow.root);
+      return arrow;
+    }));
+    const ellipsoid = new Mesh(keep(new SphereGeometry(1, 48, 32)), keep(new MeshStandardMaterial({
+      color: ghost ? actor.color : dark ? "#5cc8b0" : "#00735c", transparent: true, opacity: 0.22, depthWrite: false, side: DoubleSide, roughness: 0.7,
+    })));
+    ellipsoid.renderOrder = 3;
+    root.add(ellipsoid);
+    return { actor, root, solid, opacity: solid.opacity, bodies, joints, pivotLink, momentum, angularVelocity, axes, ellipsoid, trails, paths };
   }
 
   private addPlane(normal: Vector, offset: number): void {
@@ -327,16 +362,16 @@ export class BodyView {
     this.planes.push({ mesh, normal: n, offset: offset / (length(normal) || 1), spacing });
   }
 
-  private origin(t: number): Vector {
+  private origin(t: number, follow: boolean): Vector {
     const truth = this.figures.find((figure) => figure.actor.method === null)?.actor.keyframes;
-    if (!this.extent.follows || this.motion === null || truth === undefined || truth === null) return this.extent.center;
+    if (!(this.extent.follows || follow) || this.motion === null || truth === undefined || truth === null) return this.extent.center;
     return middleOf(this.motion, truth, t);
   }
 
   private pose(t: number, shown: Shown): void {
     const { motion, extent } = this;
     if (motion === null) return;
-    const origin = this.origin(t);
+    const origin = this.origin(t, shown.follow);
     const inertia = inertiaOf(motion, shown.body);
     const window = trailPart * motion.duration;
     for (const figure of this.figures) {
@@ -391,10 +426,15 @@ export class BodyView {
       figure.angularVelocity.set(from, scale(this.largestW > 0 ? (0.8 * reach) / this.largestW : 0, w));
       if (!shown.momentum) figure.momentum.root.visible = false;
       if (!shown.angularVelocity) figure.angularVelocity.root.visible = false;
-      for (const trail of figure.trails) {
-        trail.line.visible = shown.trail;
-        if (shown.trail) trail.set(figure.actor, t, window, origin);
+      const axis = axisNames.indexOf(shown.point as (typeof axisNames)[number]);
+      for (const [list, visible, span] of [[figure.trails, shown.trail, window], [figure.paths, shown.path, Infinity]] as const) {
+        for (const trail of list) {
+          trail.line.visible = visible;
+          if (visible) trail.set(figure.actor, t, span, origin, axis < 0 ? trail.tip : scale(axisLength * extent.size, unitVectors[axis] ?? zero));
+        }
       }
+      figure.axes.forEach((arrows, body) => arrows.forEach((arrow) => (arrow.root.visible = shown.axes && body === shown.body)));
+      this.poseEllipsoid(figure, keyframes, inertia, shown, t, from);
     }
     for (const plane of this.planes) {
       // moves the grid by whole squares
@@ -406,6 +446,19 @@ export class BodyView {
       const foot = add(scale(plane.offset, plane.normal), add(scale(part(x), x), scale(part(y), y)));
       plane.mesh.position.set(...subtract(foot, origin));
     }
+  }
+
+  /** The ellipsoid of constant kinetic energy in the scale of the arrow of w: its tip is on the ellipsoid. */
+  private poseEllipsoid(figure: Figure, keyframes: Keyframes, inertia: Inertia, shown: Shown, t: number, from: Vector): void {
+    const { ellipsoid } = figure;
+    const placed = keyframes.at(shown.body, t);
+    const axes = semiAxes(inertia.moments, twiceEnergy(inertia.moments, toPrincipal(inertia.principal, placed.angularVelocity)));
+    const reach = this.motion === null || !(this.largestW > 0) ? 0 : (0.8 * arrowReach(this.extent, this.motion)) / this.largestW;
+    ellipsoid.visible = shown.ellipsoid && reach > 0 && axes.every((one) => one > 0);
+    if (!ellipsoid.visible) return;
+    ellipsoid.position.set(...from);
+    ellipsoid.scale.set(...scale(reach, axes));
+    ellipsoid.quaternion.copy(quaternion3(multiply(placed.attitude, inertia.principal)));
   }
 
   /** Draws the panes and returns the labels of each. */
@@ -475,6 +528,10 @@ export class BodyView {
       const head = (arrow: Arrow): Vector3 => new Vector3(0, 0, arrow.root.children[1]?.position.z ?? 0).multiplyScalar(1.12).applyMatrix4(arrow.root.matrixWorld);
       if (isLead && shown.momentum && figure.momentum.root.visible) put("L", head(figure.momentum), null);
       if (isLead && shown.angularVelocity && figure.angularVelocity.root.visible) put("ω", head(figure.angularVelocity), null);
+      if (isLead && shown.axes) figure.axes[shown.body]?.forEach((arrow, i) => {
+        arrow.root.updateWorldMatrix(true, true);
+        put(axisNames[i] ?? "", head(arrow), null);
+      });
       const body = figure.bodies[shown.body];
       const tip = figure.trails[shown.body]?.tip;
       if (pane.actors.length > 1 && body !== undefined && tip !== undefined) put(figure.actor.name, vector3(tip).multiplyScalar(1.05).applyMatrix4(body.matrixWorld), figure.actor);

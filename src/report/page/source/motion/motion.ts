@@ -3,7 +3,7 @@
 // after changes only, at most once per frame.
 //
 // State: scene (else motion), motion_methods (list of labels), motion_layout (side, overlay), motion_time (s),
-// motion_show (momentum, angular_velocity, trail), motion_body, motion_speed, motion_view (azimuth and elevation in
+// motion_show (momentum, angular_velocity, axes, ellipsoid, trail, path, follow), motion_point, motion_body, motion_speed, motion_view (azimuth and elevation in
 // degrees, zoom).
 
 import type { PageContext } from "../context.ts";
@@ -18,6 +18,7 @@ import { dot, scale, unit, type Vector, vectorAt } from "./algebra.ts";
 import { BodyView, type Palette, type Pane, type Shown } from "./body_view.ts";
 import { Clock, rateOf } from "./clock.ts";
 import { ErrorPlot } from "./error_plot.ts";
+import { composePanes, download, Recording, videoType } from "./export.ts";
 import style from "./motion.css" with { type: "text" };
 import { Orbit } from "./orbit.ts";
 import { PolhodeView } from "./polhode_view.ts";
@@ -28,17 +29,25 @@ const atFirst = "angular_velocity,momentum";
 // delay of texts for screen readers, ms
 const quiet = 1500;
 
-/** Mounts the view in an empty element. */
-export function mountMotion(host: HTMLElement, data: ReportData, page: PageContext): void {
-  if (data.motions.length === 0) {
-    host.append(element("p", {}, "The directory has no scene with a motion to draw."));
-    return;
-  }
-  if (document.getElementById("motion-style") === null) document.head.append(element("style", { id: "motion-style" }, style));
-  new MotionView(host, data, page).start();
+/** A mounted view. */
+export interface MotionHandle {
+  /** Draws the motions of another document. Keeps the time, the camera and all choices. */
+  replace(data: ReportData): void;
 }
 
-class MotionView {
+/** Mounts the view in an empty element; null if there is no motion to draw. `choosesMethods`: with lists of methods. */
+export function mountMotion(host: HTMLElement, data: ReportData, page: PageContext, choosesMethods = true): MotionHandle | null {
+  if (data.motions.length === 0) {
+    host.append(element("p", {}, "The directory has no scene with a motion to draw."));
+    return null;
+  }
+  if (document.getElementById("motion-style") === null) document.head.append(element("style", { id: "motion-style" }, style));
+  const view = new MotionView(host, data, page, choosesMethods);
+  view.start();
+  return view;
+}
+
+class MotionView implements MotionHandle {
   private motion: Motion;
   private actors: Actor[] = [];
   private panes: (Pane & { figure: HTMLElement; labels: HTMLElement; value: HTMLElement; ended: HTMLElement; axes: SVGElement })[] = [];
@@ -58,11 +67,15 @@ class MotionView {
   private readonly layout: Choice;
   private readonly bodyChoice: Choice;
   private readonly speed: Choice;
+  private readonly pointChoice: Choice;
+  private recording: Recording | null = null;
   private readonly toggles: [string, HTMLButtonElement][];
   private readonly stage = element("div", { class: "motion-panes" });
   private readonly fault = element("p", { class: "fault", role: "alert", hidden: true });
   private readonly substitute = element("p", { class: "note", hidden: true });
   private readonly play = element("button", { type: "button", class: "play" }, "Play");
+  private readonly png = element("button", { type: "button", title: "Save the bodies as PNG", onclick: () => this.savePicture() }, "PNG");
+  private readonly video = element("button", { type: "button", title: "Record the motion from now to its end as a video", hidden: videoType() === "", onclick: () => this.record() }, "Video");
   private readonly slider = element("input", { type: "range", min: 0, step: "any", "aria-label": "Time" });
   private readonly clockText = element("output", {});
   private readonly now = element("p", { class: "motion-now" });
@@ -72,7 +85,7 @@ class MotionView {
   private readonly polhodeText = element("figcaption");
   private readonly worldText = element("figcaption");
 
-  constructor(private readonly host: HTMLElement, private readonly data: ReportData, private readonly page: PageContext) {
+  constructor(private readonly host: HTMLElement, private data: ReportData, private readonly page: PageContext, private readonly choosesMethods: boolean) {
     this.motion = this.chosenMotion();
     this.clock = new Clock(this.motion.duration, () => this.redraw(), () => this.paused());
     this.orbit = new Orbit({ azimuth: 0.7, elevation: 0.36 }, () => this.redraw(), () => this.remember({ motion_view: this.orbit.text() }));
@@ -86,7 +99,10 @@ class MotionView {
     this.layout = new Choice("Layout", (value) => this.page.set({ motion_layout: value }));
     this.bodyChoice = new Choice("Arrows and curves of body", (value) => this.page.set({ motion_body: value }));
     this.speed = new Choice("Speed", (value) => this.page.set({ motion_speed: value === "1" ? "" : value }));
-    this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["trail", "Trail", "Trail of the body's tip"]] as const)
+    this.pointChoice = new Choice("Trace of", (value) => this.page.set({ motion_point: value === "tip" ? "" : value }));
+    this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["axes", "Axes", "Body axes"],
+      ["ellipsoid", "Ellipsoid", "Inertia ellipsoid, on which the tip of ω moves"], ["trail", "Trail", "Trail of a point of the body"], ["path", "Path", "Path of a point of the body from the start"],
+      ["follow", "Follow", "Camera follows the bodies"]] as const)
       .map(([key, text, title]) => [key, element("button", { type: "button", title, "aria-label": title, onclick: () => this.toggle(key) }, text)]);
   }
 
@@ -102,7 +118,8 @@ class MotionView {
     root.addEventListener("keydown", (event) => this.key(event));
     fill(root,
       element("div", { class: "motion-controls" }, this.which.root, ...this.methodChoices.map((choice) => choice.root), this.layout.root, this.bodyChoice.root,
-        element("div", { class: "motion-toggles", role: "group", "aria-label": "Arrows and trail" }, ...this.toggles.map(([, button]) => button))),
+        element("div", { class: "motion-toggles", role: "group", "aria-label": "Arrows and traces" }, ...this.toggles.map(([, button]) => button)), this.pointChoice.root,
+        element("div", { class: "motion-toggles", role: "group", "aria-label": "Export" }, this.png, this.video)),
       this.substitute, this.fault,
       element("div", { class: "motion-stage" }, this.stage, this.orbit.buttons("bodies")),
       element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step forward (key .)"), this.slider, this.clockText, this.speed.root),
@@ -123,6 +140,15 @@ class MotionView {
     new IntersectionObserver((entries) => {
       if (entries.every((entry) => !entry.isIntersecting)) clock.pause();
     }).observe(root);
+    this.follow();
+  }
+
+  replace(data: ReportData): void {
+    this.data = data;
+    this.motion = this.chosenMotion();
+    this.clock.duration = this.motion.duration;
+    this.clock.go(this.clock.time);
+    this.asked = "";
     this.follow();
   }
 
@@ -147,7 +173,9 @@ class MotionView {
   private shown(): Shown {
     const keys = (this.page.get("motion_show") || atFirst).split(",");
     const body = this.motion.bodies.findIndex((one) => one.name === this.page.get("motion_body"));
-    return { momentum: keys.includes("momentum"), angularVelocity: keys.includes("angular_velocity"), trail: keys.includes("trail"), body: Math.max(0, body) };
+    const has = (key: string): boolean => keys.includes(key);
+    const point = (["x", "y", "z"] as const).find((one) => one === this.page.get("motion_point")) ?? "tip";
+    return { momentum: has("momentum"), angularVelocity: has("angular_velocity"), trail: has("trail"), path: has("path"), axes: has("axes"), ellipsoid: has("ellipsoid"), follow: has("follow"), point, body: Math.max(0, body) };
   }
 
   /** Applies the state. Expensive parts are rebuilt only after a change. */
@@ -172,10 +200,14 @@ class MotionView {
       this.build(methods, overlaid, body);
     }
     this.orbit.read(page.get("motion_view"));
+    const shown = this.shown();
     for (const [key, button] of this.toggles) {
-      const shown = this.shown();
-      button.setAttribute("aria-pressed", String(key === "momentum" ? shown.momentum : key === "trail" ? shown.trail : shown.angularVelocity));
+      const field = (key === "angular_velocity" ? "angularVelocity" : key) as "momentum" | "angularVelocity" | "trail" | "path" | "axes" | "ellipsoid" | "follow";
+      button.setAttribute("aria-pressed", String(shown[field]));
+      button.hidden = key === "follow" && (!motion.moving || motion.pivot !== null);
     }
+    this.pointChoice.update([["tip", "tip"], ["x", "x axis"], ["y", "y axis"], ["z", "z axis"]], shown.point);
+    this.pointChoice.root.hidden = !shown.trail && !shown.path;
     this.speed.update(speeds.map((value) => [value, `${value}×`]), String(this.clock.speed));
     this.redraw();
   }
@@ -219,7 +251,7 @@ class MotionView {
     this.methodChoices.forEach((choice, i) => {
       const value = methods[i]?.label ?? "";
       choice.update([["", "none"], ...offered], value);
-      choice.root.hidden = motion.methods.length === 0 || i > methods.length;
+      choice.root.hidden = !this.choosesMethods || motion.methods.length === 0 || i > methods.length;
     });
     this.layout.update([["side", "side by side"], ["overlay", "overlaid"]], overlaid ? "overlay" : "side");
     this.layout.root.hidden = methods.length === 0;
@@ -299,6 +331,7 @@ class MotionView {
     this.play.textContent = this.clock.playing ? "Pause" : "Play";
     this.now.textContent = told;
     this.speak(told);
+    if (this.recording !== null) composePanes(this.stage, this.recording.canvas, ratio, palette);
     // external drivers of the page wait for this
     this.root.dataset.drawn = t.toPrecision(6);
   }
@@ -347,7 +380,51 @@ class MotionView {
     this.page.set(values);
   }
 
+  private fileName(ending: string): string {
+    const name = [this.nameOf(this.motion), ...this.actors.slice(1).map((actor) => actor.name)].join("_").replace(/[^A-Za-z0-9.-]+/g, "_").slice(0, 100);
+    return `${name}.${ending}`;
+  }
+
+  private savePicture(): void {
+    const canvas = element("canvas", {});
+    composePanes(this.stage, canvas, Math.min(2, window.devicePixelRatio || 1), this.palette());
+    canvas.toBlob((picture) => {
+      if (picture === null) this.page.announce("Cannot save the picture");
+      else {
+        download(picture, this.fileName("png"));
+        this.page.announce("PNG saved");
+      }
+    });
+  }
+
+  /** Records until the motion ends or is paused. */
+  private record(): void {
+    if (this.recording !== null) {
+      this.clock.pause();
+      return;
+    }
+    const recording = new Recording();
+    composePanes(this.stage, recording.canvas, Math.min(2, window.devicePixelRatio || 1), this.palette());
+    try {
+      recording.start((video, ending) => {
+        download(video, this.fileName(ending));
+        this.page.announce("Video saved");
+      });
+    } catch (fault) {
+      this.page.announce(`Cannot record: ${fault instanceof Error ? fault.message : String(fault)}`);
+      return;
+    }
+    this.clock.pause();
+    this.recording = recording;
+    this.video.textContent = "Stop recording";
+    this.clock.play();
+    this.redraw();
+  }
+
   private paused(): void {
+    this.recording?.stop();
+    this.recording = null;
+    this.video.textContent = "Video";
     this.remember({ motion_time: this.timeText() });
     this.redraw();
   }

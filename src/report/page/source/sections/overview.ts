@@ -52,7 +52,7 @@ function labelScenes(tools: Tools, text: string): string {
 export const overview: Section = {
   name: "overview",
   title: "Overview",
-  present: () => true,
+  present: (data) => !data.lesson_page,
   render(host, tools) {
     const { data } = tools;
     const used = new Set(data.rows.method);

@@ -1,0 +1,150 @@
+// Tests the reader of lessons: the numbers of the scene, the names that the page's kernels have, and refusals.
+#include "report/lessons.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "integrators/method.h"
+#include "places.h"
+#include "report/document_text.h"
+#include "report/report.h"
+#include "scene/scene_file.h"
+#include "text/message.h"
+
+namespace polhode {
+namespace {
+
+std::string read_source(const std::string& path) {
+    std::ifstream file(source_dir() + "/src/report/page/source/" + path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+std::string lesson_with(const std::string& members) {
+    return R"({"name": "n", "title": "t", "text": "one", )" + members + "}";
+}
+
+std::string fault_of(const std::string& text) {
+    try {
+        parse_lesson(text, "lesson.json");
+    } catch (const InputError& fault) {
+        return fault.what();
+    }
+    return "";
+}
+
+TEST(Lessons, ContainTheNumbersOfTheScene) {
+    const Json lesson =
+        parse_lesson(lesson_with(R"("scene": "lagrange_top", "update": "gyroscopic_none", "step": 0.01, "duration": 2,
+                       "sliders": {"tilt": [0, 1], "moment_x": [0.5, 1]}, "graphs": ["tilt"], "show": ["path", "axes"])"),
+                     "lesson.json");
+    const Scene scene = find_scene("lagrange_top");
+    EXPECT_EQ(lesson["mass"], scene.body.mass);
+    EXPECT_EQ(lesson["inertia"], Json({0.75, 0, 0, 0, 0.75, 0, 0, 0, 0.5}));
+    EXPECT_EQ(lesson["arm"], Json({0, 0, 0.5}));
+    EXPECT_EQ(lesson["gravity"], Json({0, 0, -10}));
+    EXPECT_EQ(lesson["angular_velocity"], Json({0, 0, 20}));
+    EXPECT_EQ(lesson["orientation"][1].get<double>(), normalized(scene.initial.orientation).x);
+    EXPECT_EQ(lesson["text"], Json({"one"}));
+    EXPECT_EQ(lesson["show"], "path,axes");
+    EXPECT_EQ(lesson["sliders"][0], Json({{"quantity", "tilt"}, {"from", 0}, {"to", 1}}));
+    // about the pivot: 0.75 + 1 kg (0.5 m)^2
+    EXPECT_EQ(lesson["about"]["moments"], Json({1, 1, 0.5}));
+}
+
+TEST(Lessons, BuiltInOnesUseUpdatesOfTheCatalogueThatThePageComputes) {
+    const std::string kernels = read_source("lesson/kernels.ts");
+    ASSERT_FALSE(kernels.empty());
+    const std::vector<std::string> names = builtin_lesson_names();
+    for (const char* name : {"dzhanibekov", "gyroscopic_term", "poinsot", "spinning_top", "step_against_error"})
+        EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
+    for (const Json& lesson : builtin_lessons_json()) {
+        const std::string update = lesson["update"].get<std::string>();
+        EXPECT_NE(kernels.find('"' + update + '"'), std::string::npos) << update;
+        EXPECT_NE(find_method(update), nullptr) << update;
+        EXPECT_FALSE(lesson["sliders"].empty()) << lesson["name"];
+        EXPECT_FALSE(lesson["graphs"].empty()) << lesson["name"];
+    }
+    // every name that a refusal offers is one of the page's kernels
+    std::istringstream offered(fault_of(lesson_with(R"("scene": "sphere", "step": 1, "update": "zzzzzzzzzz")")));
+    std::string word;
+    int count = 0;
+    while (offered >> word) {
+        word = word.substr(0, word.find(','));
+        if (!find_method(word)) continue;
+        EXPECT_NE(kernels.find('"' + word + '"'), std::string::npos) << word;
+        ++count;
+    }
+    EXPECT_EQ(count, 11);
+}
+
+TEST(Lessons, RefuseWhatThePageCannotCompute) {
+    const auto refused = [](const std::string& members, const std::string& place) {
+        const std::string fault = fault_of(lesson_with(members));
+        EXPECT_TRUE(fault.starts_with("lesson.json: " + place)) << members << "\n" << fault;
+        EXPECT_EQ(fault.find('\n'), std::string::npos);
+    };
+    const std::string run = R"("update": "gyroscopic_none", "step": 0.01)";
+    EXPECT_EQ(fault_of(lesson_with(R"("scene": "sphere", )" + run)), "");
+    refused(R"("scene": "mechanisms/double_pendulum_spatial", )" + run, "/scene: ");
+    refused(R"("scene": "bouncing_ball", )" + run, "/scene: ");
+    refused(R"("scene": "damped_spin", )" + run, "/scene: ");
+    refused(R"("scene": "no_such_scene", )" + run, "/scene: ");
+    refused(R"("scene": "../up.json", )" + run, "/scene: ");
+    refused(R"("scene": "sphere", "update": "gyroscopic_non", "step": 1)", "/update: ");
+    refused(R"("scene": "sphere", "update": "gyroscopic_none", "step": 0)", "/step: ");
+    refused(R"("scene": "sphere", "update": "gyroscopic_none", "step": 1e-9)", "/step: ");
+    refused(R"("scene": "sphere", "sliders": {"spin": [0, 1]}, )" + run, "/sliders/spin: ");
+    refused(R"("scene": "sphere", "sliders": {"step": [1, 0.1]}, )" + run, "/sliders/step: ");
+    refused(R"("scene": "sphere", "sliders": {"step": [0, 0.1]}, )" + run, "/sliders/step/0: ");
+    refused(R"("scene": "sphere", "sliders": {"gravity": [0, 1]}, )" + run, "/sliders/gravity: ");
+    refused(R"("scene": "sphere", "sliders": {"tilt": [0, 1]}, )" + run, "/sliders: ");
+    refused(R"("scene": "sphere", "graphs": ["heat"], )" + run, "/graphs/0: ");
+    refused(R"("scene": "sphere", "colour": 1, )" + run, "/colour: ");
+    refused(run, "/scene: ");
+}
+
+TEST(Lessons, AreReadFromFiles) {
+    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "polhode_lesson";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "mine.json")
+        << R"({"name": "mine", "duration": 1, "body": {"mass": 1, "inertia": [1, 2, 2.5]}, )"
+        << R"("initial": {"angular_velocity": [1, 2, 3]}})";
+    std::ofstream(folder / "lesson.json")
+        << lesson_with(R"("scene": "mine.json", "update": "gyroscopic_none", "step": 0.01)");
+    const Json lesson = find_lesson((folder / "lesson.json").string());
+    EXPECT_EQ(lesson["scene"], "mine");
+    EXPECT_EQ(lesson["angular_velocity"], Json({1, 2, 3}));
+    EXPECT_TRUE(lesson["arm"].is_null());
+    EXPECT_THROW(find_lesson((folder / "none.json").string()), InputError);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Lessons, PageContainsOneLessonAndNothingElse) {
+    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "polhode_lesson_page";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "template.html") << page_template;
+    ASSERT_EQ(setenv("POLHODE_REPORT_PAGE", (folder / "template.html").c_str(), 1), 0);
+    const ReportSummary made = write_lesson_page("poinsot", (folder / "page.html").string());
+    unsetenv("POLHODE_REPORT_PAGE");
+    std::ifstream file(made.path);
+    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_EQ(made.bytes, page.size());
+    EXPECT_NE(page.find("<title>Poinsot's ellipsoid</title>"), std::string::npos);
+    const Json document = Json::parse(document_text(page));
+    EXPECT_EQ(document["lesson_page"], true);
+    ASSERT_EQ(document["lessons"].size(), 1u);
+    EXPECT_EQ(document["lessons"][0], find_lesson("poinsot"));
+    EXPECT_EQ(document["rows"]["count"], 0);
+    EXPECT_TRUE(document["scenes"].empty());
+    std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace polhode

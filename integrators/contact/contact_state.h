@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "body/algebra.h"
 #include "body/elementary.h"
@@ -53,6 +54,32 @@ struct Sizes {
     double velocity = 0;          ///< m/s
 };
 
+/// The direction of the slip after it starts: it starts along `direction` and turns towards `across` by the angle
+/// sum of angle[k] (t - start)^(k + 1), rad.
+template <class P>
+struct SlipPath {
+    Vector3<P> direction_W, across_W;  ///< unit tangents
+    std::vector<P> angle;
+    P start{0};  ///< s
+
+    /// The direction at the time t.
+    template <class S>
+    Vector3<S> at(const S& t) const {
+        S sum(0), sine(0), cosine(1);
+        for (std::size_t k = angle.size(); k-- > 0;) sum = (sum + angle[k]) * (t - start);
+        sine_cosine(sum, sine, cosine);
+        return cosine * direction_W + sine * across_W;
+    }
+    /// The direction rotated by a quarter, at the time t.
+    template <class S>
+    Vector3<S> across_at(const S& t) const {
+        S sum(0), sine(0), cosine(1);
+        for (std::size_t k = angle.size(); k-- > 0;) sum = (sum + angle[k]) * (t - start);
+        sine_cosine(sum, sine, cosine);
+        return cosine * across_W - sine * direction_W;
+    }
+};
+
 /// Variables of a state with a common scale.
 struct Block {
     int first, size;
@@ -63,6 +90,7 @@ struct Block {
 enum class System {
     flight,
     sliding,
+    onset,  ///< sliding in a direction that is known as a function of time
     rolling,
     shock,  ///< an impact with slip, over the normal impulse
 };

@@ -87,6 +87,7 @@ class ContactDriver {
     bool has_started_ = false;        // the first transition
     long stalled_ = 0;                // events without progress in time
     P stalled_at_{-1};
+    std::optional<Vector3<P>> onset_;  // slip starts from zero in this direction, in the contact's axes
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
         return contact_geometry(scene, mass_properties<P>(scene.body).center, Quaternion<P>{});
@@ -239,6 +240,7 @@ class ContactDriver {
 
     // the mode of a contact whose point does not approach; nothing if the contact force would pull
     std::optional<System> contact_mode(Pair pair) {
+        onset_.reset();
         const ContactResponse<P> at = form_.response(pair, motion_);
         const P friction = mu(pair);
         if (!(friction > P(0))) return System::sliding;
@@ -258,10 +260,7 @@ class ContactDriver {
             fail("Painleve's paradox " + at_time());
             return {};
         }
-        // start with a slip at the error of the steps; the direction attracts
-        const Vector3<P> begin = P(error(3) * speed()) * *direction;
-        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
-        motion_.velocity_W = motion_.velocity_W + axes.to_world(begin);
+        onset_ = direction;
         return System::sliding;
     }
 
@@ -503,7 +502,7 @@ class ContactDriver {
             if (i != 1) force = std::max(force, std::abs(static_cast<double>(step.coefficient(first + i, 1))));
         double log2_step = std::numeric_limits<double>::infinity();
         for (int i = 0; i < all; ++i) {
-            if (i == 1 && own > 0 && mode_ == System::sliding) continue;
+            if (i < own && (i == 1 || i == 5) && mode_ == System::sliding) continue;
             const double scale = i >= own ? reach() : i == 1 ? force * force : force;
             for (int k = settings_.order - 4; k < settings_.order; ++k) {
                 const double size = log2_magnitude(series_coefficient(step, first + i, k + 1)) + std::log2(k + 1);
@@ -543,6 +542,7 @@ class ContactDriver {
 
     /// Integrates the present mode until it ends or the leg does.
     void advance(const Leg& leg) {
+        if (onset_) return start_slip(leg);
         form_.select(mode_, contact_.value_or(Pair{}));
         const int n = form_.dimension(), clock = form_.clock();
         std::vector<P> y(n);
@@ -563,27 +563,34 @@ class ContactDriver {
             const double length = std::min(step_of(series, form_.blocks(sizes_, slip)), observed_step(step));
             if (std::isnan(length)) return fail("the motion is not finite " + at_time());
             step.length = P(length);
-            bool to_end = false;
-            if (!step.stretched) {
-                if (P(leg.end) - t_ <= step.length) step.length = P(leg.end) - t_, to_end = true;
-            } else {
-                limit_to_leg(step, leg, to_end);
-            }
-            const std::optional<Found> found = first_event(step);
-            if (found) step.length = found->s, to_end = false;
-            const P start = t_;
-            const P reached = to_end ? P(leg.end) : clock_at(step);
-            if (!found && !to_end && !(reached > t_) && !step.stretched)
-                return fail("step size below the spacing of numbers " + at_time());
-            take_samples(step, leg, start, reached, n);
-            note_ratio(step);
-            series.evaluate(step.length, y.data());
-            t_ = reached;
-            motion_ = form_.motion(y.data());
-            note_sizes();
-            if (found) return handle(*found);
-            std::fill(zeros_.begin(), zeros_.end(), 0);
+            if (!take_step(step, leg, y)) return;
         }
+    }
+    // Takes a step of at most step.length. Returns false if an event ended the mode.
+    bool take_step(Step& step, const Leg& leg, std::vector<P>& y) {
+        bool to_end = false;
+        if (!step.stretched) {
+            if (P(leg.end) - t_ <= step.length) step.length = P(leg.end) - t_, to_end = true;
+        } else {
+            limit_to_leg(step, leg, to_end);
+        }
+        const std::optional<Found> found = first_event(step);
+        if (found) step.length = found->s, to_end = false;
+        const P start = t_;
+        const P reached = to_end ? P(leg.end) : clock_at(step);
+        if (!found && !to_end && !(reached > t_) && !step.stretched) {
+            fail("step size below the spacing of numbers " + at_time());
+            return false;
+        }
+        take_samples(step, leg, start, reached);
+        note_ratio(step);
+        step.series.evaluate(step.length, y.data());
+        t_ = reached;
+        motion_ = form_.motion(y.data());
+        note_sizes();
+        std::fill(zeros_.begin(), zeros_.end(), 0);
+        if (found) handle(*found);
+        return !found;
     }
     P clock_at(const Step& step) const {
         P value(0);
@@ -597,8 +604,8 @@ class ContactDriver {
         to_end = true;
     }
 
-    void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached, int n) {
-        std::vector<P> y(n);
+    void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached) {
+        std::vector<P> y(form_.dimension());
         for (; samples_.due(leg, reached); samples_.pop()) {
             const P s = step.when(P(samples_.front()), start);
             step.series.evaluate(s, y.data());
@@ -675,16 +682,92 @@ class ContactDriver {
         motion_.velocity_W = motion_.velocity_W - u[0] * axes.first_W - u[1] * axes.second_W;
     }
 
+    /// The start of a slip from zero. In polar coordinates, u_t = slip d(angle),
+    ///   d slip/dt = A,   slip d angle/dt = B,
+    /// with the accelerations A and B of the contact point along and across d. At the start B = 0, and slip grows as t
+    /// or, where the friction cone is reached while rolling, as t^2. The equation for the angle is then singular, and
+    /// order by order its series follows from B_k = (slip angle')_k, in which the highest coefficient of the angle
+    /// appears linearly. For a slip that grows as t^2 the series is asymptotic; the size of its last terms sets the
+    /// step as for a convergent one.
+    void start_slip(const Leg& leg) {
+        const Pair pair = *contact_;
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        SlipPath<P> path{axes.to_world(*onset_), cross(axes.normal_W, axes.to_world(*onset_)), {}, t_};
+        onset_.reset();
+        form_.select(System::onset, pair);
+        const int n = form_.dimension(), clock = form_.clock(), order = settings_.order;
+        std::vector<P> y(n);
+        form_.start(motion_, t_, y.data());
+        for (int i = clock + 1; i < n; ++i) y[i] = P(0);
+        const auto expand = [&](int to_order) {
+            form_.set_path(path);
+            Series<T> series(cast_recording<T>(record_form(n)), to_order);
+            series.expand(y.data());
+            return series;
+        };
+        const auto across = [&](const Series<T>& series, int k) {
+            return P(P(k + 1) * static_cast<P>(series.coefficient(clock + 2, k + 1)));
+        };
+        // slip_j = A_{j-1} / j; the slip at the start of the series is zero
+        const auto slip = [&](const Series<T>& series, int j) {
+            return static_cast<P>(series.coefficient(clock + 6, j));
+        };
+        path.angle = {P(1)};
+        const P turned = across(expand(2), 1);
+        path.angle.clear();
+        const Series<T> straight = expand(order);
+        const P slope = turned - across(straight, 1);
+        P first = slip(straight, 1);
+        const double acceleration = static_cast<double>(length(form_.response(pair, motion_).acceleration));
+        if (Elementary<P>::magnitude(first) <= P(error(6) * acceleration)) first = P(0);
+        if (!(first > P(0)) && !(slip(straight, 2) > P(0)))
+            return fail(fmt::format("slip at {} does not grow from its start {}", plane_at(pair), at_time()));
+        const double free = step_of(straight, form_.blocks(sizes_, 0));
+        bool is_straight = true;
+        for (int k = 1; k < order; ++k)
+            if (static_cast<double>(Elementary<P>::magnitude(across(straight, k))) * std::pow(free, k) >
+                error() * acceleration)
+                is_straight = false;
+        if (!is_straight) find_angles(path, expand, across, slip, slope, first);
+        const Series<T> series = expand(order);
+        Step step{series, clock, false};
+        double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(step));
+        for (std::size_t k = path.angle.size() > 4 ? path.angle.size() - 4 : 0; k < path.angle.size(); ++k)
+            longest =
+                std::min(longest, std::exp2((-settings_.digits * std::log2(10.0) - log2_magnitude(path.angle[k])) /
+                                            static_cast<double>(k + 1)));
+        if (!may_step()) return;
+        if (std::isnan(longest)) return fail("the motion is not finite " + at_time());
+        step.length = P(longest);
+        take_step(step, leg, y);
+    }
+    // (slip angle')_k = sum over j of slip_j (k + 1 - j) angle_{k + 1 - j}
+    template <class Expand, class Across, class Slip>
+    void find_angles(SlipPath<P>& path, const Expand& expand, const Across& across, const Slip& slip, const P& slope,
+                     const P& first) const {
+        for (int k = 1; k < settings_.order - 1; ++k) {
+            const Series<T> series = expand(k + 1);
+            P sum(0);
+            for (int j = 2; j <= k; ++j)
+                sum = sum + slip(series, j) * P(k + 1 - j) * path.angle[static_cast<std::size_t>(k - j)];
+            path.angle.push_back((sum - across(series, k)) / (slope - P(k) * first));
+        }
+    }
+
     void handle(const Found& found) {
         if (found.what == Found::What::gap) return transition(nullptr);
         if (found.what == Found::What::normal_force) {
             const EventKind lifts = EventKind::lifts_off;
             return transition(&lifts);
         }
-        fail(
-            fmt::format("the friction at {} no longer suffices for rolling {}, and the onset of slip during rolling "
-                        "is not supported",
-                        plane_at(*contact_), at_time()));
+        // rolling becomes sliding, against the friction that it needed
+        const Vector3<P> force = rolling_force(form_.response(*contact_, motion_));
+        const P size = square_root(P(force[0] * force[0] + force[1] * force[1]));
+        remove_slip();
+        onset_ = Vector3<P>(-force[0] / size, -force[1] / size, P(0));
+        record(*contact_, EventKind::slides);
+        mode_ = System::sliding;
+        open_interval();
     }
 };
 

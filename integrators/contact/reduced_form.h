@@ -57,6 +57,7 @@ class ReducedForm {
             case System::flight:
                 return 13;
             case System::sliding:
+            case System::onset:
                 return 12;
             case System::rolling:
                 return 10;
@@ -68,7 +69,9 @@ class ReducedForm {
     int work() const { return 3; }  ///< shock: index of the normal work
     /// Number of the system's own observed functions: sliding N, slip^2, force (3); rolling N, (mu N)^2 - F_t^2, force
     /// (3); shock u_n, slip^2.
-    int own_functions() const { return system_ == System::flight ? 0 : system_ == System::shock ? 2 : 5; }
+    int own_functions() const {
+        return system_ == System::flight ? 0 : system_ == System::shock ? 2 : system_ == System::onset ? 6 : 5;
+    }
     int dimension() const {
         return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
     }
@@ -79,9 +82,13 @@ class ReducedForm {
         }
         std::vector<Block> all{{0, 3, sizes.angular_velocity}, {3, 4, 1}, {7, 3, sizes.position}};
         if (system_ == System::flight) all.push_back({10, 3, sizes.velocity});
-        if (system_ == System::sliding) all.push_back({10, 2, is_stretched() ? slip : sizes.velocity});
+        if (system_ == System::sliding || system_ == System::onset)
+            all.push_back({10, 2, is_stretched() ? slip : sizes.velocity});
         return all;
     }
+
+    /// The direction of the slip for System::onset.
+    void set_path(const SlipPath<P>& path) { path_ = path; }
 
     void start(const BodyMotion<P>& m, const P& clock_time, P* y) {
         for (int i = 0; i < dimension(); ++i) y[i] = P(0);
@@ -94,7 +101,7 @@ class ReducedForm {
         }
         put(y, 0, m.angular_velocity_B), put(y, 3, m.q), put(y, 7, m.position_W);
         if (system_ == System::flight) put(y, 10, m.velocity_W);
-        if (system_ == System::sliding) {
+        if (system_ == System::sliding || system_ == System::onset) {
             const Vector3<P> u = response(pair_, m).velocity;
             y[10] = u[0], y[11] = u[1];
         }
@@ -114,7 +121,8 @@ class ReducedForm {
         const Vector3<P> n = rotate_back(m.q, axes_.normal_W);
         const ContactPoint<P> at = contact_point(piece(), n, m.angular_velocity_B);
         m.velocity_W = rotate(m.q, cross(at.point_B, m.angular_velocity_B));
-        if (system_ == System::sliding) m.velocity_W = m.velocity_W + y[10] * axes_.first_W + y[11] * axes_.second_W;
+        if (system_ == System::sliding || system_ == System::onset)
+            m.velocity_W = m.velocity_W + y[10] * axes_.first_W + y[11] * axes_.second_W;
         return m;
     }
 
@@ -156,6 +164,7 @@ class ReducedForm {
                 flight(y, dy);
                 break;
             case System::sliding:
+            case System::onset:
                 sliding(y, dy);
                 break;
             case System::rolling:
@@ -179,6 +188,7 @@ class ReducedForm {
     std::vector<std::size_t> others_;
     BodyMotion<P> frozen_;         // shock: the motion before it
     ContactResponse<P> response_;  // shock: before it
+    SlipPath<P> path_;             // onset
 
     const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
     const P& friction() const { return geometry_->planes[pair_.plane].friction; }
@@ -223,7 +233,9 @@ class ReducedForm {
         const bool rubs = friction() > P(0);
         S pace(1);
         Vector3<S> f = n;
-        if (rubs) {
+        if (system_ == System::onset) {
+            f = n - friction() * rotate_back(q, path_.at(y[12]));
+        } else if (rubs) {
             pace = square_root(square);
             const S share = friction() / pace;
             f = n - (share * y[10]) * e1 - (share * y[11]) * e2;
@@ -243,6 +255,11 @@ class ReducedForm {
         dy[12] = pace;
         dy[13] = N, dy[14] = square;
         put(dy, 15, N * rotate(q, f));
+        if (system_ == System::onset) {
+            // the acceleration of the slip across and along its direction
+            const Vector3<S> slip_rate = dy[10] * axes_.first_W + dy[11] * axes_.second_W;
+            dy[14] = dot(path_.across_at(y[12]), slip_rate), dy[18] = dot(path_.at(y[12]), slip_rate);
+        }
         observe_gaps(q, p, dy);
     }
     template <class S>

@@ -39,6 +39,10 @@ bool favors_extrapolation(const Problem& problem, double tolerance) {
 }  // namespace
 
 Choice choose_method(const Problem& problem, double tolerance) {
+    const auto has_friction = [](const Plane& plane) { return plane.friction > 0; };
+    if (std::ranges::any_of(problem.scene.planes, has_friction))
+        if (const Method* method = find_method("taylor"); method && refusal(*method, problem).empty())
+            return {method, "contact with friction, by its modes"};
     if (!problem.scene.planes.empty()) return {find_method("cvode_impacts"), "impacts on planes, located as events"};
     if (const Method* method = find_method("exact"); method && has_closed_form(problem))
         return {method, "the motion has a closed form"};

@@ -20,6 +20,7 @@
 #include <variant>
 
 #include "integrators/closed_form/compensated_rotation.h"
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/record_system.h"
 #include "integrators/run/solver_run.h"
@@ -415,6 +416,7 @@ Trajectory solve_with_series(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory solve_taylor(const Problem& problem, const Settings& settings) {
+    if (!problem.scene.planes.empty()) return contact::solve_contacts(problem, settings);
     return with_system(problem, [&]<class SystemType>() {
         if (*settings.tolerance < extended_below && has_extended)
             return solve_with_series<ExtendedSeries<SystemType>, SystemType>(problem, settings);
@@ -422,8 +424,9 @@ Trajectory solve_taylor(const Problem& problem, const Settings& settings) {
     });
 }
 
-std::string user_torque_refusal(const Problem& problem) {
-    return problem.needs.user_torque ? "user-defined torques have no Taylor coefficients" : "";
+std::string taylor_refusal(const Problem& problem) {
+    if (problem.needs.user_torque) return "user-defined torques have no Taylor coefficients";
+    return contact::contact_refusal(problem.scene);
 }
 
 constexpr Method taylor_variants[] = {
@@ -436,16 +439,18 @@ constexpr Method taylor_variants[] = {
          "s and 4e-11 rad after a million radians, at about seven times the run time. Time is scaled by a power of two "
          "near the motion's fastest rate, so that the method behaves the same at any rate. The recurrences are "
          "recorded from the right-hand side and compiled for the scene to machine code, with AVX-512 or AVX2. Where "
-         "machine code cannot be generated, an interpreter gives the same bits. One evaluation is a whole series.",
+         "machine code cannot be generated, an interpreter gives the same bits. One evaluation is a whole series. On "
+         "planes "
+         "it follows flight, sliding and rolling in reduced coordinates, with events located on the series.",
      .source = "R. E. Moore 1966, Interval Analysis; A. Jorba and M. Zou 2005, Experimental Mathematics 14, 99-117",
      .conserves = "nothing",
      .control = Control::tolerance,
+     .planes = true,
      .general_systems = true,
      .solve = solve_taylor},
 };
 
-constexpr auto taylor_list =
-    apply_defaults({.family = Family::series, .refusal = user_torque_refusal}, taylor_variants);
+constexpr auto taylor_list = apply_defaults({.family = Family::series, .refusal = taylor_refusal}, taylor_variants);
 
 }  // namespace
 

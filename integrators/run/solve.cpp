@@ -83,7 +83,7 @@ std::string special_contact_law(const Scene& scene) {
 std::string refusal(const Method& method, const Problem& problem) {
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} does not support impacts on planes", method.name);
-    if (method.family != Family::reference)
+    if (method.family != Family::reference && method.family != Family::series)
         if (const std::string law = special_contact_law(problem.scene); !law.empty())
             return fmt::format("{} does not support {}", method.name, law);
     if (!method.general_systems && std::holds_alternative<MechanismSystem>(problem.system))

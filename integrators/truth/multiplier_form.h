@@ -58,7 +58,9 @@ class MultiplierForm {
     bool is_stretched() const { return system_ == System::shock || (system_ == System::sliding && mu() > P(0)); }
     int clock() const { return system_ == System::shock ? 7 : 13; }
     int work() const { return 6; }
-    int own_functions() const { return system_ == System::flight ? 0 : system_ == System::shock ? 2 : 5; }
+    int own_functions() const {
+        return system_ == System::flight ? 0 : system_ == System::shock ? 2 : system_ == System::onset ? 6 : 5;
+    }
     int dimension() const {
         return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
     }
@@ -68,6 +70,9 @@ class MultiplierForm {
             return {{0, 3, turn}, {3, 3, mass * sizes.velocity}, {6, 1, mass * sizes.velocity * sizes.velocity}};
         return {{0, 3, turn}, {3, 4, 1}, {7, 3, sizes.position}, {10, 3, mass * sizes.velocity}};
     }
+
+    /// The direction of the slip for System::onset.
+    void set_path(const contact::SlipPath<P>& path) { path_ = path; }
 
     void start(const Motion<P>& m, const P& clock_time, P* y) {
         for (int i = 0; i < dimension(); ++i) y[i] = P(0);
@@ -139,13 +144,19 @@ class MultiplierForm {
                 const Vector3<S> slip = k.velocity - dot(n, k.velocity) * n;
                 const S square = dot(slip, slip);
                 Vector3<S> f = cast<S>(n);
-                if (mu() > P(0)) {
+                if (system_ == System::onset) {
+                    f = n - mu() * path_.at(y[13]);
+                } else if (mu() > P(0)) {
                     pace = square_root(square);
                     f = n - (mu() / pace) * slip;
                 }
                 const S N = P(-1) * (dot(n, k.acceleration) / dot(n, k.respond(f)));
                 F = N * f;
                 dy[14] = N, dy[15] = square;
+                if (system_ == System::onset) {
+                    const Vector3<S> u_rate = k.acceleration + N * k.respond(f);
+                    dy[15] = dot(path_.across_at(y[13]), u_rate), dy[19] = dot(path_.at(y[13]), u_rate);
+                }
             }
             put(dy, 16, F);
             put(dy, 0, vector_at(dy, 0) + cross(k.arm, F)), put(dy, 10, vector_at(dy, 10) + F);
@@ -167,7 +178,8 @@ class MultiplierForm {
     System system_ = System::flight;
     contact::Pair pair_;
     std::vector<std::size_t> others_;
-    Motion<P> frozen_;  // shock: the motion before it
+    Motion<P> frozen_;           // shock: the motion before it
+    contact::SlipPath<P> path_;  // onset
 
     const P& mu() const { return geometry_->planes[pair_.plane].friction; }
 

@@ -230,6 +230,9 @@ std::string refusal(const Scene& scene, int digits) {
     for (const Plane& plane : scene.planes)
         if (plane.torsional_friction > 0 || plane.rolling_friction > 0)
             return "no truth: torsional and rolling friction are not supported";
+    for (const Load& load : scene.loads)
+        if (!scene.planes.empty() && std::holds_alternative<FormulaLoad>(load))
+            return "no truth: formulas are not supported together with planes";
     if (digits > most_truth_digits)
         return fmt::format("no truth to {} digits: at most {} digits are available without certification", digits,
                            most_truth_digits);

@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "motion/mechanism_motion.h"
 #include "scene/plane_file.h"
+#include "text/decimal.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -79,6 +80,23 @@ bool write_contacts(const Scene& scene, const ContactOptions& options, const Dec
     else
         std::fputs(modes_table(scene, truth).c_str(), stderr);
     return true;
+}
+
+bool write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
+                    bool to_stdout) {
+    DecimalReference as_text;
+    for (const contact::Event<double>& e : record.events) {
+        const Vector3<double>& J = e.tangential_impulse_W;
+        as_text.contact_events.push_back({shortest_decimal(e.t),
+                                          e.plane,
+                                          contact::event_names[static_cast<std::size_t>(e.kind)],
+                                          shortest_decimal(e.normal_impulse),
+                                          {shortest_decimal(J[0]), shortest_decimal(J[1]), shortest_decimal(J[2])}});
+    }
+    for (const contact::Interval<double>& in : record.intervals)
+        as_text.contact_intervals.push_back({shortest_decimal(in.from), shortest_decimal(in.to), in.plane,
+                                             contact::mode_names[static_cast<std::size_t>(in.mode)], in.largest_ratio});
+    return write_contacts(scene, options, as_text, to_stdout);
 }
 
 std::vector<std::string> reaction_names(const Scene& scene) {

@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
+#include "integrators/contact/contact_record.h"
 #include "integrators/truth/reference.h"
 #include "scene/scene.h"
 
@@ -27,6 +29,10 @@ void require_contacts(const Scene& scene, const ContactOptions& options, const s
 /// Writes events to the file and modes to stdout, or to stderr if `to_stdout` is false. Returns false, with a message
 /// on stderr, if the reference has no contact modes.
 bool write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout);
+
+/// Writes the record of a run in binary64 in the same form.
+bool write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
+                    bool to_stdout);
 
 /// Names of what exerts a reaction: planes, or joints and then loops.
 std::vector<std::string> reaction_names(const Scene& scene);

@@ -206,6 +206,7 @@ std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     report.line("velocity", text(problem.body.velocity_W) + " m/s, centre of mass, world axes");
     loads(report, problem.scene);
     planes(report, problem);
+    contacts(report, problem);
     system_posed(report, problem);
     choice(report, problem);
     invariants(report, problem, "none: the loads change energy and every component of momentum");

@@ -55,6 +55,8 @@ enum class ConditioningBudget {
 /// Appends the block on conditioning: growth of small changes of the initial state, and until when an engine's error
 /// can be attributed to the engine. `times`: ascending, s.
 void growth(Report& report, const Problem& problem, ConditioningBudget budget, const std::vector<double>& times);
+/// Appends the block on contacts with planes: modes over time and events, by a run in binary64.
+void contacts(Report& report, const Problem& problem);
 /// Appends the blocks of a scene of several bodies, except title and conditioning.
 void mechanism(Report& report, const Problem& problem);
 

@@ -10,6 +10,7 @@
 #include "app/contact_output.h"
 #include "app/joint_history.h"
 #include "app/lookup.h"
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/method.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
@@ -128,18 +129,23 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 }
 
 // Writes the events and modes of the method, if it records them. Returns whether they were written.
-bool report_contacts(const SolveOptions& options, const Scene& scene, const Method& method) {
+bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
+                     const Settings& settings) {
     if (!options.contacts.any()) return true;
-    if (method.family != Family::reference) {
-        std::fputs(fmt::format("polhode: --modes and --events: {} does not record contacts; use the method truth\n",
-                               method.name)
-                       .c_str(),
-                   stderr);
-        return false;
+    const bool to_stdout = !options.output.empty();
+    if (method.family == Family::reference) {
+        constexpr int digits = 17;
+        return write_contacts(problem.scene, options.contacts,
+                              decimal_reference(problem.scene, options.samples, digits), to_stdout);
     }
-    constexpr int digits = 17;
-    return write_contacts(scene, options.contacts, decimal_reference(scene, options.samples, digits),
-                          !options.output.empty());
+    if (method.name == "taylor")
+        return write_contacts(problem.scene, options.contacts, contact::follow_in_binary64(problem, settings).record,
+                              to_stdout);
+    std::fputs(
+        fmt::format("polhode: --modes and --events: {} does not record contacts; use taylor or truth\n", method.name)
+            .c_str(),
+        stderr);
+    return false;
 }
 
 int solve_command(const SolveOptions& options) {
@@ -180,7 +186,7 @@ int solve_command(const SolveOptions& options) {
                 .c_str(),
             stderr);
     if (no_reactions || no_joints) return 1;
-    if (trajectory.status == Status::ok && !report_contacts(options, scene, *choice.method)) return 1;
+    if (trajectory.status == Status::ok && !report_contacts(options, problem, *choice.method, settings)) return 1;
     return trajectory.status == Status::ok ? 0 : 1;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "integrators/method.h"
 #include "integrators/truth/reference.h"
 #include "scene/scene_file.h"
 
@@ -92,6 +93,49 @@ TEST(ContactReference, RollingEllipsoidKeepsItsEnergy) {
         EXPECT_EQ(sample.energy.high, reference_.samples.front().energy.high);
         EXPECT_NEAR(sample.energy.low, reference_.samples.front().energy.low, 1e-24);
     }
+}
+
+/// An ellipsoid whose friction does not suffice for rolling starts to slip while it rolls, and rolls again. The method
+/// taylor follows the same events in binary64.
+TEST(ContactReference, EllipsoidSlipsWhileItRolls) {
+    const Scene scene =
+        contact_scene(R"({"shape": {"type": "ellipsoid", "semi_axes": [0.5, 0.4, 0.3]}, "mass": 2})",
+                      R"({"position": [0, 0, 0.3], "velocity": [1, 0.5, 0], "angular_velocity": [0.5, 3, 0.25]})",
+                      "[0, 0, -10]", R"("restitution": 0.5, "friction": 0.25)", 1.25);
+    const DecimalReference truth = available(scene);
+    std::string events;
+    for (const DecimalContactEvent& event : truth.contact_events) events += event.event + " ";
+    EXPECT_EQ(events, "rolls slides rolls ");
+    const Trajectory run = solve(scene, *find_method("taylor"), {.tolerance = 1e-12, .samples = 2});
+    ASSERT_EQ(run.status, Status::ok) << run.message;
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(run.samples[2].position_W[i], value(truth.columns[2][7 + i]), 1e-10L);
+        EXPECT_NEAR(run.samples[2].velocity_W[i], value(truth.columns[2][10 + i]), 1e-10L);
+    }
+}
+
+/// Jellett's constant: L . r of an axisymmetric body with a spherical tip, r from the centre of mass to the contact
+/// (Gray and Nickel 2000, Am. J. Phys. 68, 821).
+TEST(ContactReference, TippeTopKeepsJellettsConstant) {
+    const Scene scene = contact_scene(
+        R"({"parts": [{"shape": {"type": "sphere", "radius": 0.5}, "mass": 1},
+                      {"shape": {"type": "sphere", "radius": 0.125}, "mass": 1, "position": [0, 0, -0.25]}]})",
+        R"({"orientation": [0.96, 0.28, 0, 0], "position": [0, 0.0672, 0.39465], "angular_velocity": [0, 0, 20]})",
+        "[0, 0, -10]", R"("restitution": 0, "friction": 0.25)", 0.5);
+    const Reference truth = reference(scene, 4);
+    ASSERT_TRUE(truth.available) << truth.message;
+    std::vector<double> jellett;
+    for (const ReferenceSample& sample : truth.samples) {
+        const Sample s = sample.rounded();
+        // the centre of the tip is 0.125 above the centre of mass
+        const Vector3<double> r = rotate(s.q, Vector3<double>(0, 0, 0.125)) - Vector3<double>(0, 0, 0.5);
+        const Vector3<double> L(sample.angular_momentum_W[0].high, sample.angular_momentum_W[1].high,
+                                sample.angular_momentum_W[2].high);
+        // the top falls from a small height first
+        if (s.t > 0.1) jellett.push_back(dot(L, r));
+    }
+    ASSERT_EQ(jellett.size(), 4U);
+    for (double j : jellett) EXPECT_NEAR(j, jellett.front(), 1e-14);
 }
 
 TEST(ContactReference, RefusesWhatItDoesNotFollow) {

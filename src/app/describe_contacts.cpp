@@ -1,0 +1,66 @@
+// The block on contacts in the description of a scene of one body.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "app/description.h"
+#include "integrators/contact/solve_contacts.h"
+#include "motion/contact.h"
+#include "scene/plane_file.h"
+#include "text/message.h"
+
+namespace polhode::description {
+namespace {
+
+constexpr std::size_t most_contact_lines = 40;
+
+std::string describe_interval(const Scene& scene, const contact::Interval<double>& in) {
+    if (in.mode == contact::Mode::flight) return "flight";
+    std::string text = fmt::format("{} on {}", contact::mode_names[static_cast<std::size_t>(in.mode)],
+                                   one_line(plane_name(scene, in.plane), 60));
+    if (in.largest_ratio > 0) text += fmt::format(", largest |F|/(mu N) {:.6g}", in.largest_ratio);
+    return text;
+}
+
+// Whether the body is a ball about its centre of mass with three equal moments.
+bool is_ball(const Problem& problem) {
+    const auto& pieces = problem.body.geometry->pieces;
+    return pieces.size() == 1 && !pieces[0].extended && hypotenuse(pieces[0].center) == 0 &&
+           problem.needs.symmetry == Symmetry::spherical;
+}
+
+}  // namespace
+
+void contacts(Report& report, const Problem& problem) {
+    if (problem.scene.planes.empty()) return;
+    report.title("Contacts");
+    if (const std::string why = contact::contact_refusal(problem.scene); !why.empty() || problem.needs.user_torque) {
+        report.line(why.empty() ? "user-defined torques are not supported together with planes" : why);
+        return;
+    }
+    report.line("laws", "Coulomb friction; impacts by the shock equations of Darboux and Keller");
+    report.line("simultaneous impacts", "one after the other, in the order of planes and points of the hull");
+    Settings settings;
+    settings.samples = 1, settings.seconds_limit = 2, settings.tolerance = default_tolerance;
+    const contact::Run<double> run = contact::follow_in_binary64(problem, settings);
+    const auto& intervals = run.record.intervals;
+    for (std::size_t i = 0; i < std::min(intervals.size(), most_contact_lines); ++i)
+        report.line(fmt::format("{:.10g} s to {:.10g} s", intervals[i].from, intervals[i].to),
+                    describe_interval(problem.scene, intervals[i]));
+    if (intervals.size() > most_contact_lines)
+        report.line("..", fmt::format("{} further intervals; polhode truth --modes prints all of them",
+                                      intervals.size() - most_contact_lines));
+    std::array<long, contact::event_names.size()> counts{};
+    for (const contact::Event<double>& event : run.record.events) ++counts[static_cast<std::size_t>(event.kind)];
+    std::vector<std::string> events;
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        if (counts[i] > 0) events.push_back(fmt::format("{} {}", counts[i], contact::event_names[i]));
+    report.line("events", events.empty() ? "none" : join_with_commas(events));
+    if (!run.fault.empty()) report.line("ends early", one_line(run.fault, 300));
+    const bool rolls = std::ranges::any_of(intervals, [](const auto& in) { return in.mode == contact::Mode::rolling; });
+    if (rolls) report.line("kept while rolling", "energy, unless drag or a torque acts");
+    if (is_ball(problem)) report.line("kept by a ball", "spin about the normal of the plane, unless a torque acts");
+}
+
+}  // namespace polhode::description

@@ -168,5 +168,6 @@ void bind_ensembles(py::module_& module);
 void bind_user_methods(py::module_& module);
 void bind_experiments(py::module_& module);
 void bind_measuring(py::module_& module);
+void bind_sensitivity(py::module_& module);
 
 }  // namespace polhode::python

@@ -41,4 +41,5 @@ PYBIND11_MODULE(_polhode, module) {
     bind_user_methods(module);
     bind_experiments(module);
     bind_measuring(module);
+    bind_sensitivity(module);
 }

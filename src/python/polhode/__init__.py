@@ -29,13 +29,16 @@ from polhode._joints import JointMotion, Joints, Reactions
 from polhode._methods import Method, method, methods, solver
 from polhode._polhode import InputError, LoadState, NoTruthError, RightHandSide, __version__, allow_outside_files
 from polhode._scenes import Scene, describe, scene, scenes
+from polhode._sensitivity import Derivative, Fit, Sensitivity, fit, sensitivity
 from polhode._solving import Motion, OdeResult, Trajectory, solve, solve_ivp, trajectory
 from polhode._truth import Truth, truth
 
 __all__ = [
     "BodyMotion",
+    "Derivative",
     "Ensemble",
     "Errors",
+    "Fit",
     "InputError",
     "JointMotion",
     "Joints",
@@ -49,6 +52,7 @@ __all__ = [
     "Results",
     "RightHandSide",
     "Scene",
+    "Sensitivity",
     "Trajectory",
     "Truth",
     "__version__",
@@ -57,11 +61,13 @@ __all__ = [
     "describe",
     "ensemble",
     "errors",
+    "fit",
     "method",
     "methods",
     "run",
     "scene",
     "scenes",
+    "sensitivity",
     "solve",
     "solve_ivp",
     "solver",

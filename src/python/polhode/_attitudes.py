@@ -28,7 +28,7 @@ def _unit(q: npt.ArrayLike) -> Array:
     return unit
 
 
-def _matrices(q: npt.ArrayLike) -> Array:
+def matrices_of(q: npt.ArrayLike) -> Array:
     """Returns rotation matrices (.., 3, 3) of quaternions (.., 4), which need not be normalised."""
     w, x, y, z = np.moveaxis(_unit(q), -1, 0)
     rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -106,7 +106,7 @@ class Attitudes:
         -------
         ndarray, shape (n, 3, 3) or (n, bodies, 3, 3)
         """
-        return _matrices(self.q)
+        return matrices_of(self.q)
 
     def frames(self, origin: str = "body") -> Array:
         """Returns the poses as homogeneous matrices, which map points of the body to the world.
@@ -130,7 +130,7 @@ class Attitudes:
         """
         if origin not in ("body", "center_of_mass"):
             raise _polhode.InputError(f"origin is {origin!r}; give \"body\" or \"center_of_mass\"")
-        R = _matrices(self.q)
+        R = matrices_of(self.q)
         frames = np.zeros(R.shape[:-2] + (4, 4))
         frames[..., :3, :3] = R
         frames[..., :3, 3] = self.p

@@ -1,0 +1,113 @@
+// Derivatives of motions with a closed form. tests/python/test_sensitivity.py compares others with the truth.
+#include "integrators/analysis/sensitivity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace polhode {
+namespace {
+
+constexpr double small_change = 0x1p-40;
+
+// The scene with `number(scene)` changed to both sides.
+template <class Number>
+SceneChange change_of(const Scene& scene, const Number& number) {
+    SceneChange change{scene, scene, 2 * small_change};
+    number(change.ahead) += small_change, number(change.behind) -= small_change;
+    return change;
+}
+
+// d quantity / d parameter at a moment, of a scene of one body.
+double derivative(const Sensitivities& found, std::size_t moment, std::size_t quantity, std::size_t parameter) {
+    return found.derivatives[(moment * Sensitivities::quantities + quantity) * found.parameters + parameter];
+}
+
+constexpr std::size_t rotation_z = 2, rate_z = 5, position_x = 6, velocity_x = 9;
+
+// A body that rotates about its axis z under a torque: angle = w t + tau t^2 / (2 I).
+TEST(Sensitivities, OfARotationAboutAnAxis) {
+    Scene scene;
+    scene.name = "rotor", scene.duration = 3;
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 1, 1.5));
+    scene.initial.angular_velocity = {0, 0, 2};
+    scene.loads.push_back(Torque{{0, 0, 0.75}, Frame::world, {}});
+    const SceneChange changes[] = {
+        change_of(scene, [](Scene& s) -> double& { return s.initial.angular_velocity[2]; }),
+        change_of(scene, [](Scene& s) -> double& { return s.body.inertia_B[2][2]; }),
+        change_of(scene, [](Scene& s) -> double& { return std::get<Torque>(s.loads[0]).vector[2]; })};
+    const std::vector<double> times{0, 1, 3};
+    const Sensitivities found = sensitivities(scene, changes, times);
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        const double t = times[k], I = 1.5, tau = 0.75;
+        EXPECT_NEAR(derivative(found, k, rotation_z, 0), t, 1e-12);
+        EXPECT_NEAR(derivative(found, k, rotation_z, 1), -tau * t * t / (2 * I * I), 1e-12);
+        EXPECT_NEAR(derivative(found, k, rotation_z, 2), t * t / (2 * I), 1e-12);
+        EXPECT_NEAR(derivative(found, k, rate_z, 1), -tau * t / (I * I), 1e-12);
+        EXPECT_EQ(derivative(found, k, position_x, 1), 0);
+    }
+}
+
+// A body with drag that an impulse hits at t1: v = v0 e^(-c t / m) + J e^(-c (t - t1) / m) / m.
+TEST(Sensitivities, OfAnImpulseAndDrag) {
+    Scene scene;
+    scene.name = "puck", scene.duration = 2;
+    scene.body.mass = 2;
+    scene.initial.velocity_W = {3, 0, 0};
+    scene.loads.push_back(Drag{{}, 0.5, {}});
+    scene.loads.push_back(Impulse{{4, 0, 0}, Frame::world, {}, Frame::body, 0.5});
+    const SceneChange changes[] = {
+        change_of(scene, [](Scene& s) -> double& { return s.body.mass; }),
+        change_of(scene, [](Scene& s) -> double& { return std::get<Impulse>(s.loads[1]).vector[0]; }),
+        change_of(scene, [](Scene& s) -> double& { return std::get<Drag>(s.loads[0]).translational; })};
+    const Sensitivities found = sensitivities(scene, changes, {0.25, 0.5, 2});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    const auto expect = [&](std::size_t k, double t, bool hit) {
+        const double m = 2, c = 0.5, J = hit ? 4 : 0, s = t - 0.5;
+        const double first = 3 * std::exp(-c * t / m), second = J * std::exp(-c * s / m) / m;
+        EXPECT_NEAR(derivative(found, k, velocity_x, 0), first * c * t / (m * m) + second * (c * s / (m * m) - 1 / m),
+                    1e-12);
+        EXPECT_NEAR(derivative(found, k, velocity_x, 1), hit ? std::exp(-c * s / m) / m : 0, 1e-12);
+        EXPECT_NEAR(derivative(found, k, velocity_x, 2), -first * t / m - second * s / m, 1e-12);
+    };
+    expect(0, 0.25, false), expect(1, 0.5, true), expect(2, 2, true);
+}
+
+// More parameters than one pass has: each has the derivative that it has alone.
+TEST(Sensitivities, AreThoseOfSinglePasses) {
+    Scene scene;
+    scene.name = "body", scene.duration = 1;
+    scene.body.inertia_B = diagonal(Vector3<double>(1, 2, 3));
+    scene.initial.angular_velocity = {1, 0.5, 0.25};
+    std::vector<SceneChange> changes;
+    for (std::size_t i = 0; i < 9; ++i)
+        changes.push_back(change_of(scene, [i](Scene& s) -> double& {
+            return i < 3   ? s.initial.angular_velocity[i]
+                   : i < 6 ? s.initial.velocity_W[i - 3]
+                           : s.body.inertia_B[i - 6][i - 6];
+        }));
+    const Sensitivities all = sensitivities(scene, changes, {1});
+    const Sensitivities last = sensitivities(scene, std::span(changes).last(1), {1});
+    ASSERT_EQ(all.status, Status::ok) << all.message;
+    for (std::size_t q = 0; q < Sensitivities::quantities; ++q)
+        EXPECT_NEAR(derivative(all, 0, q, 8), derivative(last, 0, q, 0), 1e-11);
+    EXPECT_NEAR(derivative(all, 0, position_x, 3), 1, 1e-12);
+}
+
+TEST(Sensitivities, RefuseWhatTheyDoNotSupport) {
+    Scene scene;
+    scene.name = "body", scene.duration = 1;
+    scene.loads.push_back(Torque{{0, 0, 1}, Frame::body, {0.25, 0.75}});
+    const SceneChange changes[] = {
+        change_of(scene, [](Scene& s) -> double& { return std::get<Torque>(s.loads[0]).window.until; })};
+    EXPECT_EQ(sensitivities(scene, changes, {1}).status, Status::unsupported);
+    EXPECT_THROW(sensitivities(scene, {}, {0.5, 0.5}), std::invalid_argument);
+    EXPECT_THROW(sensitivities(scene, {}, {2}), std::invalid_argument);
+    EXPECT_EQ(sensitivities(scene, {}, {1}, {.max_steps = 1}).status, Status::failed);
+    scene.planes.push_back({});
+    EXPECT_EQ(sensitivities(scene, {}, {1}).status, Status::unsupported);
+}
+
+}  // namespace
+}  // namespace polhode

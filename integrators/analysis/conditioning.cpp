@@ -15,6 +15,7 @@
 #include "integrators/run/stiffness.h"
 #include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/sensitivity_session.h"
+#include "scene/scene_formulas.h"
 #include "text/interruption.h"
 
 namespace polhode {
@@ -171,7 +172,9 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         throw std::invalid_argument("times must not exceed the scene's duration");
     if (std::holds_alternative<UserSystem>(problem.system)) {
         Conditioning unavailable;
-        unavailable.message = "conditioning is not available for user-defined systems";
+        unavailable.message = has_formula_loads(problem.scene)
+                                  ? "conditioning is not available for loads given by formulas"
+                                  : "conditioning is not available for user-defined systems";
         return unavailable;
     }
     Conditioning result = problem.model() ? mechanism_conditioning(problem, times, settings)

@@ -20,6 +20,7 @@
 #include "integrators/run/march.h"
 #include "motion/mechanism.h"
 #include "scene/scene_file.h"
+#include "scene/scene_formulas.h"
 #include "text/json_document.h"
 #include "text/message.h"
 
@@ -42,6 +43,7 @@ std::variant<EngineScene, EngineMechanism> engine_bodies(const Problem& problem)
 }
 
 std::string engine_refusal(const Problem& problem) {
+    if (has_formula_loads(problem.scene)) return "engines do not support loads given by formulas";
     if (std::holds_alternative<UserSystem>(problem.system)) return "engines do not support user-defined systems";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {

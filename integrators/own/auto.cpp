@@ -8,6 +8,7 @@
 #include "integrators/own/exact.h"
 #include "integrators/own/record_system.h"
 #include "integrators/run/stiffness.h"
+#include "motion/formula_model.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
 
@@ -49,9 +50,12 @@ Choice choose_method(const Problem& problem, double tolerance) {
     if (is_stiff(problem))
         if (const Method* method = find_method("radau"))
             return {method, "the motion is stiff: it damps far faster than it rotates"};
+    if (has_switches(problem))
+        return {find_method("taylor"),
+                "a load given by a formula switches: a Taylor series locates the switching points"};
     if (favors_extrapolation(problem, tolerance))
         return {find_method("extrapolation"),
-                "many joined bodies: evaluating eight right-hand sides in parallel is the fastest"};
+                "the equations are long: evaluating eight right-hand sides in parallel is the fastest"};
     if (!problem.needs.user_torque)
         return {find_method("taylor"), "the motion is smooth and not stiff: a Taylor series gives the smallest error"};
     return {find_method("dop853"),

@@ -45,7 +45,7 @@ struct Piece {
 
 struct Plan {
     std::vector<Piece> pieces;
-    bool is_individual = false;    // bodies are solved individually: planes or a user-defined torque
+    bool is_individual = false;    // bodies are solved individually: planes, a user-defined torque or a formula
     bool has_translation = false;  // the centre of mass moves freely
 };
 
@@ -53,7 +53,8 @@ Plan make_plan(const Scene& scene) {
     Plan plan;
     plan.is_individual = !scene.planes.empty();
     plan.has_translation = !scene.pivot;
-    for (const Load& load : scene.loads) plan.is_individual |= std::holds_alternative<UserTorque>(load);
+    for (const Load& load : scene.loads)
+        plan.is_individual |= std::holds_alternative<UserTorque>(load) || std::holds_alternative<FormulaLoad>(load);
     const ExactBody<double> body = exact_body<double>(scene);
     for (const Leg& leg : itinerary(scene)) {
         const Forcing<double> f = forcing_at(scene, body, leg.begin, Quaternion<double>{});

@@ -96,6 +96,7 @@ std::string closed_form_refusal(const Problem& problem) {
     if (problem.formulation != Formulation::reduced)
         return "the full formulation has no closed form; solve without --full";
     if (problem.needs.user_torque) return "user-defined torques have no closed form";
+    if (problem.model()) return "only rigid bodies with built-in loads have a closed form";
     if (problem.needs.translation == Translation::integrated)
         return "no closed form: forces couple translation and rotation";
     constexpr double least = 1e-18;

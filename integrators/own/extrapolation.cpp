@@ -19,6 +19,7 @@
 #include "integrators/own/record_system.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
+#include "motion/formula_model.h"
 
 namespace polhode {
 namespace {
@@ -265,6 +266,14 @@ class ControlledExtrapolation {
 Trajectory solve_extrapolation(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
     if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
+    if (has_formula_loads(problem.scene)) {
+        // recorded equations do not switch
+        if (has_switches(problem))
+            return march_controlled(problem, settings,
+                                    ControlledExtrapolation<GeneralColumns<FormulaSystem>>(problem, tolerance));
+        return march_controlled(problem, settings,
+                                ControlledExtrapolation<RecordedColumns<FormulaSystem>>(problem, tolerance));
+    }
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
             if (RotationLanes<SystemType>::supports(problem, RotationTerms::axial_field))

@@ -26,6 +26,7 @@
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
 #include "integrators/tape/tape_series.h"
+#include "motion/formula_model.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
 
@@ -313,7 +314,8 @@ class TaylorSession {
     void restart() {
         series_.reset();
         system_.initial(y_.data());
-        t_ = 0, steps_ = 0;
+        t_ = 0, steps_ = 0, switched_ = 0;
+        crossing_.reset(), fault_.clear();
     }
     /// Handles an event: applies the impulses and sets the loads of this segment.
     int enter(const Segment& of_problem) {
@@ -322,6 +324,8 @@ class TaylorSession {
         system_.enter(segment, y_.data());
         series_.reset();
         begin_ = t_ = segment.begin, end_ = segment.end;
+        segment_ = &segment;
+        crossing_.reset(), fault_.clear();
         if (end_ > t_) series_.emplace(*scaled_, segment, system_, tolerance_).start(y_.data());
         return 0;
     }
@@ -329,6 +333,7 @@ class TaylorSession {
     /// possible.
     int step() {
         advance();
+        if (!fault_.empty()) return cannot_continue;
         ++steps_;
         series_->expand();
         const double h = series_->step(tolerance_);
@@ -337,6 +342,7 @@ class TaylorSession {
         if (!(next > t_)) return too_short;
         // A remainder of a few rounding errors is merged into the step.
         t_ = next >= end_ - 1e-14 * (end_ - t_) ? end_ : next;
+        if constexpr (switches) return end_at_crossing();
         return 0;
     }
 
@@ -354,6 +360,7 @@ class TaylorSession {
     int inside_flag() const { return 0; }
 
     SolverFailure failure(int flag) const {
+        if (flag == cannot_continue) return {Status::failed, fmt::format("{} at t = {:g} s", fault_, time())};
         if (flag == not_finite) return {Status::diverged, fmt::format("not finite at t = {:g} s", time())};
         return {Status::tolerance_not_met, fmt::format("step size below the spacing of numbers at t = {:g} s", time())};
     }
@@ -363,7 +370,8 @@ class TaylorSession {
     long rhs_evaluations() const { return steps_; }
 
   private:
-    static constexpr int not_finite = -1, too_short = -2;
+    static constexpr int not_finite = -1, too_short = -2, cannot_continue = -3;
+    static constexpr bool switches = requires(SystemType f) { f.switching_points(); };
 
     // User-defined systems are in seconds already.
     static Moment convert_to_seconds(Moment bodies) { return bodies; }
@@ -386,8 +394,60 @@ class TaylorSession {
             if (!system_.projects()) return;
             series_->state(y_.data());
             system_.project(y_.data());
+            if constexpr (switches) cross_switch();
             series_->start(y_.data());
         }
+    }
+
+    // Ends the step at the first crossing of a switching point. The polynomial is searched at equally spaced times.
+    int end_at_crossing() {
+        constexpr int parts = 16;
+        const double h = t_ - begin_;
+        const std::vector<SwitchOf<double>> points = system_.switching_points();
+        if (points.empty()) return 0;
+        const auto heights = [&](double after) {
+            series_->evaluate(after, y_.data());
+            std::vector<double> all;
+            for (const auto& point : points) all.push_back(y_[point.component] - point.threshold);
+            return all;
+        };
+        for (int j = 1; j <= parts; ++j) {
+            const std::vector<double> now = heights(h * j / parts);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const int sign = points[i].sign;
+                // a switch that stays at its threshold
+                if (sign == 0 && std::abs(now[i]) > 1e-12 * std::max(1.0, std::abs(points[i].threshold))) {
+                    fault_ = "chattering: the motion slides along a switching surface";
+                    return cannot_continue;
+                }
+                if (sign * now[i] >= 0) continue;
+                const double after = locate(points[i], h * (j - 1) / parts, h * j / parts);
+                if (!crossing_ || after < crossing_->after) crossing_ = {i, after};
+            }
+            if (crossing_) break;
+        }
+        // a step has a positive length
+        if (crossing_) t_ = std::min(t_, std::max(std::nextafter(begin_, end_), begin_ + crossing_->after));
+        return 0;
+    }
+    // The crossing between two times after the start of the step, by bisection.
+    double locate(const SwitchOf<double>& point, double from, double to) {
+        for (int i = 0; i < 60 && from < to; ++i) {
+            const double middle = from + (to - from) / 2;
+            if (middle == from || middle == to) break;
+            series_->evaluate(middle, y_.data());
+            (point.sign * (y_[point.component] - point.threshold) > 0 ? from : to) = middle;
+        }
+        return to;
+    }
+    // Changes the equations at the crossing that ended the step.
+    void cross_switch() {
+        if (!crossing_) return;
+        constexpr long most_switches = 100'000;
+        fault_ = system_.cross_switch(crossing_->which, y_.data());
+        if (++switched_ > most_switches) fault_ = "too many switches";
+        crossing_.reset();
+        series_.emplace(*scaled_, *segment_, system_, tolerance_);
     }
 
     const Problem *problem_, *scaled_;
@@ -396,6 +456,14 @@ class TaylorSession {
     double tolerance_;
     double begin_ = 0, t_ = 0, end_ = 0;  ///< scaled time: start of the last step, now, end of the segment
     long steps_ = 0;
+    struct Crossing {
+        std::size_t which;  ///< index of the switching point
+        double after;       ///< from the start of the step
+    };
+    const Segment* segment_ = nullptr;
+    std::optional<Crossing> crossing_;  ///< ended the last step
+    std::string fault_;                 ///< why the motion cannot be continued
+    long switched_ = 0;
     Numbers<SystemType::dimension> y_{system_.size()};
     std::optional<Series> series_;
 };
@@ -417,6 +485,11 @@ Trajectory solve_with_series(const Problem& problem, const Settings& settings) {
 
 Trajectory solve_taylor(const Problem& problem, const Settings& settings) {
     if (!problem.scene.planes.empty()) return contact::solve_contacts(problem, settings);
+    if (has_formula_loads(problem.scene)) {
+        if (*settings.tolerance < extended_below && has_extended)
+            return solve_with_series<ExtendedSeries<FormulaSystem>, FormulaSystem>(problem, settings);
+        return solve_with_series<RecordedSeries<FormulaSystem>, FormulaSystem>(problem, settings);
+    }
     return with_system(problem, [&]<class SystemType>() {
         if (*settings.tolerance < extended_below && has_extended)
             return solve_with_series<ExtendedSeries<SystemType>, SystemType>(problem, settings);

@@ -6,6 +6,7 @@
 
 #include "integrators/method.h"
 #include "integrators/run/watch.h"
+#include "scene/scene_formulas.h"
 
 namespace polhode {
 namespace {
@@ -89,6 +90,8 @@ std::string refusal(const Method& method, const Problem& problem) {
     if (!method.general_systems && std::holds_alternative<MechanismSystem>(problem.system))
         return fmt::format("{} supports only scenes of one body; this scene has several bodies with joints",
                            method.name);
+    if (!method.general_systems && has_formula_loads(problem.scene))
+        return fmt::format("{} does not support loads given by formulas", method.name);
     if (!method.general_systems && std::holds_alternative<UserSystem>(problem.system))
         return fmt::format("{} supports only rigid bodies, not user-defined systems", method.name);
     return method.refusal ? method.refusal(problem) : "";

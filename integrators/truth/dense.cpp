@@ -6,6 +6,7 @@
 #include "integrators/truth/attempt_taylor.h"
 #include "integrators/truth/collocation.h"
 #include "integrators/truth/reference.h"
+#include "scene/scene_formulas.h"
 
 namespace polhode {
 namespace {
@@ -222,6 +223,10 @@ DenseTruth dense_reference(const Scene& scene, double end) {
     const Problem problem = pose(dense.scene_);
     if (problem.needs.user_torque) {
         dense.message = "user-defined torques have no reference solution";
+        return dense;
+    }
+    if (has_formula_loads(scene)) {
+        dense.message = "polynomial references do not support loads given by formulas";
         return dense;
     }
     if (!scene.planes.empty()) {

@@ -6,6 +6,7 @@
 //   Formulas::collocation                 Radau IIA, the same formulations, for stiff motion (attempt_collocation.h)
 //   Formulas::closed_form                 from both ends, start checked by a series (attempt_closed_form.cpp)
 //   attempt_contact()                     Taylor series, contact modes with friction (attempt_contact.h)
+//   Formulas::series_with_formula_loads   Taylor series, Euler's equations and world momenta (attempt_formula.h)
 //   Formulas::series_in_joint_coordinates Taylor series, joint and maximal coordinates (attempt_mechanism.h)
 // Both runs share rounding errors of the mass properties and the initial state, which their difference does not show.
 // SharedData adds these errors to the bound (shared.h).
@@ -21,6 +22,7 @@
 
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/attempt.h"
+#include "integrators/truth/attempt_formula.h"
 #include "integrators/truth/cache.h"
 #include "integrators/truth/rounded_decimal.h"
 #include "integrators/truth/shared.h"
@@ -28,6 +30,7 @@
 #include "motion/contact.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
+#include "scene/scene_formulas.h"
 #include "text/content_hash.h"
 #include "text/interruption.h"
 
@@ -61,10 +64,11 @@ bool fits_50_digits(double local_digits) { return local_digits <= 44; }
 constexpr double min_100_digits = 45;
 
 /// Method that computes the motion.
-enum class Formulas { closed_form, series_in_joint_coordinates, collocation, series };
+enum class Formulas { closed_form, series_in_joint_coordinates, collocation, series_with_formula_loads, series };
 
 Formulas select_formulas(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return Formulas::series_in_joint_coordinates;
+    if (has_formula_loads(problem.scene)) return Formulas::series_with_formula_loads;
     return prefers_closed_form(problem)  ? Formulas::closed_form
            : is_strongly_damped(problem) ? Formulas::collocation
                                          : Formulas::series;
@@ -81,6 +85,9 @@ Attempt attempt(const Problem& problem, const std::vector<double>& times, double
         case Formulas::collocation:
             return use_50_digits ? truth::attempt_by_collocation<50>(problem, times, local_digits)
                                  : truth::attempt_by_collocation<100>(problem, times, local_digits);
+        case Formulas::series_with_formula_loads:
+            return use_50_digits ? truth::attempt_by_formula_series<50>(problem, times, local_digits)
+                                 : truth::attempt_by_formula_series<100>(problem, times, local_digits);
         case Formulas::series:
             break;
     }

@@ -41,7 +41,16 @@ struct LoadText {
     std::string operator()(const Motor& load) const {
         return fmt::format("motor of joint \"{}\", {} N m (or N) along its axis", load.joint, number(load.force));
     }
-    std::string operator()(const FormulaLoad& load) const { return "formula: " + load.formula; }
+    std::string operator()(const FormulaLoad& load) const {
+        const std::string axes = load.frame == Frame::body ? "body axes" : "world axes";
+        const std::string at = !load.has_point ? "at the centre of mass"
+                                               : fmt::format("at {} m in the {}", text(load.point),
+                                                             load.point_frame == Frame::body ? "body" : "world");
+        return load.kind == FormulaKind::torque  ? fmt::format("torque {} N m, {}", load.formula, axes)
+               : load.kind == FormulaKind::force ? fmt::format("force {} N, {}, {}", load.formula, axes, at)
+               : load.kind == FormulaKind::motor ? fmt::format("motor {}", load.formula)
+                                                 : fmt::format("potential {} J", load.formula);
+    }
     std::string operator()(const PointSpring& load) const {
         return fmt::format("spring {} N/m from {} m in {} to {} m in {}, rest length {} m", number(load.stiffness),
                            text(load.first_point), load.first, text(load.second_point), load.second,

@@ -12,6 +12,7 @@
 #include "app/lookup.h"
 #include "check/golden.h"
 #include "scene/scene_file.h"
+#include "scene/scene_formulas.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -40,6 +41,9 @@ int export_command(const ExportOptions& options) {
     Scene scene = read_scene_with_notes(options.scene);
     require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
+    if (has_formula_loads(scene))
+        throw InputError(options.scene, "/loads", "contain a formula, which golden data cannot represent",
+                         "use polhode truth, or loads with constant values");
     const Reference truth = reference(scene, options.samples);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);

@@ -12,6 +12,7 @@
 #include "app/scene_index.h"
 #include "experiment/plan/experiment_keys.h"
 #include "experiment/run/result.h"
+#include "formula/language.h"
 #include "integrators/engines/engine_methods.h"
 #include "integrators/method.h"
 #include "motion/trajectory_columns.h"
@@ -139,6 +140,17 @@ std::string construct_tables() {
     return text;
 }
 
+// The functions and quantities of the formula language.
+std::vector<Entry> formula_entries() {
+    std::vector<Entry> entries;
+    for (const formula::FunctionEntry& one : formula::formula_functions())
+        entries.push_back({fmt::format("{}({})", one.name, one.arguments), std::string(one.about)});
+    for (const formula::QuantityEntry& one : formula::formula_quantities())
+        entries.push_back({std::string(one.name),
+                           fmt::format("{}{}{}: {}", one.type, one.unit.empty() ? "" : ", ", one.unit, one.about)});
+    return entries;
+}
+
 std::string as_text(const std::vector<Entry>& entries) {
     std::size_t width = 0;
     for (const Entry& entry : entries) width = std::max(width, entry.name.size());
@@ -210,10 +222,12 @@ void add_list(CLI::App& program, int&) {
         ->add_option(
             "WHAT", options->what,
             "scenes, methods, experiments, metrics (columns of results), keys (of scene and experiment files), "
-            "columns (of trajectories), engines, constructs (elements and attributes of robot files)")
+            "columns (of trajectories), engines, constructs (elements and attributes of robot files), formulas "
+            "(functions "
+            "and quantities of formulas)")
         ->required()
-        ->check(
-            CLI::IsMember({"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines", "constructs"}));
+        ->check(CLI::IsMember(
+            {"scenes", "methods", "experiments", "metrics", "keys", "columns", "engines", "constructs", "formulas"}));
     add_engines_option(*command);
     command->add_option("--format", options->format, "Output format: text, json or markdown")
         ->check(CLI::IsMember({"text", "json", "markdown"}))
@@ -226,6 +240,7 @@ void add_list(CLI::App& program, int&) {
                                            : options->what == "columns"     ? column_entries()
                                            : options->what == "engines"     ? engine_entries()
                                            : options->what == "constructs"  ? construct_entries()
+                                           : options->what == "formulas"    ? formula_entries()
                                                                             : metrics();
         write_output("", options->format == "json"       ? as_json(entries)
                          : options->format == "markdown" ? as_markdown(options->what, entries)

@@ -110,7 +110,7 @@ Polyline simplify(const Polyline& line, const Vector3<double>& scale, double tol
 PolhodeCurve polhode_curve(const Problem& problem) {
     PolhodeCurve polhode;
     if (!std::holds_alternative<OneBody>(problem.system)) {
-        polhode.fault = "a polhode requires a scene of one body";
+        polhode.fault = "a polhode requires a scene of one body with built-in loads";
         return polhode;
     }
     Settings settings;

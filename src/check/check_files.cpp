@@ -16,6 +16,7 @@
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
 #include "motion/mechanism_motion.h"
+#include "scene/scene_formulas.h"
 #include "text/decimal.h"
 #include "text/interruption.h"
 #include "text/json_document.h"
@@ -200,6 +201,9 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
                 std::erase_if(checked.diagnosis.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
             if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty())
                 checked.remarks.push_back(explain_missing_system_diagnosis(scene, files[i]));
+        } else if (has_formula_loads(scene)) {
+            if (fails([](std::string_view) { return true; }))
+                checked.remarks.push_back("no diagnosis: loads given by formulas are not varied");
         } else {
             checked.diagnosis = diagnose(scene, files[i], explain);
             // a matched update explains errors of the rotation only

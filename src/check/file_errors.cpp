@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "measure/scene_measure.h"
+#include "scene/scene_formulas.h"
 
 namespace polhode {
 
@@ -19,7 +20,7 @@ std::size_t span_of(double t, double begin, double end) {
 }
 
 bool rotation_is_independent(const Scene& scene) {
-    return scene.planes.empty() && std::ranges::none_of(scene.loads, [](const Load& load) {
+    return scene.planes.empty() && !has_formula_loads(scene) && std::ranges::none_of(scene.loads, [](const Load& load) {
                const auto* force = std::get_if<Force>(&load);
                const auto* impulse = std::get_if<Impulse>(&load);
                return (force && force->point_frame == Frame::world) ||

@@ -15,7 +15,7 @@ TOP = HERE.parents[1]
 
 # pages of the source tree, in the order of the index
 INCLUDED = [
-    "README.md", "experiments/README.md", "experiments/scenes.md", "experiments/robots.md", "experiments/running.md",
+    "README.md", "experiments/README.md", "experiments/scenes.md", "experiments/formulas.md", "experiments/robots.md", "experiments/running.md",
     "experiments/debug_your_engine/README.md", "experiments/reference.md", "experiments/scenes/README.md",
     "integrators/README.md", "results/README.md", "src/README.md", "tests/README.md", "SECURITY.md", "CHANGELOG.md",
     "CONTRIBUTING.md",

@@ -1,5 +1,7 @@
 #include "measure/scene_measure.h"
 
+#include "motion/formula_potential.h"
+
 namespace polhode {
 namespace {
 
@@ -52,7 +54,9 @@ SystemInvariants<S> SceneMeasure<S>::invariants(double t, std::span<const BodyMo
     const Invariants<S> computed = polhode::invariants(*scene_, std::get<ExactBody<S>>(kind_), t, m.q,
                                                        m.angular_velocity_B, m.position_W, m.velocity_W);
     SystemInvariants<S> result;
-    result.kinetic = computed.kinetic, result.energy = computed.energy,
+    result.kinetic = computed.kinetic;
+    result.energy = computed.energy;
+    if (has_formula_potential(*scene_)) result.energy += formula_potential<S>(*scene_, t, m.q, m.position_W);
     result.angular_momentum_W = computed.angular_momentum_W;
     return result;
 }

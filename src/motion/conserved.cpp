@@ -15,6 +15,7 @@
 #include "body/elementary.h"
 #include "motion/conserved_by_mechanism.h"
 #include "motion/contact.h"
+#include "motion/formula_potential.h"
 #include "motion/systems.h"
 
 namespace polhode {
@@ -359,10 +360,39 @@ Sample first_sample(const Problem& problem) {
     });
 }
 
+std::vector<double> energy_with_formulas(const Problem& problem, const Conserved&, const Sample& s) {
+    return {invariants_of(problem, s).energy +
+            formula_potential<double>(problem.scene, s.t, normalized(s.q), s.position_W)};
+}
+
+// The energy, if all formulas are potentials that act at all times and do not depend on the time. Symmetries of
+// formulas are not searched, so no momentum is reported.
+std::vector<Conserved> conserved_by_formulas(const Problem& problem) {
+    const std::shared_ptr<const FormulaSet> set = compile_formulas(problem.scene, problem.scene.name);
+    bool has_energy = conserves_energy(problem);
+    std::vector<int> potentials;
+    for (const FormulaTerm& term : set->terms) {
+        const Window& window = term.load.window;
+        has_energy = has_energy && term.load.kind == FormulaKind::potential && window.from <= 0 &&
+                     window.until > problem.scene.duration;
+        potentials.push_back(term.potential);
+    }
+    if (!has_energy) return {};
+    const std::vector<char> needed = formula::find_needed(set->expression, potentials);
+    for (std::size_t i = 0; i < needed.size(); ++i) {
+        const formula::Node& node = set->expression.nodes()[i];
+        if (needed[i] && node.operation == formula::Operation::input && node.a == FormulaInputs::time) return {};
+    }
+    Conserved energy{ConservedKind::energy, "energy", "E, kinetic and potential, J", {}, energy_with_formulas, {}};
+    energy.value = energy.of(problem, energy, first_sample(problem));
+    return {energy};
+}
+
 }  // namespace
 
 std::vector<Conserved> conserved(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return conserved_by_mechanism(problem);
+    if (has_formula_loads(problem.scene)) return conserved_by_formulas(problem);
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
     const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,

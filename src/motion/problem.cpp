@@ -6,6 +6,7 @@
 
 #include "motion/contact.h"
 #include "motion/finer_frame.h"
+#include "motion/formula_model.h"
 #include "motion/mechanism.h"
 #include "motion/needs.h"
 #include "motion/rounded.h"
@@ -170,6 +171,7 @@ Problem pose(const Scene& scene, Formulation formulation) {
     find_needs(problem, exact, q_BP, forcings);
     if (problem.needs.translation != Translation::integrated) pose_translation(problem);
     find_scales(problem);
+    if (has_formula_loads(scene)) pose_formula_loads(problem);
     return problem;
 }
 
@@ -197,7 +199,8 @@ const char* name_of(SystemKind system) {
                                      "loaded rotation and translation",
                                      "full motion",
                                      "user-defined system",
-                                     "several bodies"};
+                                     "several bodies",
+                                     "one body with formula loads"};
     return names[static_cast<std::size_t>(system)];
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <stdexcept>
 
 #include "scene/initial_file.h"
@@ -39,12 +40,48 @@ Load gravity(const JsonNode& node) {
     return Gravity{vector3(node.require_member("acceleration", "[x, y, z] in m/s^2, world axes")), load_window(node)};
 }
 
+// A formula, or a list of three formulas.
+std::string formula_text(const JsonNode& node) {
+    if (!node.is_array()) return node.string();
+    const auto& parts = node.elements();
+    if (parts.size() != 3) node.fail(node.describe(), "give one formula, or a list of three");
+    std::string text;
+    for (const JsonNode* part : parts) {
+        text += text.empty() ? "[" : ", ";
+        text += part->is_number() ? shortest_decimal(part->number()) : part->string();
+    }
+    return text + "]";
+}
+
+// The formula load at `node`; refuses keys of the load with constant values.
+FormulaLoad formula_load(const JsonNode& node, FormulaKind kind, std::initializer_list<const char*> constants) {
+    FormulaLoad load;
+    load.kind = kind;
+    load.formula = formula_text(node.require_member("formula", "a formula of time and state"));
+    for (const char* key : constants)
+        if (const JsonNode* constant = node.find(key))
+            constant->fail("is given together with \"formula\"", "give one of the two");
+    if (kind == FormulaKind::torque || kind == FormulaKind::force)
+        load.frame = parse_frame(node.require_member("frame", "\"body\" or \"world\""));
+    if (const JsonNode* point = node.find("point")) load.point = vector3(*point), load.has_point = true;
+    if (const JsonNode* frame = node.find("point_frame")) {
+        if (!load.has_point) frame->fail("is given without \"point\"", "give the point of application [x, y, z] in m");
+        load.point_frame = parse_frame(*frame);
+    }
+    load.window = load_window(node);
+    return load;
+}
+
+Load potential(const JsonNode& node) { return formula_load(node, FormulaKind::potential, {}); }
+
 Load constant_torque(const JsonNode& node) {
+    if (node.find("formula")) return formula_load(node, FormulaKind::torque, {"vector"});
     return Torque{vector3(node.require_member("vector", "[x, y, z] in N m")),
                   parse_frame(node.require_member("frame", "\"body\" or \"world\"")), load_window(node)};
 }
 
 Load force(const JsonNode& node) {
+    if (node.find("formula")) return formula_load(node, FormulaKind::force, {"vector"});
     return Force{vector3(node.require_member("vector", "[x, y, z] in N")),
                  parse_frame(node.require_member("frame", "\"body\" or \"world\"")),
                  vector3(node.require_member("point", "the point of application [x, y, z] in m")), point_frame(node),
@@ -79,6 +116,11 @@ Load spring(const JsonNode& node) {
 }
 
 Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
+    if (node.find("formula")) {
+        FormulaLoad load = formula_load(node, FormulaKind::motor, {"torque", "force"});
+        load.joint = node.require_member("joint", "the name of a revolute or prismatic joint").string();
+        return load;
+    }
     Motor load;
     load.joint = node.require_member("joint", "the name of a revolute or prismatic joint").string();
     const JsonNode *torque = node.find("torque"), *along = node.find("force");
@@ -114,8 +156,9 @@ struct LoadKind {
     Load (*read)(const JsonNode&);
 };
 constexpr LoadKind load_kinds[] = {
-    {"gravity", gravity}, {"torque", constant_torque}, {"force", force},   {"impulse", impulse},
-    {"drag", drag},       {"spring", spring},          {"motor", nullptr}, {"point_spring", point_spring},
+    {"gravity", gravity},     {"torque", constant_torque}, {"force", force},   {"impulse", impulse},
+    {"drag", drag},           {"spring", spring},          {"motor", nullptr}, {"point_spring", point_spring},
+    {"potential", potential},
 };
 
 std::string write_window(const Window& window) {

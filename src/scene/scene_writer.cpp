@@ -1,7 +1,10 @@
 // Writes a scene as canonical JSON.
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "scene/body_file.h"
+#include "scene/formula_file.h"
 #include "scene/initial_file.h"
 #include "scene/joint_file.h"
 #include "scene/json_values.h"
@@ -29,6 +32,10 @@ std::string write_scene(const Scene& scene) {
         member("initial", "{\n    " + write_initial(scene.initial, scene.pivot.has_value(), "\n    ") + "\n  }");
         if (scene.pivot) member("pivot", write_json(*scene.pivot));
     }
+    const std::pair<const char*, std::string> of_formulas[] = {
+        {"parameters", write_parameters(scene)}, {"tables", write_tables(scene)}, {"let", write_let(scene)}};
+    for (const auto& [key, value] : of_formulas)
+        if (!value.empty()) member(key, value);
     std::string loads;
     for (const Load& load : scene.loads)
         loads += (loads.empty() ? "\n    " : ",\n    ") + write_load(load, scene.joints);

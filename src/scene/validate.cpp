@@ -15,6 +15,7 @@
 #include "scene/body_source.h"
 #include "scene/plane_file.h"
 #include "scene/scene_check.h"
+#include "scene/scene_formulas.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -173,10 +174,8 @@ struct LoadCheck {
     void operator()(const UserTorque& load) const {
         if (!load.torque_B) check.fail(place, "is a user-defined torque without a function", "give a callable");
     }
-    void operator()(const Motor&) const {}  // checked with its joint
-    void operator()(const FormulaLoad&) const {
-        check.fail(place, "is a formula, which is not supported", "use a load with constant values");
-    }
+    void operator()(const Motor&) const {}        // checked with its joint
+    void operator()(const FormulaLoad&) const {}  // checked by check_formulas()
     void operator()(const PointSpring& load) const {
         check.finite(place + "/first_point", load.first_point);
         check.finite(place + "/second_point", load.second_point);
@@ -304,6 +303,7 @@ void validate(const Scene& scene, const std::string& file) {
     }
     check_plane_names(check, scene);
     check_planes(check, scene);
+    check_formulas(scene, file);
     for (const auto& [block, error] : scene.tolerated) {
         if (!has_quantity(scene, block))
             throw InputError(file, "/tolerated/" + block, "applies to joints, but the scene has one body", "remove it");

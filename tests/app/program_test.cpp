@@ -259,7 +259,7 @@ TEST_F(Program, TheCataloguesIndexIsTheOneGenerated) {
 
 TEST_F(Program, TheReferenceOfKeysColumnsAndConstructsIsTheOneGenerated) {
     for (const auto& [what, file] : {std::pair("keys", "reference.md"), std::pair("columns", "reference.md"),
-                                     std::pair("constructs", "robots.md")}) {
+                                     std::pair("constructs", "robots.md"), std::pair("formulas", "formulas.md")}) {
         const std::string page = read(fs::path(source_dir()) / "experiments" / file);
         const Outcome listed = run({"list", what, "--format", "markdown"});
         EXPECT_EQ(listed.exit_code, 0) << listed.err;

@@ -28,6 +28,7 @@
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
 #include "scene/scene_file.h"
+#include "scene/scene_formulas.h"
 #include "text/content_hash.h"
 
 namespace polhode {
@@ -293,6 +294,7 @@ std::string certification_refusal(const Scene& scene) {
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load))
             return "no certified truth: user-defined torques are not supported";
+    if (has_formula_loads(scene)) return "no certified truth: loads given by formulas are not supported";
     if (!scene.loops.empty()) return "no certified truth: loops are not supported; remove --certified";
     if (!scene.planes.empty()) return "no certified truth: impacts on planes are not supported; remove --certified";
     return "";

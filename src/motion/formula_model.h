@@ -1,0 +1,108 @@
+// A scene of one body with formula loads as a system for all methods that accept user-defined systems.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "motion/formula_body.h"
+#include "motion/problem.h"
+#include "motion/user_system.h"
+
+namespace polhode {
+
+/// One body with formula loads as a model (motion/user_system.h): its equations in binary64, each constant rounded once
+/// from 113 bits.
+class FormulaModel {
+  public:
+    /// From a valid scene of one body. Throws InputError at a fault in a formula.
+    explicit FormulaModel(std::shared_ptr<const Scene> scene);
+
+    int dimension() const { return body_.dimension(); }
+    void initial(double* y) const { body_.initial(y); }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        body_.derivative(y, dy);
+    }
+    std::vector<double> scales() const { return scales_; }
+    std::vector<Sample> motion(const double* y) const;
+    void enter(double t, double* y);
+    /// Whether there are auxiliary variables. They are read by recorded equations only. refresh() sets them to their
+    /// values.
+    bool has_auxiliaries() const { return body_.terms().auxiliaries() > 0; }
+    void refresh(double* y) const { body_.refresh(y); }
+    /// Whether the equations switch at any time of the run.
+    bool has_switches() const { return has_switches_; }
+    /// Switches on which the equations depend now.
+    std::vector<SwitchOf<double>> switching_points() const { return body_.switching_points(); }
+    std::string cross_switch(std::size_t which, double* y) {
+        return body_.cross_switch(body_.terms().active_switches().at(which), y);
+    }
+    double kinetic_energy(const Bodies& bodies) const;
+    /// 10^6 times the largest kinetic energy of a coarse run, J.
+    double energy_bound() const { return energy_bound_; }
+    /// Estimates of the largest |w|, |p| and |v|.
+    const Scales& body_scales() const { return body_scales_; }
+    const FormulaBody<double>& body() const { return body_; }
+
+  private:
+    std::shared_ptr<const Scene> scene_;
+    std::shared_ptr<const FormulaBody<Wide>> exact_;
+    FormulaBody<double> body_;
+    std::vector<double> scales_;
+    double energy_bound_ = 0;
+    bool has_switches_ = false;
+    Scales body_scales_;
+
+    void scout();
+};
+
+/// Replaces the system of a posed problem of one body by the one with the scene's formula loads.
+void pose_formula_loads(Problem& problem);
+
+/// The model of a problem with formula loads (has_formula_loads(problem.scene)).
+const FormulaModel& formula_model_of(const Problem& problem);
+
+/// Whether the scene has formula loads that switch.
+bool has_switches(const Problem& problem);
+
+/// The System of a problem with formula loads for methods that use recorded equations or locate switching points. Its
+/// projection sets the auxiliary variables to their values.
+class FormulaSystem {
+  public:
+    using Scalar = double;
+    static constexpr int dimension = run_time;
+    static constexpr bool about_axis = false, has_translation = false;
+
+    explicit FormulaSystem(const Problem& problem) : model_(formula_model_of(problem)) {}
+
+    int size() const { return model_.dimension(); }
+    void initial(double* y) const { model_.initial(y); }
+    bool enter(const Segment& segment, double* y) {
+        model_.enter(segment.begin, y);
+        return true;
+    }
+    template <class S>
+    void derivative(double, const S* y, S* dy) const {
+        model_.derivative(y, dy);
+    }
+    Moment motion(double t, const double* y) const {
+        Moment moment{model_.motion(y), {}};
+        for (Sample& body : moment.samples) body.t = t;
+        return moment;
+    }
+    bool projects() const { return model_.has_auxiliaries(); }
+    void project(double* y) const { model_.refresh(y); }
+    std::vector<SwitchOf<double>> switching_points() const { return model_.switching_points(); }
+    std::string cross_switch(std::size_t which, double* y) { return model_.cross_switch(which, y); }
+    void scales(double* scales) const {
+        const std::vector<double> s = model_.scales();
+        std::copy(s.begin(), s.end(), scales);
+    }
+
+  private:
+    FormulaModel model_;
+};
+
+}  // namespace polhode

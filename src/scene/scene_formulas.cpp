@@ -1,0 +1,264 @@
+#include "scene/scene_formulas.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "formula/parser.h"
+#include "scene/scene_check.h"
+
+namespace polhode {
+namespace {
+
+using formula::Expression;
+using formula::Scope;
+using formula::Value;
+
+constexpr std::size_t most_table_points = 2000, most_names = 1000;
+
+Value vector_of(std::array<int, 3> component) {
+    return {formula::Type::vector, {component[0], component[1], component[2], formula::no_node}};
+}
+Value scalar_of(int node) {
+    return {formula::Type::scalar, {node, formula::no_node, formula::no_node, formula::no_node}};
+}
+Value input_vector(Expression& e, int first) {
+    return vector_of({e.input(first), e.input(first + 1), e.input(first + 2)});
+}
+
+/// Compiles the formulas of one scene.
+class FormulaCompiler {
+  public:
+    FormulaCompiler(const Scene& scene, const std::string& file) : scene_(scene), file_(file) {}
+
+    std::shared_ptr<const FormulaSet> compile() {
+        add_parameters();
+        add_state();
+        for (const FormulaTable& table : scene_.tables)
+            scope_.tables[table.name] = {table.x, table.y, table.between == TableInterpolation::cubic};
+        for (const FormulaDefinition& definition : scene_.let)
+            scope_.names[definition.name] = parse("/let/" + definition.name, definition.formula);
+        for (std::size_t i = 0; i < scene_.loads.size(); ++i)
+            if (const auto* load = std::get_if<FormulaLoad>(&scene_.loads[i])) add_term(*load, i);
+        find_auxiliaries();
+        return set_;
+    }
+
+  private:
+    const Scene& scene_;
+    const std::string& file_;
+    std::shared_ptr<FormulaSet> set_ = std::make_shared<FormulaSet>();
+    Expression& e_ = set_->expression;
+    Scope scope_;
+
+    void add_parameters() {
+        for (std::size_t i = 0; i < scene_.parameters.size(); ++i)
+            scope_.names[scene_.parameters[i].name] = scalar_of(e_.constant(static_cast<int>(i)));
+    }
+    void add_state() {
+        const int first = static_cast<int>(scene_.parameters.size());
+        const auto constant = [&](int which) { return e_.constant(first + which); };
+        scope_.names["t"] = scalar_of(e_.input(FormulaInputs::time));
+        scope_.names["mass"] = scalar_of(constant(FormulaConstants::mass));
+        for (int i = 0; i < 4; ++i) scope_.attitude.push_back(e_.input(FormulaInputs::attitude + i));
+        for (int i = 0; i < 9; ++i) scope_.inertia.push_back(constant(FormulaConstants::inertia + i));
+        Value q{formula::Type::quaternion, {}};
+        std::copy(scope_.attitude.begin(), scope_.attitude.end(), q.component.begin());
+        scope_.names["q"] = q;
+        const Value w = input_vector(e_, FormulaInputs::angular_velocity);
+        const std::array<int, 9> axes = rotation_matrix_nodes(e_, scope_.attitude);
+        const auto in_world = [&](const Value& v) { return multiply_matrix(e_, axes, v, false); };
+        scope_.names["w"] = w;
+        scope_.names["w_W"] = in_world(w);
+        if (scene_.pivot) {
+            const Value arm = vector_of({constant(FormulaConstants::arm), constant(FormulaConstants::arm + 1),
+                                         constant(FormulaConstants::arm + 2)});
+            scope_.names["p"] = in_world(arm);
+            scope_.names["v"] = in_world(cross_product(e_, w, arm));
+        } else {
+            scope_.names["p"] = input_vector(e_, FormulaInputs::position);
+            scope_.names["v"] = input_vector(e_, FormulaInputs::velocity);
+        }
+    }
+
+    [[noreturn]] void fail(const std::string& place, std::size_t column, const std::string& fault,
+                           const std::string& remedy) const {
+        throw InputError(file_, place, fmt::format("column {}: {}", column, fault), remedy);
+    }
+    Value parse(const std::string& place, const std::string& text) {
+        try {
+            return formula::parse_formula(text, scope_, e_);
+        } catch (const formula::FormulaError& error) {
+            fail(place, error.column(), error.what(), error.remedy());
+        }
+    }
+
+    void add_term(const FormulaLoad& load, std::size_t index) {
+        const std::string place = fmt::format("/loads/{}/formula", index);
+        FormulaTerm term{load, index, {}, {}, formula::no_node};
+        const Value value = parse(place, load.formula);
+        const bool is_scalar = load.kind == FormulaKind::potential || load.kind == FormulaKind::motor;
+        if (value.type != (is_scalar ? formula::Type::scalar : formula::Type::vector))
+            fail(place, 1,
+                 fmt::format("the formula is {}, but a {} is {}", formula::name_of(value.type),
+                             load.kind == FormulaKind::torque      ? "torque"
+                             : load.kind == FormulaKind::force     ? "force"
+                             : load.kind == FormulaKind::potential ? "potential"
+                                                                   : "motor's force",
+                             is_scalar ? "a scalar" : "a vector"),
+                 is_scalar ? "give a scalar" : "give a vector such as [0, 0, x]");
+        if (load.kind == FormulaKind::potential)
+            add_potential(value.component[0], place, term);
+        else
+            std::copy_n(value.component.begin(), 3, term.value.begin());
+        set_->terms.push_back(term);
+    }
+
+    // F = -dU/dp. With dq = q (0, a) / 2 for a rotation by the small vector a in body axes: torque_B = -dU/da.
+    void add_potential(int potential, const std::string& place, FormulaTerm& term) {
+        const std::vector<char> needed = formula::find_needed(e_, {potential});
+        for (std::size_t i = 0; i < needed.size(); ++i) {
+            const formula::Node& node = e_.nodes()[i];
+            const bool is_rate = node.operation == formula::Operation::input &&
+                                 ((node.a >= FormulaInputs::angular_velocity && node.a < FormulaInputs::attitude) ||
+                                  node.a >= FormulaInputs::velocity);
+            if (needed[i] && is_rate)
+                fail(place, 1, "the potential depends on a velocity",
+                     "use t, p, to_body, to_world and the rotation functions only, or give a force or a torque");
+        }
+        std::vector<int> inputs;
+        for (int i = 0; i < 3; ++i) inputs.push_back(FormulaInputs::position + i);
+        for (int i = 0; i < 4; ++i) inputs.push_back(FormulaInputs::attitude + i);
+        try {
+            const std::vector<int> slope = e_.differentiate(potential, inputs);
+            const std::vector<int>& q = scope_.attitude;
+            const int gw = slope[3], gx = slope[4], gy = slope[5], gz = slope[6];
+            const int half = e_.number(0.5);
+            const auto term_of = [&](int p0, int p1, int m0, int m1) {
+                return e_.multiply(half, e_.subtract(e_.add(p0, p1), e_.add(m0, m1)));
+            };
+            const auto times = [&](int g, std::size_t i) { return e_.multiply(g, q[i]); };
+            term.potential = potential;
+            for (std::size_t i = 0; i < 3; ++i) term.value[i] = e_.negate(slope[i]);
+            term.torque_B = {term_of(times(gw, 1), times(gz, 2), times(gx, 0), times(gy, 3)),
+                             term_of(times(gw, 2), times(gx, 3), times(gy, 0), times(gz, 1)),
+                             term_of(times(gw, 3), times(gy, 1), times(gz, 0), times(gx, 2))};
+        } catch (const formula::LimitError& error) {
+            fail(place, 1, error.what(), "simplify the formulas");
+        }
+    }
+
+    void find_auxiliaries() {
+        std::vector<int> outputs;
+        for (const FormulaTerm& term : set_->terms) {
+            outputs.insert(outputs.end(), term.value.begin(),
+                           term.value.begin() + (term.load.kind == FormulaKind::motor ? 1 : 3));
+            if (term.load.kind != FormulaKind::potential) continue;
+            outputs.insert(outputs.end(), term.torque_B.begin(), term.torque_B.end());
+            outputs.push_back(term.potential);
+        }
+        const std::vector<char> needed = formula::find_needed(e_, outputs);
+        std::set<int> found;
+        for (std::size_t i = 0; i < needed.size(); ++i) {
+            const int node = static_cast<int>(i);
+            if (!needed[i] || e_.is_uniform(node)) continue;
+            const formula::Node& one = e_.nodes()[i];
+            if (formula::is_transcendental(one.operation)) found.insert(node);
+            if (one.operation != formula::Operation::choose) continue;
+            const int argument = e_.switches()[static_cast<std::size_t>(one.a)].argument;
+            if (!e_.is_uniform(argument)) found.insert(argument);
+        }
+        set_->auxiliaries.assign(found.begin(), found.end());
+    }
+};
+
+void check_name(const SceneCheck& check, const std::string& place, const std::string& name,
+                std::set<std::string, std::less<>>& known) {
+    check.text(place, name);
+    const std::string shown = one_line(name, 60);
+    if (!formula::is_identifier(name))
+        check.fail(place, fmt::format("the name \"{}\" is not an identifier", shown),
+                   "begin with a letter or \"_\", and use letters, digits and \"_\"");
+    if (formula::is_reserved(name))
+        check.fail(place, fmt::format("the name \"{}\" has a meaning in formulas", shown), "choose another name");
+    if (!known.insert(name).second)
+        check.fail(place, fmt::format("the name \"{}\" is given twice", shown), "choose another name");
+}
+
+void check_table(const SceneCheck& check, const std::string& place, const FormulaTable& table) {
+    if (table.x.size() != table.y.size())
+        check.fail(place + "/y", fmt::format("has {} numbers, but x has {}", table.y.size(), table.x.size()),
+                   "give one y for each x");
+    if (table.x.size() < 2)
+        check.fail(place + "/x", fmt::format("has {} numbers", table.x.size()), "give at least two points");
+    check.count(place + "/x", table.x.size(), most_table_points, "points");
+    for (std::size_t i = 0; i < table.x.size(); ++i) {
+        check.finite(fmt::format("{}/x/{}", place, i), table.x[i]);
+        check.finite(fmt::format("{}/y/{}", place, i), table.y[i]);
+        if (i > 0 && !(table.x[i] > table.x[i - 1]))
+            check.fail(fmt::format("{}/x/{}", place, i),
+                       fmt::format("is {}, not above the previous x = {}", shortest_decimal(table.x[i]),
+                                   shortest_decimal(table.x[i - 1])),
+                       "give x in increasing order");
+    }
+}
+
+}  // namespace
+
+bool has_formula_loads(const Scene& scene) {
+    return std::ranges::any_of(scene.loads, [](const Load& load) { return std::holds_alternative<FormulaLoad>(load); });
+}
+
+bool has_formula_potential(const Scene& scene) {
+    return std::ranges::any_of(scene.loads, [](const Load& load) {
+        const auto* one = std::get_if<FormulaLoad>(&load);
+        return one && one->kind == FormulaKind::potential;
+    });
+}
+
+std::shared_ptr<const FormulaSet> compile_formulas(const Scene& scene, const std::string& file) {
+    return FormulaCompiler(scene, file).compile();
+}
+
+void check_formulas(const Scene& scene, const std::string& file) {
+    const SceneCheck check(file);
+    std::set<std::string, std::less<>> names;
+    check.count("/parameters", scene.parameters.size(), most_names, "parameters");
+    check.count("/tables", scene.tables.size(), most_names, "tables");
+    check.count("/let", scene.let.size(), most_names, "definitions");
+    for (const FormulaParameter& parameter : scene.parameters) {
+        check_name(check, "/parameters", parameter.name, names);
+        check.finite("/parameters/" + parameter.name, parameter.value);
+    }
+    for (const FormulaTable& table : scene.tables) {
+        check_name(check, "/tables", table.name, names);
+        check_table(check, "/tables/" + table.name, table);
+    }
+    for (const FormulaDefinition& definition : scene.let) check_name(check, "/let", definition.name, names);
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+        const auto* load = std::get_if<FormulaLoad>(&scene.loads[i]);
+        if (!load) continue;
+        const std::string place = fmt::format("/loads/{}", i);
+        if (is_mechanism(scene))
+            check.fail(place + "/formula", "is given in a scene with several bodies, which do not support formulas yet",
+                       "use a load with constant values");
+        if (load->kind == FormulaKind::motor)
+            check.fail(place, "is a motor, but the scene has one body", "give a torque or a force");
+        if (!scene.planes.empty())
+            check.fail(place + "/formula", "is given in a scene with planes, which do not support formulas",
+                       "remove the planes, or use a load with constant values");
+        check.finite(place + "/point", load->point);
+        for (const Load& other : scene.loads)
+            if (std::holds_alternative<UserTorque>(other))
+                check.fail(place + "/formula", "is given together with a user-defined torque, which is not supported",
+                           "give the torque as a formula, too");
+    }
+    if (is_mechanism(scene) && scene.let.empty()) return;
+    if (is_mechanism(scene))
+        check.fail("/let", "is given in a scene with several bodies, which do not support formulas yet", "remove it");
+    compile_formulas(scene, file);
+}
+
+}  // namespace polhode

@@ -15,6 +15,7 @@
 #include "scene/joint_file.h"
 #include "scene/scene_family.h"
 #include "scene/scene_file.h"
+#include "scene/scene_formulas.h"
 #include "table/table.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -66,8 +67,8 @@ Table make_scene_table(const std::vector<std::string>& names) {
         const Problem problem = pose(scene);
         table.rows.push_back({name, scene.about, short_number(scene.duration), body_of(problem),
                               std::string(scene.pivot ? "pivot" : "centre of mass"), loads_of(scene),
-                              std::string(name_of(problem.needs.system)), long(problem.needs.dimension),
-                              std::string(truth_method(problem)), scene.source});
+                              std::string(has_formula_loads(scene) ? "formula loads" : name_of(problem.needs.system)),
+                              long(problem.needs.dimension), std::string(truth_method(problem)), scene.source});
     }
     return table;
 }
@@ -112,6 +113,7 @@ Table mechanism_rows_of(const std::vector<std::string>& names) {
 std::string scene_index() {
     std::vector<std::string> plain;
     std::map<std::string, std::vector<std::string>> mechanisms;  // by directory
+    std::map<std::string, std::vector<std::string>> formulas;    // by directory
     std::map<std::string, std::set<std::string>> families;       // by directory
     for (const std::string& name : builtin_scene_names()) {
         const FamilyMember member = family_member(name);
@@ -119,6 +121,8 @@ std::string scene_index() {
             mechanisms[member.folder].push_back(name);
         else if (member.folder.empty())
             plain.push_back(name);
+        else if (has_formula_loads(find_scene(name)))
+            formulas[member.folder].push_back(name);
         else
             families[member.folder].insert(member.family);
     }
@@ -126,6 +130,8 @@ std::string scene_index() {
     for (const auto& [folder, names] : mechanisms)
         page += fmt::format("\n## {}\n\n{}", folder.empty() ? "several bodies" : folder,
                             markdown(mechanism_rows_of(names)));
+    for (const auto& [folder, names] : formulas)
+        page += fmt::format("\n## {}\n\n{}", folder, markdown(make_scene_table(names)));
     for (const auto& [folder, names] : families) {
         page += fmt::format("\n## {}\n", folder);
         for (const std::string& family : names)

@@ -268,7 +268,11 @@ struct Limits {
 class VariationalRun {
   public:
     VariationalRun(const Problem& problem, VariedTree& tree, double tolerance, Limits& limits)
-        : scales_(mechanism_of(problem).scales()), tree_(tree), tolerance_(tolerance), limits_(limits), y_(tree.initial()) {}
+        : scales_(mechanism_of(problem).scales()),
+          tree_(tree),
+          tolerance_(tolerance),
+          limits_(limits),
+          y_(tree.initial()) {}
 
     void enter(const Leg& leg) {
         tree_.enter(leg.begin, y_);

@@ -54,6 +54,8 @@ class _Parameter:
         self.name = self.key + "_" if keyword.iskeyword(self.key) else self.key
         self.path = below + self.key
         self.required = self.default == "required" and not optional
+        #: Required, perhaps only under a condition, such as "required without a formula".
+        self.is_positional = self.default.startswith("required") and not optional
 
     def lines(self) -> list[str]:
         kind = self.type + ("" if self.required else ", optional")
@@ -63,8 +65,20 @@ class _Parameter:
         return [f"{self.name} : {kind}", f"    {meaning}.{unit}{default} Example: ``{self.example}``."]
 
 
+def _arguments(ordered: list[_Parameter]) -> list[inspect.Parameter]:
+    """The arguments of a function. After one that is required only under a condition, all have a default."""
+    arguments = []
+    default: Any = inspect.Parameter.empty
+    for p in ordered:
+        if not p.required:
+            default = None
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if p.is_positional else inspect.Parameter.KEYWORD_ONLY
+        arguments.append(inspect.Parameter(p.name, kind, default=default))
+    return arguments
+
+
 def _make(name: str, summary: str, parameters: list[_Parameter], fixed: dict[str, str]) -> Builder:
-    ordered = sorted(parameters, key=lambda p: not p.required)
+    ordered = sorted(parameters, key=lambda p: not p.is_positional)
 
     def build(*values: Any, **named: Any) -> Built:
         bound = signature.bind(*values, **named).arguments
@@ -81,10 +95,7 @@ def _make(name: str, summary: str, parameters: list[_Parameter], fixed: dict[str
             arguments[parameter.path] = parameter.name
         return Built(data, name, arguments)
 
-    signature = inspect.Signature([
-        inspect.Parameter(p.name, inspect.Parameter.POSITIONAL_OR_KEYWORD) if p.required else
-        inspect.Parameter(p.name, inspect.Parameter.KEYWORD_ONLY, default=None) for p in ordered
-    ], return_annotation=dict)
+    signature = inspect.Signature(_arguments(ordered), return_annotation=dict)
     lines = [summary, "", "Parameters", "----------", *(line for p in ordered for line in p.lines()), "", "Returns",
              "-------", "dict", "    The object as in a scene file; arguments that are omitted or None are not set."]
     build.__name__ = build.__qualname__ = name

@@ -50,6 +50,15 @@ struct ContactConstraint {
     S target = S(0);     ///< lower bound of the normal velocity after the step, m/s
     Vector3<S> impulse;  ///< accumulated in this step, N s
 
+    /// Computes the rows and K from the arm, the axes and the inverse mass.
+    void set_rows(const Matrix3<S>& inverse_inertia_W) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            moment_W[i] = cross(arm_W, axis_W[i]);
+            turn_W[i] = inverse_inertia_W * moment_W[i];
+        }
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k) K[i][k] = dot(moment_W[i], turn_W[k]) + (i == k ? inverse_mass : S(0));
+    }
     Vector3<S> velocity(const Twist<S>& u) const { return {velocity(0, u), velocity(1, u), velocity(2, u)}; }
     S velocity(std::size_t i, const Twist<S>& u) const { return dot(axis_W[i], u.v) + dot(moment_W[i], u.w); }
     /// Applies the impulse p along one axis.
@@ -82,6 +91,9 @@ class ContactDetector {
     }
 
     bool any() const { return !planes_.empty(); }
+    std::size_t plane_count() const { return planes_.size(); }
+    /// The plane of a contact.
+    std::size_t plane_of(std::size_t feature) const { return feature / (points_per_piece * pieces_.size()); }
     /// Bound of the distance of the hull's points from the centre of mass, m.
     const S& reach() const { return reach_; }
     /// A gap below this value counts as closed, m.

@@ -73,13 +73,7 @@ class ContactState : public EngineState<S> {
                            c.feature = feature, c.arm_W = arm, c.axis_W = axes;
                            c.inverse_mass = inverse_mass, c.gap = gap;
                            c.restitution = plane.restitution, c.friction = plane.friction;
-                           for (std::size_t i = 0; i < 3; ++i) {
-                               c.moment_W[i] = cross(arm, axes[i]);
-                               c.turn_W[i] = inverse_inertia_W * c.moment_W[i];
-                           }
-                           for (std::size_t i = 0; i < 3; ++i)
-                               for (std::size_t k = 0; k < 3; ++k)
-                                   c.K[i][k] = dot(c.moment_W[i], c.turn_W[k]) + (i == k ? inverse_mass : S(0));
+                           c.set_rows(inverse_inertia_W);
                            c.approach = c.velocity(0, now);
                            contacts_.push_back(c);
                        });

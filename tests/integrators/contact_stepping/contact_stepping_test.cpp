@@ -23,12 +23,44 @@ std::vector<const Method*> contact_methods(bool binary32) {
             found.push_back(method);
     return found;
 }
+/// Methods whose contact is a spring: they converge to the motion of this model, and need short steps.
+bool is_soft_model(const Method& method) {
+    return method.name.starts_with("mujoco") || method.name.starts_with("penalty");
+}
 /// Coulomb's friction times this factor acts at 45 degrees between the axes t1 and t2. Components limited one by one:
 /// to the corner of a square. A pyramid with edges on the axes: to the middle of its side.
 double diagonal_friction(const Method& method) {
-    if (method.name.find("pyramid") != std::string_view::npos) return std::numbers::sqrt2;
-    if (method.name.ends_with("_4")) return std::numbers::sqrt2 / 2;
+    if (method.name.starts_with("contact_impulses_pyramid")) return std::numbers::sqrt2;
+    if (method.name == "mujoco_contacts_pyramidal" || method.name == "anitescu_potra_4" ||
+        method.name == "stewart_trinkle_4")
+        return std::numbers::sqrt2 / 2;
     return 1;
+}
+
+/// The accuracy of a method on balls and blocks on a ramp: rounding, unless measured as written here.
+struct ContactAccuracy {
+    double h = 1.0 / 256;  ///< s
+    double ball;           ///< relative error of the velocities of a ball
+    double block;          ///< m/s, error of the velocity of a block after 1 s, of which 0.040 m/s decide
+    double height;         ///< m
+};
+ContactAccuracy accuracy_of(const Method& method) {
+    // relative rounding after some hundred steps
+    const double rounding = method.precision == Precision::binary32 ? 2e-4 : 1e-11;
+    ContactAccuracy found{.ball = rounding, .block = 10 * rounding, .height = rounding};
+    const auto is = [&](std::string_view name) { return method.name.starts_with(name); };
+    // errors of the first steps, from zero impulses: 0.007 with Baumgarte's term, 0.004 without warm start
+    if (is("contact_impulses") || is("bullet") || is("jolt")) found.block = 0.01;
+    // sinks by 7e-5 m, and r (w h)^2 / 2; measured 1e-3, 5e-4, 1.8e-4
+    if (is("soft_contacts")) found.ball = 2e-3, found.block = 0.002, found.height = 3e-4;
+    // velocities are differences of positions: measured 1.7e-3, proportional to h; friction of a block is 2.3 % low
+    // and their rounding 2^-24 / h
+    if (is("xpbd")) found.ball = method.precision == Precision::binary32 ? 0.03 : 3e-3, found.block = 0.15;
+    // slip of the regularised friction: measured 3.5e-3 and 2.4e-3, depth 3.6e-4
+    if (is("mujoco")) found = {1.0 / 1024, 5e-3, 0.005, 5e-4};
+    // slip of 0.01 m/s where friction is just sufficient; measured 1.6e-3, 0.013, 1e-4
+    if (is("penalty")) found = {1.0 / 1024, 3e-3, 0.015, 2e-4};
+    return found;
 }
 
 Sample end_of(const Scene& scene, const Method& method, double step) {
@@ -40,60 +72,64 @@ Sample end_of(const Scene& scene, const Method& method, double step) {
 class ContactMethod : public ::testing::TestWithParam<const Method*> {
   protected:
     static const Method& method() { return *GetParam(); }
-    // relative rounding after some hundred steps
-    static double rounding() { return method().precision == Precision::binary32 ? 2e-4 : 1e-11; }
+    static ContactAccuracy accuracy() { return accuracy_of(method()); }
 };
 
 /// A ball rolls down a ramp with 5/7 g sin a if tan a <= 3.5 mu, else slides with g (sin a - mu cos a) and the angular
 /// acceleration 5 mu g cos a / (2 r). Both accelerations are constant, so semi-implicit Euler has an error of a h T / 2
 /// in the position.
 TEST_P(ContactMethod, BallRollsOrSlidesDownARamp) {
-    constexpr double angle = 0.3, r = 0.1, h = 1.0 / 256;
+    constexpr double angle = 0.3, r = 0.1;
+    const auto [h, relative, block, height] = accuracy();
     for (const double friction : {0.5, 0.05}) {
         const bool rolls = std::tan(angle) <= 3.5 * friction;
         const double a =
             rolls ? 5.0 / 7 * contact_g * std::sin(angle) : contact_g * (std::sin(angle) - friction * std::cos(angle));
         const double spin = rolls ? a / r : 2.5 * friction * contact_g * std::cos(angle) / r;
         const Sample end = end_of(on_ramp(SolidSphere{r}, r, angle, friction), method(), h);
-        EXPECT_NEAR(end.velocity_W[0], a, rounding() * a) << friction;
-        EXPECT_NEAR(rotate(end.q, end.angular_velocity_B)[1], spin, rounding() * spin) << friction;
-        EXPECT_NEAR(end.position_W[0], a / 2, (0.51 * h + rounding()) * a) << friction;
-        EXPECT_NEAR(end.position_W[2], r, 1e-3 * h + rounding() * r) << friction;
+        EXPECT_NEAR(end.velocity_W[0], a, relative * a) << friction;
+        EXPECT_NEAR(rotate(end.q, end.angular_velocity_B)[1], spin, relative * spin) << friction;
+        EXPECT_NEAR(end.position_W[0], a / 2, (0.51 * h + relative) * a) << friction;
+        EXPECT_NEAR(end.position_W[2], r, 1e-5 * h + height) << friction;
     }
 }
 
 /// A block holds on a ramp just below the angle of friction and slides with g (sin a - mu cos a) just above, which is
-/// 0.040 m/s after 1 s. The ramp descends along x, which is an axis of every pyramid. Ten sweeps of sequential impulses
-/// leave an error in the first steps: measured 0.007 m/s with Baumgarte's term, 0.004 m/s from zero impulses.
+/// 0.040 m/s after 1 s. The ramp descends along x, which is an axis of every pyramid.
 TEST_P(ContactMethod, BlockHoldsUntilTheAngleOfFriction) {
-    constexpr double friction = 0.4, h = 1.0 / 128;
-    const double critical = std::atan(friction);
-    const double tolerance = method().family == Family::engine_update ? 0.01 : 10 * rounding();
+    constexpr double friction = 0.4;
+    const double critical = std::atan(friction), h = std::min(accuracy().h, 1.0 / 128);
+    const double tolerance = accuracy().block;
     const Box box{{0.2, 0.15, 0.05}};
     const Sample held = end_of(on_ramp(box, 0.05, 0.99 * critical, friction), method(), h);
     EXPECT_NEAR(held.velocity_W[0], 0, tolerance);
     EXPECT_NEAR(held.position_W[0], 0, tolerance);
+    // friction between single points, each all or nothing, does not hold
+    if (method().name.starts_with("xpbd")) {
+        EXPECT_GT(held.velocity_W[0], 0.05);
+    }
     const double angle = 1.01 * critical, a = contact_g * (std::sin(angle) - friction * std::cos(angle));
     const Sample slid = end_of(on_ramp(box, 0.05, angle, friction), method(), h);
     EXPECT_NEAR(slid.velocity_W[0], a, tolerance);
-    EXPECT_LT(length(slid.angular_velocity_B), tolerance);
+    EXPECT_LT(length(slid.angular_velocity_B), tolerance > 0.001 ? 0.1 : tolerance);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, ContactMethod, ::testing::ValuesIn(contact_methods(true)),
                          [](const auto& of) { return std::string(of.param->name); });
 
-/// Mean error of a quantity over runs with n, n + 1, .. steps. Single runs are late by a fraction of a step at an
+/// Median error of a quantity over runs with n, n + n/16, .. steps. Single runs are late by a fraction of a step at an
 /// impact or at the end of sliding, which varies irregularly with the step.
 template <class Error>
-double mean_error(long n, const Error& error) {
+double median_error(long n, const Error& error) {
     constexpr long runs = 16;
-    double sum = 0;
-    for (long i = 0; i < runs; ++i) sum += error(1.0 / static_cast<double>(n + n * i / runs));
-    return sum / runs;
+    std::vector<double> errors;
+    for (long i = 0; i < runs; ++i) errors.push_back(error(1.0 / static_cast<double>(n + n * i / runs)));
+    std::nth_element(errors.begin(), errors.begin() + runs / 2, errors.end());
+    return errors[runs / 2];
 }
 template <class Error>
 double measured_order(long n, const Error& error) {
-    return std::log2(mean_error(n, error) / mean_error(4 * n, error)) / 2;
+    return std::log2(median_error(n, error) / median_error(4 * n, error)) / 2;
 }
 
 class ContactOrder : public ::testing::TestWithParam<const Method*> {
@@ -101,18 +137,27 @@ class ContactOrder : public ::testing::TestWithParam<const Method*> {
     static const Method& method() { return *GetParam(); }
 };
 
+/// The binary64 methods that converge to the rigid motion.
+std::vector<const Method*> rigid_contact_methods() {
+    std::vector<const Method*> found = contact_methods(false);
+    std::erase_if(found, [](const Method* method) { return is_soft_model(*method); });
+    return found;
+}
+
 /// The end of sliding falls inside a step: order 1.
 TEST_P(ContactOrder, IsOneFromSlidingToRolling) {
     constexpr double u = 3, friction = 0.2;
     const Scene scene = bowling_ball(u, friction);
     const auto error = [&](double h) {
         const Sample end = end_of(scene, method(), h);
-        EXPECT_NEAR(end.velocity_W[0], 5 * u / 7, 1e-10);
+        EXPECT_NEAR(end.velocity_W[0], 5 * u / 7, method().name.starts_with("xpbd") ? 3 * h : 1e-10);
         return std::abs(end.position_W[0] - bowled_distance(u, friction, 1));
     };
-    const double order = measured_order(64, error);
+    // where the depth of a soft contact is not negligible, its error is of the other sign
+    const long n = method().name.starts_with("soft") ? 1024 : 64;
+    const double order = measured_order(n, error);
     RecordProperty("order", std::to_string(order));
-    EXPECT_GT(order, 0.9) << mean_error(64, error);
+    EXPECT_GT(order, 0.9) << median_error(n, error);
 }
 
 /// A ball falls from 0.5 m with e = 0.8 and bounces three times in 1.5 s: the position at the end has order 1.
@@ -130,14 +175,21 @@ TEST_P(ContactOrder, IsOneOverBounces) {
     const auto error = [&](double h) { return std::abs(end_of(scene, method(), h).position_W[2] - height); };
     const double order = measured_order(256, error);
     RecordProperty("order", std::to_string(order));
-    EXPECT_NEAR(order, 1, 0.25) << mean_error(256, error);
+    if (method().name == "bullet_contacts") {
+        // a contact that acts before the gap closes loses gap / h of the rebound: at any step
+        EXPECT_LT(order, 0.5);
+        EXPECT_GT(median_error(1024, error), 0.02);
+    } else {
+        EXPECT_NEAR(order, 1, 0.35) << median_error(256, error);
+    }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, ContactOrder, ::testing::ValuesIn(contact_methods(false)),
+INSTANTIATE_TEST_SUITE_P(Of, ContactOrder, ::testing::ValuesIn(rigid_contact_methods()),
                          [](const auto& of) { return std::string(of.param->name); });
 
-/// A block slides with speed 2 at 45 degrees to the axes of the pyramids. Coulomb's friction decelerates it by mu g;
-/// a pyramid gives another factor.
+/// A block slides with speed 2 at 45 degrees to the axes of the pyramids. Coulomb's friction decelerates it by mu g; a
+/// pyramid gives another factor. Jolt's friction is 1.5 % low here: the impulse limited to the disc is that of separate
+/// effective masses along both axes, which does not oppose the slip. XPBD's is 2.3 % low.
 TEST(ContactPyramid, DependsOnTheDirectionOfSlip) {
     constexpr double friction = 0.2, u = 2, T = 0.25;
     for (const Method* method : contact_methods(false)) {
@@ -145,8 +197,10 @@ TEST(ContactPyramid, DependsOnTheDirectionOfSlip) {
         scene.duration = T;
         scene.initial.velocity_W = {u * std::numbers::sqrt2 / 2, u * std::numbers::sqrt2 / 2, 0};
         const double factor = diagonal_friction(*method);
-        const Sample end = end_of(scene, *method, T / 64);
-        EXPECT_NEAR(std::hypot(end.velocity_W[0], end.velocity_W[1]), u - factor * friction * contact_g * T, 2e-3)
+        const bool exact = method->family == Family::published_update && !method->name.starts_with("xpbd");
+        const Sample end = end_of(scene, *method, std::min(T / 64, accuracy_of(*method).h));
+        EXPECT_NEAR(std::hypot(end.velocity_W[0], end.velocity_W[1]), u - factor * friction * contact_g * T,
+                    exact ? 1e-3 : 0.012)
             << method->name;
     }
 }

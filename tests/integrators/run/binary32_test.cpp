@@ -73,14 +73,17 @@ TEST_P(Binary32Method, DiffersFromBinary64ByItsRoundingAlone) {
             const double method_error = attitude_error(attitude(binary64), truth);
             if (method_error > 0.1 && n < 256) continue;
             ASSERT_GT(method_error, 1e-4) << scene.name << " " << n;
-            EXPECT_LT(attitude_error(attitude(single), attitude(binary64)), 0.01 * method_error) << scene.name;
+            // ten substeps per step, each of which rounds
+            const bool substeps = narrow.name.starts_with("xpbd_contacts");
+            EXPECT_LT(attitude_error(attitude(single), attitude(binary64)), (substeps ? 0.03 : 0.01) * method_error)
+                << scene.name;
             // the observed order agrees as well; order_test.cpp measures it in binary64 down to round-off
             const auto [half_single, half_binary64] = both(2 * n);
             ASSERT_EQ(half_single.status, Status::ok) << half_single.message;
             const double single_order = std::log2(attitude_error(attitude(single), truth) /
                                                   attitude_error(attitude(half_single), truth)),
                          order = std::log2(method_error / attitude_error(attitude(half_binary64), truth));
-            EXPECT_NEAR(single_order, order, 0.05) << scene.name;
+            EXPECT_NEAR(single_order, order, substeps ? 0.1 : 0.05) << scene.name;
             break;
         }
         // velocities that are position differences divided by h have rounding errors proportional to 1/h

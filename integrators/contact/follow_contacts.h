@@ -82,6 +82,7 @@ class ContactDriver {
     BodyMotion<P> motion_;
     Sizes sizes_;
     std::optional<Pair> contact_;  // the lasting contact
+    std::vector<Pair> face_;       // all points of a face in contact, which does not rotate; else empty
     System mode_ = System::flight;
     std::vector<std::size_t> zeros_;  // known order of the zero of each pair's gap at the start of the mode
     bool has_started_ = false;        // the first transition
@@ -159,6 +160,8 @@ class ContactDriver {
         has_started_ = true;
         const System former = mode_;
         const std::optional<Pair> former_contact = contact_;
+        const std::vector<Pair> former_face = face_;
+        release_face();
         const double resting = speed() * (first ? 1e-12 : error(1));
         const std::vector<std::size_t> near = touching();
         bool landed = false;
@@ -177,6 +180,7 @@ class ContactDriver {
         }
         zeros_.assign(geometry_.size(), 0);
         std::optional<Pair> lasting;
+        std::vector<Pair> all;
         for (const std::size_t k : near) {
             const Pair pair = form_.pair_at(k);
             const ContactResponse<P> at = form_.response(pair, motion_);
@@ -189,18 +193,101 @@ class ContactDriver {
                 zeros_[k] = lifted ? 3 : 2;
                 continue;
             }
-            if (lasting)
-                return fail(
-                    fmt::format("several lasting contacts at once are not supported: the body touches {} at a "
-                                "second point {}",
-                                plane_at(pair), at_time()));
-            lasting = pair;
+            all.push_back(pair);
         }
+        if (!all.empty()) lasting = all.front();
+        if (all.size() > 1 && !start_face(all)) return;
         if (arrived && *arrived == EventKind::lifts_off) {
             if (lasting && former_contact && *lasting == *former_contact) lasting.reset();
             if (former_contact) zeros_[index_of(*former_contact)] = 3;
+            for (const Pair& pair : former_face) zeros_[index_of(pair)] = 3;
+            release_face();
         }
         enter_mode(lasting, first, former, former_contact, landed, accumulated);
+    }
+    void release_face() {
+        face_.clear();
+        form_.hold_attitude(false);
+    }
+    /// Starts contact at several points. Supported for points of one plane that are not on a line, without rotation:
+    /// a body that rests or slides on a face. Returns false if the motion cannot be followed.
+    bool start_face(const std::vector<Pair>& points) {
+        const P small(error(6) * speed());
+        bool supported = length(motion_.angular_velocity_B) * P(reach()) <= small;
+        for (const Pair& pair : points) supported = supported && pair.plane == points.front().plane;
+        if (!supported || !spans_area(points)) {
+            fail(
+                fmt::format("several lasting contacts at once are not supported: the body touches {} at a second "
+                            "point {}",
+                            plane_at(points[1]), at_time()));
+            return false;
+        }
+        motion_.angular_velocity_B = Vector3<P>();
+        face_ = points;
+        form_.hold_attitude(true);
+        return true;
+    }
+    // the point of the face in the contact's axes, from the centre of mass, m
+    Vector3<double> face_point(Pair pair) const {
+        const ContactPlane<P>& plane = geometry_.planes[pair.plane];
+        const Vector3<P> n = rotate_back(motion_.q, plane.normal_W);
+        const Vector3<P> arm = rotate(motion_.q, geometry_.pieces[pair.piece].lowest_point(n));
+        return cast<double>(ContactAxes<P>(plane.normal_W).from_world(arm));
+    }
+    bool spans_area(const std::vector<Pair>& points) const {
+        double largest = 0;
+        const Vector3<double> a = face_point(points[0]);
+        for (const Pair& second : points)
+            for (const Pair& third : points) {
+                const Vector3<double> b = face_point(second) - a, c = face_point(third) - a;
+                largest = std::max(largest, std::abs(b[0] * c[1] - b[1] * c[0]));
+            }
+        return largest > 1e-9 * reach() * reach();
+    }
+    // the force of the plane on a face, in the contact's axes
+    Vector3<P> face_force() const {
+        const ContactResponse<P> at = form_.response(*contact_, motion_);
+        const Vector3<P> held = -(mass_properties<P>(scene_->body).mass * at.acceleration);
+        if (mode_ == System::rolling) return held;
+        const P slip = square_root(P(at.velocity[0] * at.velocity[0] + at.velocity[1] * at.velocity[1]));
+        Vector3<P> direction;
+        if (onset_)
+            direction = *onset_;
+        else if (slip > P(0))
+            direction = Vector3<P>(at.velocity[0] / slip, at.velocity[1] / slip, P(0));
+        const P friction = mu(*contact_) * held[2];
+        return {-friction * direction[0], -friction * direction[1], held[2]};
+    }
+    /// The pressure under a face acts at a point (x, y) where it balances the moment of loads and friction about the
+    /// centre of mass. The body tips over if this point is not within the face, and rotates if a moment about the
+    /// normal remains.
+    void check_face() {
+        if (face_.empty() || fails()) return;
+        const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
+        const Vector3<double> F = cast<double>(face_force());
+        const Vector3<double> M = cast<double>(axes.from_world(-form_.load_torque(motion_)));
+        const double h = -face_point(face_.front())[2];
+        const double y = (M[0] - h * F[1]) / F[2], x = -(M[1] + h * F[0]) / F[2];
+        if (std::abs(M[2] - (x * F[1] - y * F[0])) > 1e-9 * F[2] * reach())
+            return fail(fmt::format("spins on a face {}: the pressure under a face is not determined by rigid laws",
+                                    at_time()));
+        if (!is_within_face(x, y)) fail(fmt::format("tips over {}", at_time()));
+    }
+    // whether the point is on the inner side of each border of the face
+    bool is_within_face(double x, double y) const {
+        const double rounding = 1e-12 * reach() * reach();
+        for (const Pair& first : face_)
+            for (const Pair& second : face_) {
+                const Vector3<double> a = face_point(first), edge = face_point(second) - a;
+                const auto side = [&](double px, double py) { return edge[0] * (py - a[1]) - edge[1] * (px - a[0]); };
+                bool is_border = hypotenuse(edge) > 0;
+                for (const Pair& other : face_) {
+                    const Vector3<double> c = face_point(other);
+                    is_border = is_border && side(c[0], c[1]) >= -rounding;
+                }
+                if (is_border && side(x, y) < -rounding) return false;
+            }
+        return true;
     }
     std::size_t index_of(Pair pair) const { return pair.plane * geometry_.pieces.size() + pair.piece; }
 
@@ -230,6 +317,8 @@ class ContactDriver {
         }
         const bool same = continues && next == former && !first;
         mode_ = next, contact_ = lasting;
+        if (!contact_) release_face();
+        check_face();
         if (!same) open_interval();
     }
 
@@ -307,6 +396,8 @@ class ContactDriver {
         const Vector3<P> turn = half * motion_.angular_velocity_B;
         motion_.q = normalized(motion_.q * Quaternion<P>{P(1), turn[0], turn[1], turn[2]});
         motion_.position_W = motion_.position_W + rest * motion_.velocity_W;
+        // the contact point has moved over the rotating body
+        motion_.velocity_W = motion_.velocity_W - form_.response(pair, motion_).velocity[2] * axes.normal_W;
     }
 
     /// How far an impact has come.
@@ -531,7 +622,10 @@ class ContactDriver {
         int next = step.clock + 1 + form_.own_functions();
         const std::vector<std::size_t>& gaps = form_.observed_gaps();
         for (std::size_t i = 0; i < gaps.size(); ++i)
-            look(next++, zeros_[gaps[i]], reach() * 1e-6 * error() * error(), Found::What::gap, gaps[i]);
+            if (std::find(face_.begin(), face_.end(), form_.pair_at(gaps[i])) != face_.end())
+                ++next;
+            else
+                look(next++, zeros_[gaps[i]], reach() * 1e-6 * error() * error(), Found::What::gap, gaps[i]);
         if (mode_ == System::sliding) look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
         if (mode_ == System::rolling) {
             look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
@@ -589,6 +683,8 @@ class ContactDriver {
         motion_ = form_.motion(y.data());
         note_sizes();
         std::fill(zeros_.begin(), zeros_.end(), 0);
+        if (!found) check_face();
+        if (fails()) return false;
         if (found) handle(*found);
         return !found;
     }
@@ -653,14 +749,16 @@ class ContactDriver {
         }
         for (int i = 0; i <= 8; ++i) {
             const P s = step.length * P(i) / P(8);
-            P normal(0), cone(0);
-            for (int k = settings_.order; k >= 1; --k) {
-                normal = normal * s + P(k) * step.coefficient(step.clock + 1, k);
-                cone = cone * s + P(k) * step.coefficient(step.clock + 2, k);
-            }
-            const double limit = friction * static_cast<double>(normal);
-            const double margin = static_cast<double>(cone) / (limit * limit);
-            largest = std::max(largest, std::sqrt(std::max(0.0, 1 - margin)));
+            Vector3<P> force;
+            for (int c = 0; c < 3; ++c)
+                for (int k = settings_.order; k >= 1; --k) {
+                    P& sum = force[static_cast<std::size_t>(c)];
+                    sum = sum * s + P(k) * step.coefficient(step.clock + 3 + c, k);
+                }
+            const Vector3<P> f = ContactAxes<P>(geometry_.planes[contact_->plane].normal_W).from_world(force);
+            const double normal = static_cast<double>(f[2]);
+            largest = std::max(largest,
+                               std::hypot(static_cast<double>(f[0]), static_cast<double>(f[1])) / (friction * normal));
         }
     }
 

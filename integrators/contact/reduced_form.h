@@ -87,6 +87,12 @@ class ReducedForm {
         return all;
     }
 
+    /// Whether a contact face holds the attitude: the body then does not rotate.
+    void hold_attitude(bool held) { held_ = held; }
+    /// Torque of the loads about the centre of mass, N m, world axes.
+    Vector3<P> load_torque(const BodyMotion<P>& m) const {
+        return rotate(m.q, torque(forcing_, 0, m.angular_velocity_B, m.q, m.position_W, m.velocity_W));
+    }
     /// The direction of the slip for System::onset.
     void set_path(const SlipPath<P>& path) { path_ = path; }
 
@@ -136,13 +142,12 @@ class ReducedForm {
         const Vector3<P> spin = rotate(m.q, cross(w, at.point_B));
         result.velocity = axes.from_world(m.velocity_W + spin);
         const Vector3<P> tau = torque(forcing_, 0, w, m.q, m.position_W, m.velocity_W);
-        const Vector3<P> free = inertia_.angular_acceleration(w, tau);
+        const Vector3<P> free = angular_acceleration(w, tau);
         const Vector3<P> b = cross(free, at.point_B) + cross(w, at.moves_B) + cross(w, cross(w, at.point_B));
         result.acceleration = axes.from_world(load_acceleration(m.q, m.velocity_W) + rotate(m.q, b));
         for (std::size_t j = 0; j < 3; ++j) {
             const Vector3<P> f_B = rotate_back(m.q, axes[j]);
-            const Vector3<P> d_B =
-                (P(1) / body_.mass) * f_B + cross(inertia_.response(cross(at.point_B, f_B)), at.point_B);
+            const Vector3<P> d_B = (P(1) / body_.mass) * f_B + cross(turning(cross(at.point_B, f_B)), at.point_B);
             const Vector3<P> column = axes.from_world(rotate(m.q, d_B));
             for (std::size_t i = 0; i < 3; ++i) result.matrix[i][j] = column[i];
         }
@@ -184,6 +189,7 @@ class ReducedForm {
     Forcing<P> forcing_;
     System system_ = System::flight;
     Pair pair_;
+    bool held_ = false;
     ContactAxes<P> axes_;
     std::vector<std::size_t> others_;
     BodyMotion<P> frozen_;         // shock: the motion before it
@@ -193,6 +199,15 @@ class ReducedForm {
     const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
     const P& friction() const { return geometry_->planes[pair_.plane].friction; }
 
+    // angular acceleration by a torque, and its part that is linear in the torque
+    template <class S>
+    Vector3<S> angular_acceleration(const Vector3<S>& w, const Vector3<S>& tau) const {
+        return held_ ? Vector3<S>() : inertia_.angular_acceleration(w, tau);
+    }
+    template <class S>
+    Vector3<S> turning(const Vector3<S>& tau) const {
+        return held_ ? Vector3<S>() : inertia_.response(tau);
+    }
     template <class S>
     Vector3<S> load_acceleration(const Quaternion<S>& q, const Vector3<S>& v) const {
         Vector3<S> a = cast<S>(forcing_.acceleration_W);
@@ -240,9 +255,9 @@ class ReducedForm {
             const S share = friction() / pace;
             f = n - (share * y[10]) * e1 - (share * y[11]) * e2;
         }
-        const Vector3<S> free = inertia_.angular_acceleration(w, torque(forcing_, 0, w, q, p, v));
+        const Vector3<S> free = angular_acceleration(w, torque(forcing_, 0, w, q, p, v));
         const Vector3<S> b = cross(free, s) + cross(w, at.moves_B) + cross(w, cross(w, s));
-        const Vector3<S> turn = inertia_.response(cross(s, f));
+        const Vector3<S> turn = turning(cross(s, f));
         const Vector3<S> d = (P(1) / body_.mass) * f + cross(turn, s);
         const Vector3<S> a = load_acceleration(q, v);
         const S N = P(-1) * ((dot(axes_.normal_W, a) + dot(n, b)) / dot(n, d));
@@ -281,7 +296,7 @@ class ReducedForm {
             }
         const Vector3<S> moment =
             torque(forcing_, 0, w, q, p, v) - cross(w, inertia_.tensor * w) + body_.mass * cross(s, c);
-        const Vector3<S> w_rate = inverse(about) * moment;
+        const Vector3<S> w_rate = held_ ? Vector3<S>() : Vector3<S>(inverse(about) * moment);
         const Vector3<S> force_B = body_.mass * (c + cross(s, w_rate));
         const S N = dot(n, force_B);
         const P mu_square = friction() * friction();

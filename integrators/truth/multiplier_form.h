@@ -71,6 +71,13 @@ class MultiplierForm {
         return {{0, 3, turn}, {3, 4, 1}, {7, 3, sizes.position}, {10, 3, mass * sizes.velocity}};
     }
 
+    void hold_attitude(bool held) { held_ = held; }
+    Vector3<P> load_torque(const Motion<P>& m) const {
+        P y[13], rate[13];
+        momenta(m, y);
+        loads_.derivative(y, rate);
+        return vector_at(rate, 0);
+    }
     /// The direction of the slip for System::onset.
     void set_path(const contact::SlipPath<P>& path) { path_ = path; }
 
@@ -159,7 +166,8 @@ class MultiplierForm {
                 }
             }
             put(dy, 16, F);
-            put(dy, 0, vector_at(dy, 0) + cross(k.arm, F)), put(dy, 10, vector_at(dy, 10) + F);
+            put(dy, 0, held_ ? Vector3<S>() : Vector3<S>(vector_at(dy, 0) + cross(k.arm, F)));
+            put(dy, 10, vector_at(dy, 10) + F);
             if (is_stretched())
                 for (int i = 0; i < 13; ++i) dy[i] = pace * dy[i];
         }
@@ -177,6 +185,7 @@ class MultiplierForm {
     double least_moment_ = 1;
     System system_ = System::flight;
     contact::Pair pair_;
+    bool held_ = false;  // the attitude is held by a face: I^-1 is zero
     std::vector<std::size_t> others_;
     Motion<P> frozen_;           // shock: the motion before it
     contact::SlipPath<P> path_;  // onset
@@ -212,7 +221,7 @@ class MultiplierForm {
         const Matrix3<S> axes = rotation_matrix(quaternion_at(y, 3));
         Kinematics<S> k;
         k.inverse_mass = P(1) / body_.mass;
-        k.inverse_inertia_W = axes * inverse_inertia_ * transposed(axes);
+        if (!held_) k.inverse_inertia_W = axes * inverse_inertia_ * transposed(axes);
         const Vector3<S> L = vector_at(y, 0), w = k.inverse_inertia_W * L;
         const Vector3<S> center = axes * piece.center;
         Vector3<S> moves = cross(w, center);

@@ -150,11 +150,27 @@ TEST(ContactReference, RefusesWhatItDoesNotFollow) {
     const Scene rolling = contact_scene(solid_ball, R"({"position": [0, 0, 0.5]})", "[3, 0, -9]",
                                         R"("restitution": 0.5, "rolling_friction": 0.01)", 2);
     EXPECT_EQ(decimal_reference(rolling, 2).message, "no truth: torsional and rolling friction are not supported");
-    const Scene box =
-        contact_scene(R"({"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "mass": 2})",
-                      R"({"position": [0, 0, 0.5]})", "[0, 0, -9]", R"("restitution": 0.5, "friction": 0.5)", 2);
-    EXPECT_NE(decimal_reference(box, 2).message.find("several lasting contacts at once are not supported"),
+    const Scene spinning = contact_scene(R"({"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "mass": 2})",
+                                         R"({"position": [0, 0, 0.5], "angular_velocity": [0, 0, 1]})", "[0, 0, -9]",
+                                         R"("restitution": 0.5, "friction": 0.5)", 2);
+    EXPECT_NE(decimal_reference(spinning, 2).message.find("several lasting contacts at once are not supported"),
               std::string::npos);
+}
+
+/// A block that slides on a face stops at t = v / (mu g) after v^2 / (2 mu g), if mu h < a for the half edge a and the
+/// height h of the centre of mass; otherwise it tips over.
+TEST(ContactReference, BlockOnAFaceStopsOrTipsOver) {
+    const std::string plane = R"("restitution": 0.5, "friction": 0.5)";
+    const std::string start = R"({"position": [0, 0, 0.5], "velocity": [2, 0, 0]})";
+    const DecimalReference truth = available(contact_scene(
+        R"({"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "mass": 2})", start, "[0, 0, -9]", plane, 1));
+    ASSERT_EQ(truth.contact_events.size(), 1U);
+    expect_close(value(truth.contact_events[0].t), 4.0L / 9, 1e-18L);
+    expect_close(value(truth.columns[2][7]), 4.0L / 9, 1e-18L);
+    expect_close(value(truth.columns[2][10]), 0, 1e-18L);
+    const Scene high = contact_scene(R"({"shape": {"type": "box", "half_extents": [0.125, 1, 0.5]}, "mass": 2})", start,
+                                     "[0, 0, -9]", plane, 1);
+    EXPECT_EQ(decimal_reference(high, 2).message, "no truth: tips over at t = 0 s");
 }
 
 }  // namespace

@@ -332,7 +332,7 @@ test("saves pictures as SVG and PNG with a legend", async () => {
 });
 
 for (const dark of [false, true]) {
-  for (const width of [1440, 400]) {
+  for (const width of [1440, 390]) {
     test(`${dark ? "dark" : "light"}, ${width} px: fits the screen and is accessible`, async () => {
       const { page, faults } = await open(browser, rich, { width, dark });
       await drawAll(page);

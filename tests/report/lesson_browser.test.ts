@@ -142,6 +142,39 @@ for (const dark of [false, true]) {
   }
 }
 
+test("axes, ellipsoid and path of a chosen point are drawn and removed", async () => {
+  const { page, faults } = await open(`${address}#lesson.motion_time=3&lesson.motion_show=momentum`);
+  const settle = (): Promise<unknown> => new Promise((resolve) => setTimeout(resolve, 600));
+  const picture = (): Promise<string> => page.$eval(".motion-pane canvas", (one) => (one as HTMLCanvasElement).toDataURL());
+  const toggle = async (text: string): Promise<void> => {
+    await page.$$eval(".motion-toggles button", (all, text) => all.find((one) => one.textContent === text)?.click(), text);
+    await settle();
+  };
+  const labels = (): Promise<(string | null)[]> => page.$$eval(".motion-pane:first-child .motion-label", (all) => all.map((one) => one.textContent));
+  await settle();
+  const plain = await picture();
+  assert.deepEqual(await labels(), ["L"]);
+  for (const name of ["Axes", "Ellipsoid", "Path"]) {
+    await toggle(name);
+    const shown = await picture();
+    assert.notEqual(shown, plain, name);
+    if (name === "Axes") assert.deepEqual(await labels(), ["L", "x", "y", "z"]);
+    if (name === "Path") {
+      await page.$$eval(".motion-controls label", (all) => {
+        const select = all.find((one) => /Trace of/.test(one.textContent ?? ""))?.querySelector("select");
+        if (select) select.value = "z";
+        select?.dispatchEvent(new Event("change", { bubbles: true }));
+      });
+      await settle();
+      assert.notEqual(await picture(), shown, "the path of another point");
+    }
+    await toggle(name);
+    assert.equal(await picture(), plain, `${name} removed`);
+  }
+  assert.deepEqual(faults, []);
+  await page.close();
+});
+
 test("saves a PNG of the panes and a video", async () => {
   const { page, faults } = await open(`${address}#lesson.motion_speed=10`);
   const session = await page.createCDPSession();

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -61,6 +62,15 @@ std::string read_line(const JsonNode& node, std::size_t longest) {
     if (text.empty() || text.size() > longest)
         node.fail(fmt::format("has {} bytes", text.size()), fmt::format("give a text of 1 to {} bytes", longest));
     return text;
+}
+
+// Returns a name that can be part of an address.
+std::string read_name(const JsonNode& node) {
+    const std::string& name = node.string();
+    const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
+    if (name.empty() || name.size() > 100 || !std::ranges::all_of(name, is_plain))
+        node.fail("is " + (name.empty() ? "empty" : one_line(name, 80)), "give at most 100 letters, digits, _ and -");
+    return name;
 }
 
 double read_positive(const JsonNode& node) {
@@ -188,7 +198,7 @@ Json parse_lesson(std::string_view text, const std::string& file, const std::str
     const JsonNode& root = document.root();
     root.require_known_keys(
         {"name", "title", "text", "scene", "duration", "update", "step", "sliders", "graphs", "show"});
-    Json json{{"name", read_line(root.require_member("name", "a short name"), 100)},
+    Json json{{"name", read_name(root.require_member("name", "a short name"))},
               {"title", read_line(root.require_member("title", "the heading of the lesson"), 200)},
               {"text", read_paragraphs(root.require_member("text", "one paragraph, or a list of paragraphs"))}};
     const JsonNode& scene_node = root.require_member("scene", "a built-in scene or a scene file");

@@ -78,7 +78,8 @@ ReportSummary write_lesson_page(const std::string& lesson, const std::string& ou
     const ReportContent content{folder, scenes, motions, checks, nullptr, nullptr, Json::array({json}), true};
     const Json document = report_document(content, details[0]);
     ReportSummary made;
-    made.path = output.empty() ? fs::path(json["name"].get<std::string>()).filename().string() + ".html" : output;
+    // named after the argument: the file's own `name` may not choose which file is written
+    made.path = output.empty() ? fs::path(lesson).stem().string() + ".html" : output;
     const std::string page =
         fill_page(page_template, folder.name, document.dump(-1, ' ', false, Json::error_handler_t::replace));
     write_atomically(made.path, page);

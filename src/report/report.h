@@ -32,8 +32,8 @@ struct ReportSummary {
 inline constexpr std::size_t largest_page = 5'000'000;
 
 /// Writes a page with only a lesson: a built-in one or a lesson file (report/lessons.h). `output`: path of the page;
-/// empty: NAME.html in the working directory. Throws InputError for an invalid lesson, and std::runtime_error if the
-/// page cannot be created or written.
+/// empty: NAME.html in the working directory, where NAME is the lesson or the stem of its file. Throws InputError for
+/// an invalid lesson, and std::runtime_error if the page cannot be created or written.
 ReportSummary write_lesson_page(const std::string& lesson, const std::string& output);
 
 /// Writes the page. Throws InputError if a directory, scene or trajectory is invalid, and std::runtime_error if the

@@ -108,6 +108,11 @@ TEST(Lessons, RefuseWhatThePageCannotCompute) {
     refused(R"("scene": "sphere", "graphs": ["heat"], )" + run, "/graphs/0: ");
     refused(R"("scene": "sphere", "colour": 1, )" + run, "/colour: ");
     refused(run, "/scene: ");
+    for (const char* name : {"", "../up", "a b", "a\\n"})
+        EXPECT_TRUE(fault_of(R"({"name": ")" + std::string(name) +
+                             R"(", "title": "t", "text": "t", "scene": "sphere", )" + run + "}")
+                        .starts_with("lesson.json: /name: "))
+            << name;
 }
 
 TEST(Lessons, AreReadFromFiles) {

@@ -102,7 +102,7 @@ class MotionView implements MotionHandle {
     this.pointChoice = new Choice("Trace of", (value) => this.page.set({ motion_point: value === "tip" ? "" : value }));
     this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["axes", "Axes", "Body axes"],
       ["ellipsoid", "Ellipsoid", "Inertia ellipsoid, on which the tip of ω moves"], ["trail", "Trail", "Trail of a point of the body"], ["path", "Path", "Path of a point of the body from the start"],
-      ["follow", "Follow", "Camera follows the bodies"]] as const)
+      ["follow", "Follow", "Follow the bodies with the camera"]] as const)
       .map(([key, text, title]) => [key, element("button", { type: "button", title, "aria-label": title, onclick: () => this.toggle(key) }, text)]);
   }
 

@@ -260,7 +260,7 @@ class VariedTree {
 
 // The limits of all passes.
 struct Limits {
-    double end;  // s, processor time
+    double end = 0;  // s, processor time
     long steps_left = 0;
 };
 

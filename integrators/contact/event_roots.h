@@ -26,9 +26,10 @@ class FirstRoot {
     FirstRoot(const std::vector<P>& coefficients, std::size_t zeros, const P& h, double noise) : h_(h) {
         P power(1), largest(0);
         for (std::size_t k = 0; k < zeros; ++k) power = power * h;
-        for (std::size_t k = zeros; k < coefficients.size(); ++k, power = power * h) {
+        for (std::size_t k = zeros; k < coefficients.size(); ++k) {
             exact_.push_back(coefficients[k] * power);
             largest = std::max(largest, Elementary<P>::magnitude(exact_.back()));
+            power = power * h;
         }
         if (!(largest > P(noise))) {
             exact_.clear();

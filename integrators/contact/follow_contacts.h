@@ -545,8 +545,8 @@ class ContactDriver {
     /// The polynomial of a step.
     struct Step {
         const Series<T>& series;
-        int clock;
-        bool stretched;
+        int clock = 0;
+        bool stretched = false;
         P length{0};  // in the independent variable s
 
         P coefficient(int i, int k) const { return static_cast<P>(series.coefficient(i, k)); }

@@ -20,10 +20,12 @@ class LemkeSolver {
     /// where many ratios are equal, q is perturbed by a few roundings. Returns false if no solution is found.
     bool solve(std::size_t n, const std::vector<S>& M, const std::vector<S>& q, std::vector<S>& z) {
         if (pivot_to_end(n, M, q, z) && is_solution(n, M, q, z)) return true;
-        for (S size = perturbation; size < S(1000) * perturbation; size *= S(8)) {
+        S size = perturbation;
+        for (int attempt = 0; attempt < 4; ++attempt) {
             perturbed_ = q;
             for (std::size_t i = 0; i < n; ++i) perturbed_[i] += size * static_cast<S>(1 + (7 * i) % 13);
             if (pivot_to_end(n, M, perturbed_, z) && is_solution(n, M, q, z)) return true;
+            size *= S(8);
         }
         return false;
     }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -171,11 +172,11 @@ void add_scene_numbers(const Scene& scene, const std::optional<Vector3<double>>&
     json["inertia"] = Json::array();
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) json["inertia"].push_back(number_json(body.inertia_B[i][j], exact_digits));
-    const auto list = [](const Vector3<double>& v) { return exact_json(std::initializer_list{v[0], v[1], v[2]}); };
+    const auto list = [](const Vector3<double>& v) { return exact_json(std::array{v[0], v[1], v[2]}); };
     json["arm"] = scene.pivot ? list(body.center_of_mass - *scene.pivot) : Json();
     json["gravity"] = gravity ? list(*gravity) : Json();
     const Quaternion<double> q = normalized(scene.initial.orientation);
-    json["orientation"] = exact_json(std::initializer_list{q.w, q.x, q.y, q.z});
+    json["orientation"] = exact_json(std::array{q.w, q.x, q.y, q.z});
     const Vector3<double>& w = scene.initial.angular_velocity;
     json["angular_velocity"] = list(scene.initial.angular_velocity_frame == Frame::body ? w : rotate(conjugate(q), w));
     json["shape"] = body_shape_json(scene.name, body);

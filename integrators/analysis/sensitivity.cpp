@@ -43,6 +43,7 @@ class TreeConstants {
         for (Link<P>& link : links.links) {
             add(link.q_placement), add(link.turn), add(link.place), add(link.mass), add(link.moment);
             add(link.inertia), add(link.stiffness), add(link.rest), add(link.damping), add(link.rest_orientation);
+            add(link.armature);
         }
         for (LinkBody<P>& body : links.bodies) add(body.q), add(body.turn), add(body.origin), add(body.center);
     }

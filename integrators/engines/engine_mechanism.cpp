@@ -101,6 +101,8 @@ void add_axis(EngineJoint& joint, const InitialBodies& initial, const Vector3<do
 EngineJoint convert_joint(const Joint& joint, const InitialBodies& initial) {
     if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
         throw std::invalid_argument("the engine protocol does not support springs and dampers of joints");
+    if (joint.armature != std::array<double, 2>{})
+        throw std::invalid_argument("the engine protocol does not support armature of joints");
     EngineJoint result;
     result.name = joint.name, result.type = name_of(joint.type);
     result.parent = initial.index(joint.parent), result.child = initial.index(joint.child);

@@ -96,16 +96,20 @@ class Dynamics {
                 at[b].angular_velocity_B + body.inverse_inertia * (on[b].torque_B + at[b].body(on[b].torque_W));
             subtract_motion(b, rows, v, w, right);
         }
-        // The force of an added inertia changes its momentum only by the change of velocity due to the impulses.
+        // The force of an added inertia or an armature changes its momentum only by the change of velocity due to the
+        // impulses.
         for_added([&](int b, std::size_t k, std::size_t i) {
             const Row<P>& row = rows[k][i];
             P& sum = right[first_row_[k] + i];
             sum = sum + dot(row.force_W, at[b].velocity_W) + dot(row.to_B, at[b].angular_velocity_B);
+            const int a = mechanism_->links[k].from.body;
+            if (mechanism_->movable(a))
+                sum = sum + (dot(row.from_B, at[a].angular_velocity_B) - dot(row.force_W, at[a].velocity_W));
         });
         return solved(rows, std::move(right));
     }
 
-    /// Adds lambda / m' and lambda / j' to the rows of added inertias, see Kind::added_inertia.
+    /// Adds lambda / m' and lambda / j' to the rows of added inertias and -lambda / d to those of armatures, see Kind.
     template <class S>
     void add_compliance(const S* lambda, std::vector<S>& rows) const {
         for_added([&](int, std::size_t k, std::size_t i) {
@@ -221,11 +225,11 @@ class Dynamics {
     const P& compliance(std::size_t k, std::size_t i) const {
         return mechanism_->links[k].compliance[static_cast<std::size_t>(kept_[k][i])];
     }
-    // Visits each row of an added inertia: body, link and row index.
+    // Visits each row of an added inertia or an armature: second body, link and row index.
     template <class Do>
     void for_added(Do&& act) const {
         for (const int k : order_)
-            for (std::size_t i = 0; mechanism_->links[k].kind == Kind::added_inertia && i < kept_[k].size(); ++i)
+            for (std::size_t i = 0; mechanism_->links[k].has_compliance() && i < kept_[k].size(); ++i)
                 act(mechanism_->links[k].to.body, static_cast<std::size_t>(k), i);
     }
     // Visits each pair of rows that share a body, in a fixed order.

@@ -54,7 +54,10 @@ struct Attachment {
 /// tensor. It therefore gets an added mass m' and moments j' about each axis, and the force m' a and the torque j' w'
 /// act on it in addition to all else. This leaves its motion unchanged: (m + m') a = F + m' a. These forces are
 /// unknowns like the multipliers of constraints, with additional rows a - lambda / m' = 0 and w' - lambda / j' = 0.
-enum class Kind { revolute, prismatic, spherical, universal, fixed, distance, added_inertia };
+///
+/// `armature` constrains nothing either. The torque -d x'' of an inertia d on a joint coordinate x depends on the
+/// acceleration; it is the unknown lambda of the row x'' + lambda / d = 0.
+enum class Kind { revolute, prismatic, spherical, universal, fixed, distance, added_inertia, armature };
 
 /// A joint (from the parent to the child) or a loop (from the first body to the second).
 template <class P>
@@ -76,13 +79,18 @@ struct Link {
     std::array<P, 2> coordinate{P(0), P(0)};  ///< at t = 0
     int angles = -1;                          ///< index of its first angle that counts revolutions, or -1
     std::vector<int> rows;                    ///< indices of its constraints that are kept
-    std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};  ///< added_inertia: 1 / m' and 1 / j', by row
+    /// By row; added_inertia: 1 / m' and 1 / j'; armature: -1 / d.
+    std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};
+    int joint = -1;            ///< armature: index of the joint
+    Kind of = Kind::revolute;  ///< armature: kind of the joint
 
     /// Number of coordinates that can have a spring, a damper or a motor.
     int coordinates() const {
         return kind == Kind::universal ? 2 : kind == Kind::revolute || kind == Kind::prismatic ? 1 : 0;
     }
-    bool is_joint() const { return !closes && kind != Kind::added_inertia; }
+    bool is_joint() const { return !closes && !has_compliance(); }
+    /// Whether its unknowns are forces of an inertia, and not of a constraint.
+    bool has_compliance() const { return kind == Kind::added_inertia || kind == Kind::armature; }
     /// Whether the joint has a spring or a damper.
     bool has_spring() const { return !(stiffness[0] == P(0) && stiffness[1] == P(0)); }
     bool has_damper() const { return !(damping[0] == P(0) && damping[1] == P(0)); }
@@ -120,13 +128,14 @@ class Mechanism {
         for (const Loop& loop : scene.loops) links.push_back(link_of(loop));
         find_depths();
         add_inertia();
+        add_armature();
         for (MaximalBody<P>& body : bodies) body.inverse_inertia = inverse(body.inertia);
     }
 
     std::vector<MaximalBody<P>> bodies;  ///< in the scene's order
-    std::vector<Link<P>> links;          ///< joints in the scene's order, then its loops, then added inertias
-    std::vector<int> depth;              ///< by body: number of joints between it and its root
-    int turns = 0;                       ///< number of angles that count revolutions
+    std::vector<Link<P>> links;  ///< joints in the scene's order, then its loops, then added inertias and armatures
+    std::vector<int> depth;      ///< by body: number of joints between it and its root
+    int turns = 0;               ///< number of angles that count revolutions
 
     const Scene& scene() const { return *scene_; }
     /// The index that stands for the world.
@@ -240,6 +249,26 @@ class Mechanism {
                 body.inertia[i][i] += body.added_moment, link.compliance[3 + i] = P(1) / body.added_moment;
             }
             for (int i = 3; i < 6; ++i) link.rows.push_back(i);
+            links.push_back(link);
+        }
+    }
+
+    // Adds the armatures of the joints between bodies of which one can move.
+    void add_armature() {
+        for (std::size_t j = 0; j < scene_->joints.size(); ++j) {
+            const Joint& joint = scene_->joints[j];
+            if (joint.armature == std::array<double, 2>{}) continue;
+            Link<P> link = links[j];
+            link.of = link.kind, link.kind = Kind::armature, link.joint = static_cast<int>(j);
+            link.angles = -1, link.stiffness = link.damping = {P(0), P(0)};
+            link.rows.clear();
+            const bool is_spherical = link.of == Kind::spherical;
+            for (int i = 0; i < (is_spherical ? 3 : links[j].coordinates()); ++i) {
+                const double d = joint.armature[static_cast<std::size_t>(is_spherical ? 0 : i)];
+                if (d == 0) continue;
+                link.compliance[static_cast<std::size_t>(i)] = P(-1) / P(d);
+                link.rows.push_back(i);
+            }
             links.push_back(link);
         }
     }

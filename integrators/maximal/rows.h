@@ -76,6 +76,9 @@ class LinkView {
             case Kind::added_inertia:
                 add_unit_wrenches(rows);
                 break;
+            case Kind::armature:
+                add_coordinate_accelerations(rows);
+                break;
             default:
                 add_points(rows);
                 if (link_.kind == Kind::fixed) add_parallel(rows);
@@ -90,7 +93,7 @@ class LinkView {
     /// velocities.
     std::vector<S> gaps() const {
         std::vector<S> all;
-        if (link_.kind == Kind::added_inertia) return std::vector<S>(6, S(P(0)));
+        if (link_.has_compliance()) return std::vector<S>(6, S(P(0)));
         const auto add_turn = [&] {
             const Quaternion<S> base = from_.q * link_.orientation, turn = conjugate(base) * to_.q;
             const Vector3<S> turn_W = rotate(base, (turn.w + turn.w) * vector_part(turn));
@@ -221,6 +224,30 @@ class LinkView {
             (i < 3 ? row.force_W : row.to_B) = cast<S>(e);
             rows.push_back(row);
         }
+    }
+    // The accelerations of the coordinates; spherical joint: of the angular velocity, in the axes of `to`. For e fixed
+    // in either body, (e . (w2 - w1))' = e . (w2' - w1') + e . (w2 x w1).
+    void add_coordinate_accelerations(std::vector<Row<S>>& rows) const {
+        if (link_.of == Kind::prismatic) return rows.push_back(slide_row(link_.axis_from, true));
+        const Vector3<S> twist = cross(to_.world(to_.angular_velocity_B), from_.world(from_.angular_velocity_B));
+        const auto with_bias = [&](Row<S> row) {
+            row.bias = dot(row.torque_W, twist);
+            return row;
+        };
+        if (link_.of == Kind::revolute) return rows.push_back(hinge_row(link_.axis_from));
+        if (link_.of == Kind::spherical) {
+            for (int i = 0; i < 3; ++i) {
+                Vector3<S> e;
+                e[i] = S(P(1));
+                rows.push_back(with_bias(torque_row(e)));
+            }
+            return;
+        }
+        const Row<S> e1 = torque_row(to_.body(from_.world(link_.axis_from)), cast<S>(link_.axis_from));
+        const Row<S> e2 = torque_row(cast<S>(link_.axes_to[1]), from_.body(to_.world(link_.axes_to[1])));
+        const P c = link_.between, scale = P(1) / (P(1) - c * c);
+        rows.push_back(with_bias(combined(scale, e1, P(-scale * c), e2)));
+        rows.push_back(with_bias(combined(P(-scale * c), e1, scale, e2)));
     }
     // w2 = w1.
     void add_parallel(std::vector<Row<S>>& rows) const {

@@ -200,7 +200,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
     dynamics_->add_constraint_forces(rows, lambda, on);
 
     const std::size_t count = static_cast<std::size_t>(
-        std::ranges::count_if(mechanism_->links, [](const Link<P>& link) { return link.kind != Kind::added_inertia; }));
+        std::ranges::count_if(mechanism_->links, [](const Link<P>& link) { return !link.has_compliance(); }));
     std::vector<Reaction<P>> all(count);
     for (std::size_t k = 0; k < count; ++k) {
         Reaction<P>& reaction = all[k];
@@ -210,6 +210,15 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
         };
         for (std::size_t i = 0; i < rows[k].size(); ++i) add(rows[k][i], lambda[dynamics_->first_row(k) + i]);
         for (const auto& [row, size] : joint_forces(*mechanism_, loads_, k, at, y + angles_)) add(row, size);
+    }
+    for (std::size_t k = count; k < mechanism_->links.size(); ++k) {
+        if (mechanism_->links[k].kind != Kind::armature) continue;
+        Reaction<P>& reaction = all[static_cast<std::size_t>(mechanism_->links[k].joint)];
+        for (std::size_t i = 0; i < rows[k].size(); ++i) {
+            const P& size = lambda[dynamics_->first_row(k) + i];
+            reaction.force_W = reaction.force_W + size * rows[k][i].force_W;
+            reaction.torque_W = reaction.torque_W + size * rows[k][i].torque_W;
+        }
     }
     // Bodies at rest in the world: the joint balances all other loads on the body, from the leaves inwards.
     std::vector<std::size_t> resting;
@@ -241,7 +250,7 @@ JointGap<P> System<P>::gap(const P* y) const {
         if (largest < size) largest = size;
     };
     for (const Link<P>& link : mechanism_->links) {
-        if (link.kind == Kind::added_inertia) continue;
+        if (link.has_compliance()) continue;
         const Placement<P>&from = at[link.from.body], &to = at[link.to.body];
         const Vector3<P> apart = view(link, at).apart();
         if (link.kind == Kind::distance) {

@@ -43,7 +43,10 @@ class ImplicitDamping : public SemiImplicitSteps {
   public:
     explicit ImplicitDamping(const Problem& problem) : SemiImplicitSteps(problem) {
         for (const Link<double>& link : tree().links().links)
-            for (int k = 0; k < link.rates(); ++k) damping_.push_back(link.kind == LinkJoint::free ? 0 : link.damping);
+            for (int k = 0; k < link.rates(); ++k) {
+                damping_.push_back(link.kind == LinkJoint::free ? 0 : link.damping);
+                own_armature_.push_back(link.armature);
+            }
         for (const double c : damping_) has_damping_ = has_damping_ || c != 0;
     }
     void step(double, double h) {
@@ -53,7 +56,7 @@ class ImplicitDamping : public SemiImplicitSteps {
             tree().move(y_.data(), at);
             armature_.resize(damping_.size()), torque_.resize(damping_.size());
             for (std::size_t k = 0; k < damping_.size(); ++k)
-                armature_[k] = h * damping_[k], torque_[k] = armature_[k] * a[k];
+                armature_[k] = h * damping_[k], torque_[k] = armature_[k] * a[k], armature_[k] += own_armature_[k];
             solver_.copy_links(tree(), at);
             solver_.factorize(tree(), armature_);
             solver_.solve(tree(), torque_, change_);
@@ -63,7 +66,7 @@ class ImplicitDamping : public SemiImplicitSteps {
     }
 
   private:
-    std::vector<double> damping_, armature_, torque_, change_;
+    std::vector<double> damping_, own_armature_, armature_, torque_, change_;
     bool has_damping_ = false;
     multibody::ArmatureSolver solver_;
 };

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "motion/mechanism.h"
+#include "text/message.h"
 
 namespace polhode::multibody {
 
@@ -18,12 +19,17 @@ std::string mechanism_refusal(const Problem& problem) {
 
 std::string inertia_refusal(const Problem& problem) {
     const std::string why = mechanism_refusal(problem);
-    return why.empty() ? body_without_inertia(problem.scene) : why;
+    if (!why.empty()) return why;
+    for (const Joint& joint : problem.scene.joints)
+        if (joint.armature != std::array<double, 2>{})
+            return fmt::format("joint \"{}\" has an armature, which the method does not support",
+                               one_line(joint.name, 60));
+    return body_without_inertia(problem.scene);
 }
 
 std::string mechanism_binary32_refusal(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system)) return "";
-    if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
+    if (std::string why = inertia_refusal(problem); !why.empty()) return why;
     constexpr double largest = std::numeric_limits<float>::max(), smallest = std::numeric_limits<float>::min();
     const auto holds = [&](double x) { return std::abs(x) <= largest; };
     const auto holds_well = [&](double x) { return holds(x) && holds(1 / x) && std::abs(x) >= smallest; };

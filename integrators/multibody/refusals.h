@@ -10,7 +10,7 @@ namespace polhode::multibody {
 /// For all of them: the scene must have several bodies.
 std::string mechanism_refusal(const Problem& problem);
 
-/// For methods that use the inverse of each body's mass and tensor: every body must have both.
+/// For methods that use the inverse of each body's mass and tensor: every body must have both, and no joint armature.
 std::string inertia_refusal(const Problem& problem);
 
 /// Why binary32 cannot represent a mechanism: a mass, moment or scale out of range, or a body without inertia. Empty if

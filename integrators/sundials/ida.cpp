@@ -21,6 +21,9 @@ std::string ida_refusal(const Problem& problem) {
 // the stabilised form corrects positions by the inverse of each body's mass and tensor
 std::string ida_index2_refusal(const Problem& problem) {
     const std::string why = ida_refusal(problem);
+    for (const Joint& joint : problem.scene.joints)
+        if (why.empty() && joint.armature != std::array<double, 2>{})
+            return "this method does not support armature of joints";
     return why.empty() ? body_without_inertia(problem.scene) : why;
 }
 

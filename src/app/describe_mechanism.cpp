@@ -76,6 +76,7 @@ std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j
     };
     if (joint.stiffness[0] != 0 || joint.stiffness[1] != 0) text += "; spring " + both(joint.stiffness);
     if (joint.damping[0] != 0 || joint.damping[1] != 0) text += "; damping " + both(joint.damping);
+    if (joint.armature[0] != 0 || joint.armature[1] != 0) text += "; armature " + both(joint.armature);
     if (joint.dependent) text += "; adjusted until the loops close";
     return text;
 }

@@ -79,7 +79,7 @@ class ConventionConverter {
         j.angular_velocity = pseudovector(j.angular_velocity, 0);
         for (std::size_t i = 0; i < 2; ++i) {
             j.axes[i] = slides ? vector(j.axes[i], 0) : pseudovector(j.axes[i], 0);
-            for (double* x : {&j.stiffness[i], &j.damping[i]}) *x = scale(*x, slides ? 0 : 2);
+            for (double* x : {&j.stiffness[i], &j.damping[i], &j.armature[i]}) *x = scale(*x, slides ? 0 : 2);
             for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scale(*x, slides ? 1 : 0);
         }
     }

@@ -45,6 +45,7 @@ struct Changes {
 
 bool has_damper(const Joint& joint) { return joint.damping[0] != 0 || joint.damping[1] != 0; }
 bool has_spring(const Joint& joint) { return joint.stiffness[0] != 0 || joint.stiffness[1] != 0; }
+bool has_armature(const Joint& joint) { return joint.armature != std::array<double, 2>{}; }
 bool has_drag(const Drag& drag) { return drag.translational != 0 || !is_zero(drag.rotational); }
 bool connects_to_world(const PointSpring& spring) {
     return spring.stiffness != 0 && (spring.first == "world") != (spring.second == "world");
@@ -134,7 +135,7 @@ std::optional<V3> rotation_line(const Scene& scene, const std::vector<Sample>& s
         if ((loop.first == "world") != (loop.second == "world")) return std::nullopt;
     for (const Joint& joint : scene.joints) {
         if (joint.parent != "world") continue;
-        if (has_damper(joint) || has_spring(joint)) return std::nullopt;
+        if (has_damper(joint) || has_spring(joint) || has_armature(joint)) return std::nullopt;
         for (const Load& load : scene.loads)
             if (const auto* motor = std::get_if<Motor>(&load); motor && motor->joint == joint.name) return std::nullopt;
         if (joint.type == JointType::revolute) {

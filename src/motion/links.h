@@ -65,6 +65,7 @@ struct Link {
     Quaternion<P> start_q;                               ///< spherical, free
     Vector3<P> start_w, start_position, start_velocity;  ///< spherical, free
     bool dependent = false;
+    P armature = P(0);  ///< added to the diagonal of the mass matrix for each rate
 
     int coordinates() const { return kind == LinkJoint::free ? 7 : kind == LinkJoint::spherical ? 4 : 1; }
     int rates() const { return kind == LinkJoint::free ? 6 : kind == LinkJoint::spherical ? 3 : 1; }
@@ -91,6 +92,7 @@ struct Links {
     std::vector<int> carrier;         ///< for each body: index in scene.joints; -1 for a free base
     std::vector<int> link_of_joint;   ///< per joint: its (last) link; world_link if it does not move
     int coordinates = 0, rates = 0;   ///< sizes of the state y = (coordinates, rates)
+    bool has_armature = false;        ///< whether any link has an armature
 };
 
 /// A unit quaternion that rotates z to the direction of `axis`, of any nonzero length. Exact for coordinate axes.
@@ -166,6 +168,8 @@ Links<P> links_of(const Scene& scene, const std::vector<MassProperties<P>>& prop
             link.axis = axis;
             link.stiffness = P(joint.stiffness[a]), link.rest = P(joint.rest[a]), link.damping = P(joint.damping[a]);
             link.start = P(joint.coordinate[a]), link.start_rate = P(joint.rate[a]);
+            link.armature = P(joint.armature[a]);
+            all.has_armature = all.has_armature || joint.armature[a] != 0;
         };
         Quaternion<P> to_body;  // link axes to the child's axes
         set_axis(0);

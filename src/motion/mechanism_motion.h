@@ -53,7 +53,7 @@ class JointCoordinates {
 /// Energy and momenta of the whole system at one time.
 template <class P>
 struct SystemInvariants {
-    P kinetic = P(0);  ///< kinetic energy, J
+    P kinetic = P(0);  ///< kinetic energy, J; includes d x'^2 / 2 of each armature d
     /// Kinetic energy plus the potentials of gravity, springs, point springs, forces constant in the world at a body
     /// point, and joint stiffness, J.
     P energy = P(0);
@@ -125,6 +125,8 @@ class MechanismMeasure {
         std::array<P, 2> stiffness{P(0), P(0)}, rest{P(0), P(0)};
         Quaternion<P> rest_orientation;
         bool springy = false;
+        std::array<P, 2> armature{P(0), P(0)};
+        bool has_armature = false;
     };
     struct Closure {
         LoopType type = LoopType::spherical;
@@ -168,6 +170,7 @@ class MechanismMeasure {
     static Quaternion<P> attitude(const Point& point, Motions motions);
     static Quaternion<P> joint_rotation(const Link& link, Motions motions);
     P potential(double t, Motions motions) const;
+    P armature_energy(const Link& link, Motions motions) const;
     P spring_energy(std::size_t joint, double t, Motions motions, JointCoordinates& coordinates) const;
 };
 

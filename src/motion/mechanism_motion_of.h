@@ -89,6 +89,8 @@ MechanismMeasure<P>::MechanismMeasure(const Scene& scene) : bodies_(bodies_mass_
         link.between = dot(link.axes[0], link.axes[1]);
         link.rest_orientation = normalized(cast<P>(joint.rest_orientation));
         link.springy = joint.type != JointType::fixed && (joint.stiffness[0] != 0 || joint.stiffness[1] != 0);
+        link.armature = {P(joint.armature[0]), P(joint.armature[1])};
+        link.has_armature = joint.armature != std::array<double, 2>{};
         tied_to_world_ = tied_to_world_ || link.parent.body < 0;
         links_.push_back(std::move(link));
     }
@@ -215,6 +217,34 @@ P MechanismMeasure<P>::spring_energy(std::size_t joint, double t, Motions motion
     return energy(0, x) + energy(1, y);
 }
 
+// d x'^2 / 2 of the coordinates; spherical joint: d |w|^2 / 2 with the relative angular velocity w.
+template <class P>
+P MechanismMeasure<P>::armature_energy(const Link& link, Motions motions) const {
+    const auto w_of = [&](const Point& point) {
+        if (point.body < 0) return Vector3<P>();
+        const BodyMotion<P>& m = motions[static_cast<std::size_t>(point.body)];
+        return rotate(m.q, m.angular_velocity_B);
+    };
+    const auto v_of = [&](const Point& point) {
+        if (point.body < 0) return Vector3<P>();
+        const BodyMotion<P>& m = motions[static_cast<std::size_t>(point.body)];
+        return m.velocity_W + rotate(m.q, cross(m.angular_velocity_B, point.arm));
+    };
+    const Vector3<P> base = w_of(link.parent), w = w_of(link.child) - base;
+    const Vector3<P> first = rotate(attitude(link.parent, motions) * link.q0, link.axes[0]);
+    const auto energy = [&](std::size_t axis, const P& rate) { return link.armature[axis] * rate * rate / P(2); };
+    if (link.type == JointType::spherical) return link.armature[0] * dot(w, w) / P(2);
+    if (link.type == JointType::revolute) return energy(0, dot(first, w));
+    if (link.type == JointType::prismatic) {
+        const Vector3<P> apart = placed(link.child, motions) - placed(link.parent, motions);
+        return energy(0, dot(first, v_of(link.child) - v_of(link.parent) - cross(base, apart)));
+    }
+    // w = e1 x' + e2 y'
+    const Vector3<P> second = rotate(attitude(link.child, motions), link.axes[1]);
+    const P a = dot(first, w), b = dot(second, w), c = dot(first, second), determinant = P(1) - c * c;
+    return energy(0, P((a - c * b) / determinant)) + energy(1, P((b - c * a) / determinant));
+}
+
 template <class P>
 SystemInvariants<P> MechanismMeasure<P>::invariants(double t, Motions motions, JointCoordinates& coordinates) const {
     if (motions.size() != bodies_.size())
@@ -243,6 +273,8 @@ SystemInvariants<P> MechanismMeasure<P>::invariants(double t, Motions motions, J
             result.kinetic +
             (dot(motion.angular_velocity_B, spin_B) + m * dot(motion.velocity_W, motion.velocity_W)) / P(2);
     }
+    for (const Link& link : links_)
+        if (link.has_armature) result.kinetic = result.kinetic + armature_energy(link, motions);
     result.energy = result.kinetic + potential(t, motions);
     for (std::size_t j = 0; j < links_.size(); ++j)
         if (links_[j].springy) result.energy = result.energy + spring_energy(j, t, motions, coordinates);

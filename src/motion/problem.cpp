@@ -57,6 +57,10 @@ void refuse_parts_of_one_body(const Scene& scene) {
             fail(fmt::format("/loads/{}", i),
                  "is a user-defined torque, which scenes with several bodies do not support",
                  "give a load of type torque or force with \"body\", or a motor on a joint");
+    for (std::size_t i = 0; i < scene.joints.size(); ++i)
+        if (scene.joints[i].friction != 0 || scene.joints[i].limits.any())
+            fail(fmt::format("/joints/{}", i), "has friction or limits, which are not supported", "remove them");
+    if (!scene.couplings.empty()) fail("/couplings", "are not supported", "remove them");
     if (scene.pivot)
         fail("/pivot", "is given in a scene with several bodies",
              "connect a body to the world by a joint whose parent is \"world\"");

@@ -4,7 +4,8 @@
 //
 // Constants are exact in the scalar P; the equations are templates over the scalar S of the state. Main types: Tree
 // (the mechanism), LinkLoads (loads on links), LinkLoop and LoopRow (loop constraints), TreeWork (per-thread memory).
-// Definitions: tree_start.h, tree_equations.h, tree_loops.h, tree_reactions.h, tree_inertia.h, tree_cast.h.
+// Definitions: tree_start.h, tree_equations.h, tree_loops.h, tree_reactions.h, tree_inertia.h,
+// tree_armature.h, tree_cast.h.
 #pragma once
 
 #include <array>
@@ -217,6 +218,8 @@ class Tree {
     template <class S>
     void articulate(TreeWork<S>& at) const;
     template <class S>
+    void articulate_with_armature(TreeWork<S>& at) const;
+    template <class S>
     void compute_accelerations(TreeWork<S>& at, S* rates) const;
     template <class S>
     void respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const;
@@ -236,6 +239,7 @@ class Tree {
 
 }  // namespace polhode
 
+#include "motion/tree_armature.h"
 #include "motion/tree_cast.h"
 #include "motion/tree_equations.h"
 #include "motion/tree_inertia.h"

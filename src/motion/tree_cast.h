@@ -31,6 +31,7 @@ Link<To> cast(const Link<From>& l) {
     r.start = To(l.start), r.start_rate = To(l.start_rate), r.start_q = cast<To>(l.start_q);
     r.start_w = cast<To>(l.start_w), r.start_position = cast<To>(l.start_position);
     r.start_velocity = cast<To>(l.start_velocity);
+    r.armature = To(l.armature);
     return r;
 }
 
@@ -42,7 +43,7 @@ Links<To> cast(const Links<From>& links) {
         r.bodies.push_back({b.link, cast<To>(b.q), cast<To>(b.turn), cast<To>(b.origin), cast<To>(b.center), To(b.mass),
                             cast<To>(b.inertia_B)});
     r.order = links.order, r.carrier = links.carrier, r.link_of_joint = links.link_of_joint;
-    r.coordinates = links.coordinates, r.rates = links.rates;
+    r.coordinates = links.coordinates, r.rates = links.rates, r.has_armature = links.has_armature;
     return r;
 }
 

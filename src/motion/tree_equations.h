@@ -222,6 +222,7 @@ Quaternion<S> Tree<P>::attitude_of(std::size_t i, const S* y, const TreeWork<S>&
 template <class P>
 template <class S>
 void Tree<P>::articulate(TreeWork<S>& at) const {
+    if (links_.has_armature) return articulate_with_armature(at);
     for (std::size_t i = links_.links.size(); i-- > 0;) {
         const Link<P>& link = links_.links[i];
         LinkWork<S>& w = at.links[i];
@@ -311,6 +312,12 @@ void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
         alpha = alpha + w.bias.turning;
         a = a + w.bias.linear;
         if (link.kind == LinkJoint::spherical) {
+            if (links_.has_armature) {
+                const Vector3<S> own = w.inverse * Vector3<S>(w.force - I.J * alpha - I.B * a);
+                for (std::size_t k = 0; k < 3; ++k) out[k] = own[k];
+                alpha = alpha + own;
+                continue;
+            }
             const Vector3<S> whole = w.inverse * Vector3<S>(w.force - I.B * a);
             for (std::size_t k = 0; k < 3; ++k) out[k] = whole[k] - alpha[k];
             alpha = whole;

@@ -96,23 +96,28 @@ void Tree<P>::require_inertia(const Scene& scene, std::size_t i, const Articulat
     const std::string name = fmt::format("joint \"{}\"", one_line(joint.name, 60));
     switch (link.kind) {
         case LinkJoint::prismatic:
-            if (!is_enough(articulated.M.zz, mass))
+            if (!is_enough(P(articulated.M.zz + link.armature), mass))
                 fail(joint.child, "mass along " + name, "give it mass, or use a fixed joint");
             break;
         case LinkJoint::revolute:
-            if (is_enough(articulated.J.zz, trace)) break;
+            if (is_enough(P(articulated.J.zz + link.armature), trace)) break;
             fail(joint.child,
                  joint.type == JointType::universal ? fmt::format("inertia about axis {} of {}", link.axis, name)
                                                     : "inertia about " + name,
                  mass > P(0) ? "give it mass away from the axis, or use a fixed joint"
                              : "give it mass, or use a fixed joint");
             break;
-        case LinkJoint::spherical:
-            if (!(trace > P(0)) || !(least_eigenvalue_share(articulated.J, trace) > least_joint_inertia))
+        case LinkJoint::spherical: {
+            const P& d = link.armature;
+            Symmetric3<P> J = articulated.J;
+            J.xx = J.xx + d, J.yy = J.yy + d, J.zz = J.zz + d;
+            const P size = trace + P(3) * d;
+            if (!(size > P(0)) || !(least_eigenvalue_share(J, size) > least_joint_inertia))
                 fail(joint.child, "inertia about some axis through " + name,
                      mass > P(0) ? "give it a moment of inertia about each axis, or use a universal joint"
                                  : "give it mass, or use a fixed joint");
             break;
+        }
         case LinkJoint::free:
             break;
     }

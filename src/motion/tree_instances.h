@@ -20,6 +20,7 @@ namespace polhode {
     EXTERN template void Tree<double>::load(const S*, TreeWork<S>&) const;                                    \
     EXTERN template Quaternion<S> Tree<double>::attitude_of(std::size_t, const S*, const TreeWork<S>&) const; \
     EXTERN template void Tree<double>::articulate(TreeWork<S>&) const;                                        \
+    EXTERN template void Tree<double>::articulate_with_armature(TreeWork<S>&) const;                          \
     EXTERN template void Tree<double>::compute_accelerations(TreeWork<S>&, S*) const;                         \
     EXTERN template void Tree<double>::respond(TreeWork<S>&, Pair6<S>*, S*) const;                            \
     EXTERN template void Tree<double>::respond_to_rows(TreeWork<S>&) const;                                   \

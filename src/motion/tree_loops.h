@@ -123,13 +123,14 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
         if (link.parent < 0) continue;
         Vector3<S> n_left = own.turning, f_left = own.linear;
         if (link.kind == LinkJoint::spherical) {
-            n_left = {};
-            f_left = f_left - transposed_times(w.inertia.B, w.inverse * own.turning);
+            const Vector3<S> step = w.inverse * own.turning;
+            n_left = links_.has_armature ? Vector3<S>(n_left - w.inertia.J * step) : Vector3<S>();
+            f_left = f_left - transposed_times(w.inertia.B, step);
         } else {
             const bool turns = link.kind == LinkJoint::revolute;
             const S step = w.inverse.xx * (turns ? own.turning[2] : own.linear[2]);
             n_left = n_left - step * w.U.turning, f_left = f_left - step * w.U.linear;
-            (turns ? n_left : f_left)[2] = S(0);
+            if (!links_.has_armature) (turns ? n_left : f_left)[2] = S(0);
         }
         Pair6<S>& parent = at.wrench[static_cast<std::size_t>(link.parent)];
         const Vector3<S> f = w.R * f_left;
@@ -157,7 +158,14 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
             a = transposed_times(w.R, Vector3<S>(parent.linear + cross(parent.turning, w.r)));
         }
         if (link.kind == LinkJoint::spherical) {
-            const Vector3<S> whole = w.inverse * Vector3<S>(own.turning - w.inertia.B * a);
+            const Vector3<S> torque = own.turning - w.inertia.B * a;
+            if (links_.has_armature) {
+                const Vector3<S> step = w.inverse * Vector3<S>(torque - w.inertia.J * alpha);
+                for (std::size_t k = 0; k < 3; ++k) out[k] = step[k];
+                alpha = alpha + step;
+                continue;
+            }
+            const Vector3<S> whole = w.inverse * torque;
             for (std::size_t k = 0; k < 3; ++k) out[k] = whole[k] - alpha[k];
             alpha = whole;
         } else {

@@ -75,6 +75,7 @@ Joint joint(const JsonNode& node) {
         for (std::size_t i = 0; i < 2; ++i) j.axes[i] = vector3(*axes.elements()[i]);
     }
     j.stiffness = numbers_at(node, "stiffness", universal), j.damping = numbers_at(node, "damping", universal);
+    j.armature = numbers_at(node, "armature", universal);
     if (j.type != JointType::spherical)
         j.rest = numbers_at(node, "rest", universal);
     else if (const JsonNode* rest = node.find("rest"))
@@ -158,8 +159,10 @@ std::string write_joint(const Joint& j) {
     const bool two = j.type == JointType::universal;
     const auto numbers = [two](const std::array<double, 2>& x) { return two ? write_json(x) : shortest_decimal(x[0]); };
     const std::string rest = j.type == JointType::spherical ? write_json(j.rest_orientation) : numbers(j.rest);
-    return text + fmt::format(R"(, "stiffness": {}, "rest": {}, "damping": {})", numbers(j.stiffness), rest,
-                              numbers(j.damping));
+    text +=
+        fmt::format(R"(, "stiffness": {}, "rest": {}, "damping": {})", numbers(j.stiffness), rest, numbers(j.damping));
+    if (j.armature != std::array<double, 2>{}) text += ", \"armature\": " + numbers(j.armature);
+    return text;
 }
 
 std::string write_loop(const Loop& l) {

@@ -8,6 +8,7 @@
 
 #include "scene/joint_file.h"
 #include "scene/scene_check.h"
+#include "text/decimal.h"
 
 namespace polhode {
 namespace {
@@ -95,7 +96,20 @@ void check_numbers(const SceneCheck& check, const std::string& place, const Join
             break;
     }
     finite("stiffness", "stiffness", joint.stiffness), finite("damping", "damping", joint.damping);
+    finite("armature", "armature", joint.armature);
+    for (const double d : joint.armature)
+        if (d < 0)
+            check.fail(place + "/armature", fmt::format("is negative ({})", shortest_decimal(d)),
+                       "give an inertia >= 0 in kg m^2, or kg for a prismatic joint");
     if (joint.type != JointType::spherical) finite("rest", "rest", joint.rest);
+}
+
+void refuse_friction_and_limits(const SceneCheck& check, const std::string& place, const Joint& joint) {
+    const char* remedy = "remove it: no equations of motion of this kind are available";
+    if (joint.friction != 0) check.fail(place + "/friction", "is not supported", remedy);
+    if (joint.limits.any()) check.fail(place + "/limits", "are not supported", remedy);
+    if (joint.type == JointType::fixed && joint.armature != std::array<double, 2>{})
+        check.fail(place + "/armature", "is given for a fixed joint", "remove it: a fixed joint does not move");
 }
 
 // Checks each body. A body that a joint carries must have no initial state.
@@ -226,6 +240,7 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
         const std::string place = fmt::format("/joints/{}", i);
         check_numbers(check, place, scene.joints[i]);
+        refuse_friction_and_limits(check, place, scene.joints[i]);
         if (!scene.joints[i].dependent) continue;
         const JointType type = scene.joints[i].type;
         if (type != JointType::revolute && type != JointType::prismatic)
@@ -236,6 +251,8 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
                        "remove it, or close a chain by one of \"loops\"");
     }
     check_loops(check, scene, bodies);
+    if (!scene.couplings.empty())
+        check.fail("/couplings", "are not supported", "remove them: no equations of motion of this kind are available");
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const std::string place = fmt::format("/loads/{}", i);
         std::visit(NamesInLoad{check, scene, place, bodies, moving}, scene.loads[i]);

@@ -340,7 +340,7 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"*", "joint", "limited", omitted, "joint limits", {}, has_limits},
     {"*", "joint", "range", omitted, "joint limits", {}, has_limits},
     {"*", "joint", "frictionloss", omitted, "joint friction", "0"},
-    {"*", "joint", "armature", omitted, "joint armature", "0"},
+    {"*", "joint", "armature", modelled, "inertia of rotors; of free joints it is reported as omitted"},
     {"*", "joint", "actuatorfrclimited", irrelevant, actuation},
     {"*", "joint", "actuatorfrcrange", irrelevant, actuation},
     {"*", "joint", "actuatorforcelimited", irrelevant, actuation},

@@ -116,6 +116,11 @@ double MjcfJoints::leading(const XMLElement& at, const char* name, const std::st
 void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index) {
     const std::string name = robot_.joints[index].name;
     armature_[index] = xml_.attribute_or(at, "armature", 0);
+    if (armature_[index] < 0) xml_.fail(at, "has a negative armature", "give an inertia >= 0");
+    if (robot_.joints[index].motion != RobotMotion::free)
+        robot_.joints[index].armature[0] = Wide(armature_[index]);
+    else if (armature_[index] != 0)
+        omit("armature of free joints", name);
     const double stiffness = leading(at, "stiffness", name), damping = leading(at, "damping", name);
     if (at.Attribute("springdamper")) {
         const std::vector<double> v = xml_.attribute(at, "springdamper", 2);

@@ -209,6 +209,7 @@ class RobotMerger {
         joint.point = back * meeting;
         joint.placement = joint.placement * second.placement;
         joint.stiffness[1] = second.stiffness[0], joint.rest[1] = second.rest[0], joint.damping[1] = second.damping[0];
+        joint.armature[1] = second.armature[0];
         joint.child = c, carrier_[c] = carrier_[i];
         children_[i].clear();
         note_assumed("pairs of hinges converted to one universal joint", joint.name);
@@ -375,7 +376,8 @@ class RobotMerger {
         }
         if (joint.type != JointType::fixed)
             for (std::size_t k = 0; k < std::max<std::size_t>(axes, 1); ++k)
-                joint.damping[k] = round_to_double(from.damping[k]);
+                joint.damping[k] = round_to_double(from.damping[k]),
+                joint.armature[k] = round_to_double(from.armature[k]);
         return joint;
     }
 

@@ -51,7 +51,7 @@ struct RobotJoint {
     RobotPose placement;                ///< pose of the child in the parent at coordinate zero
     Vector3<Wide> point;                ///< the joint's point, in the child's frame
     std::array<Vector3<Wide>, 2> axes;  ///< in the child's frame at coordinate zero
-    std::array<Wide, 2> stiffness{}, rest{}, damping{};
+    std::array<Wide, 2> stiffness{}, rest{}, damping{}, armature{};
 };
 
 /// Constructs of a file: heading -> names, such as "limits of joints" -> the joints that have limits.

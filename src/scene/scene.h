@@ -232,6 +232,18 @@ enum class JointType {
     fixed,      ///< no motion
 };
 
+/// The range of a joint's coordinate.
+struct JointLimits {
+    double lower = -std::numeric_limits<double>::infinity();  ///< rad or m
+    double upper = std::numeric_limits<double>::infinity();   ///< rad or m
+    double restitution = 0;                                   ///< coefficient of the impact at a limit, 0..1
+
+    /// Whether the coordinate has a limit.
+    bool any() const {
+        return lower > -std::numeric_limits<double>::infinity() || upper < std::numeric_limits<double>::infinity();
+    }
+};
+
 /// A joint of a tree. With q0 = parent_orientation: q_child = q_parent q0 J, where J = exp(axis x) for a revolute
 /// joint, exp(axes[0] x) exp(axes[1] y) for a universal joint, a free quaternion for a spherical joint, and 1
 /// otherwise. The child's `child_point` coincides with the parent's `parent_point`; in a prismatic joint it is
@@ -257,6 +269,20 @@ struct Joint {
     Quaternion<double> rest_orientation;  ///< spherical: torque on the child -2 k r_w r_v, r = rest* J, child axes
     std::array<double, 2> damping{};      ///< c: generalized force -c x', N m s or N s/m; spherical: -c w, child axes
     std::string place = "";               ///< see NamedBody::place
+    /// Reflected inertia of a rotor: added to the coordinate's diagonal entry of the mass matrix, kg m^2 or kg;
+    /// spherical: [0], about each axis.
+    std::array<double, 2> armature{};
+    double friction = 0;  ///< Coulomb friction, static and kinetic, N m or N; revolute and prismatic joints
+    JointLimits limits;   ///< range of the coordinate; revolute and prismatic joints
+};
+
+/// A constraint between the coordinates of two joints, each revolute or prismatic: second = ratio * first + offset.
+/// Gears, mimic joints, rack and pinion.
+struct Coupling {
+    std::string first;   ///< name of a joint
+    std::string second;  ///< name of another joint
+    double ratio = 1;    ///< coordinate of the second per coordinate of the first
+    double offset = 0;   ///< rad or m
 };
 
 /// The kind of a loop constraint.
@@ -293,6 +319,7 @@ struct Scene {
     std::vector<NamedBody> bodies;
     std::vector<Joint> joints;                 ///< joints of several bodies; they form trees
     std::vector<Loop> loops;                   ///< constraints that close chains of joints
+    std::vector<Coupling> couplings;           ///< constraints between joint coordinates
     std::vector<Load> loads;                   ///< everything that acts on the body or bodies
     std::vector<Plane> planes;                 ///< require a body with a shape and no pivot
     std::vector<FormulaParameter> parameters;  ///< numbers that formulas use

@@ -119,7 +119,7 @@ TEST(MjcfImport, FreeJointsAreDampedByDefault) {
     EXPECT_EQ(robot.links[robot.free_damping[0].link].name, "a");
     EXPECT_EQ(robot.free_damping[0].rotational, 0.7);
     EXPECT_EQ(robot.free_damping[0].translational, 0.7);
-    EXPECT_EQ(robot.omitted, (RobotNotes{{"joint armature", {"fa"}}, {"joint friction", {"fa"}}}));
+    EXPECT_EQ(robot.omitted, (RobotNotes{{"armature of free joints", {"fa"}}, {"joint friction", {"fa"}}}));
     EXPECT_EQ(joint_named(robot, "fa").motion, RobotMotion::free);
 }
 

@@ -452,6 +452,7 @@ TEST(RobotImport, JointsOfMjcf) {
     const Joint& h = joint_named(s, "h");
     EXPECT_NEAR(h.rest[0], 0.7853981633974483, 1e-16);
     EXPECT_EQ(h.stiffness[0], 3);
+    EXPECT_EQ(h.armature[0], 0.1);
     // the anchor stays in place
     expect_same(by_contract(h, 0.3), moved({0, 0, 1.5}) * turned({0, 1, 0}, 0.3) * moved({0, 0, -0.5}), 1e-15);
     EXPECT_EQ(joint_named(s, "ball").type, JointType::spherical);
@@ -464,7 +465,7 @@ TEST(RobotImport, JointsOfMjcf) {
                 turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
                     turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
                 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "joint armature: h", "joint friction: h",
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "joint friction: h",
                                                    "joint limits: h", "springs of ball joints: ball"}));
     EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity (0, 0, -1) m/s^2: <option gravity>",
                                                    "pairs of hinges converted to one universal joint: x+y"}));

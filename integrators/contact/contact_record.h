@@ -15,23 +15,43 @@ enum class Mode {
     flight,   ///< no contact
     sliding,  ///< contact with slip
     rolling,  ///< contact without slip: rolling or sticking
+    // with torsional or rolling friction
+    sliding_without_spin,      ///< slip; the spin is zero and is held
+    sliding_without_rolling,   ///< slip; the rolling velocity is zero and is held
+    sliding_without_rotation,  ///< slip; spin and rolling velocity are zero and are held
+    rolling_without_spin,      ///< no slip; the spin is zero and is held
+    spinning,                  ///< no slip; rolling is held
+    resting,                   ///< no slip; spin and rolling are held
 };
 
 /// A change of mode or an impact.
 enum class EventKind {
-    impact,       ///< an impact after which the body separates
-    lands,        ///< an arrival after which contact continues
-    rolls,        ///< the slip ends
-    slides,       ///< slip starts
-    lifts_off,    ///< contact ends without an impact
-    accumulates,  ///< the limit of infinitely many impacts
-    stops,        ///< the body comes to rest
+    impact,          ///< an impact after which the body separates
+    lands,           ///< an arrival after which contact continues
+    rolls,           ///< the slip ends
+    slides,          ///< slip starts
+    lifts_off,       ///< contact ends without an impact
+    accumulates,     ///< the limit of infinitely many impacts
+    stops,           ///< the body comes to rest
+    spin_stops,      ///< torsional friction ends the spin
+    spin_starts,     ///< the torque about the normal exceeds the limit of torsional friction
+    rolling_stops,   ///< rolling friction ends the rolling
+    rolling_starts,  ///< the torque exceeds the limit of rolling friction
 };
 
 /// Names in files and messages.
-inline constexpr std::array<const char*, 3> mode_names{"flight", "sliding", "rolling"};
-inline constexpr std::array<const char*, 7> event_names{"impact",    "lands",       "rolls", "slides",
-                                                        "lifts_off", "accumulates", "stops"};
+inline constexpr std::array<const char*, 9> mode_names{"flight",
+                                                       "sliding",
+                                                       "rolling",
+                                                       "sliding_without_spin",
+                                                       "sliding_without_rolling",
+                                                       "sliding_without_rotation",
+                                                       "rolling_without_spin",
+                                                       "spinning",
+                                                       "resting"};
+inline constexpr std::array<const char*, 11> event_names{"impact",      "lands",         "rolls",         "slides",
+                                                         "lifts_off",   "accumulates",   "stops",         "spin_stops",
+                                                         "spin_starts", "rolling_stops", "rolling_starts"};
 
 /// An event at a contact with a plane.
 template <class P>
@@ -65,6 +85,8 @@ struct Run {
     std::string fault;                              ///< why the run stopped early; empty if it did not
     std::vector<BodyMotion<P>> motions;             ///< one per sample
     std::vector<std::vector<Vector3<P>>> forces_W;  ///< per sample: the force of each plane on the body, N
+    /// Per sample: the torque of each plane's torsional and rolling friction about the contact point, N m.
+    std::vector<std::vector<Vector3<P>>> torques_W;
     Record<P> record;
     long steps = 0;
 };

@@ -24,6 +24,7 @@
 
 #include "integrators/contact/contact_record.h"
 #include "integrators/contact/event_roots.h"
+#include "integrators/contact/rotation_friction.h"
 #include "integrators/contact/transitions.h"
 #include "integrators/series/limb_real.h"
 #include "integrators/series/real.h"
@@ -61,7 +62,9 @@ class ContactDriver {
             note_sizes();
             if (leg.index == 0) start_at_contact();
             if (!fails()) transition(nullptr);
-            for (; !fails() && samples_.due(leg, leg.begin); samples_.pop()) show(motion_, {});
+            for (; !fails() && samples_.due(leg, leg.begin); samples_.pop())
+                show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
+                     std::vector<Vector3<P>>(scene_->planes.size()));
             while (!fails() && t_ < P(leg.end)) advance(leg);
             if (fails()) break;
         }
@@ -88,7 +91,11 @@ class ContactDriver {
     bool has_started_ = false;        // the first transition
     long stalled_ = 0;                // events without progress in time
     P stalled_at_{-1};
-    std::optional<Vector3<P>> onset_;  // slip starts from zero in this direction, in the contact's axes
+    std::optional<Vector3<P>> onset_;      // slip starts from zero in this direction, in the contact's axes
+    RotationFriction<P> rotation_;         // torsional and rolling friction of the mode
+    std::size_t spin_zeros_ = 0;           // known order of the zero of the spin at the start of the mode
+    RotationFriction<P> former_rotation_;  // before the transition
+    Exceeded exceeded_ = Exceeded::none;   // the limit whose event led to the transition
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
         return contact_geometry(scene, mass_properties<P>(scene.body).center, Quaternion<P>{});
@@ -161,6 +168,8 @@ class ContactDriver {
         const System former = mode_;
         const std::optional<Pair> former_contact = contact_;
         const std::vector<Pair> former_face = face_;
+        former_rotation_ = rotation_;
+        set_rotation({});
         release_face();
         const double resting = speed() * (first ? 1e-12 : error(1));
         const std::vector<std::size_t> near = touching();
@@ -310,16 +319,89 @@ class ContactDriver {
             if (former_contact && !continues && former != System::flight && !lasting)
                 record(*former_contact, EventKind::lifts_off);
             if (lasting && !continues && !accumulated) record(*lasting, EventKind::lands);
+            if (lasting && continues) record_rotation(*lasting, next);
             if (lasting && continues && next != former)
                 record(*lasting, next == System::sliding ? EventKind::slides
                                  : is_at_rest()          ? EventKind::stops
                                                          : EventKind::rolls);
         }
-        const bool same = continues && next == former && !first;
+        const bool same =
+            continues && next == former && !first && rotation_.has_equations_of(former_rotation_) && !onset_;
         mode_ = next, contact_ = lasting;
         if (!contact_) release_face();
         check_face();
         if (!same) open_interval();
+    }
+
+    // records the events of spin and rolling. A body that comes to rest stops: the other events say nothing more.
+    void record_rotation(Pair pair, System next) {
+        if (!rotation_.acts) return;
+        const RotationFriction<P>& former = former_rotation_;
+        const bool rests = next == System::rolling && rotation_.holds_rolling && is_at_rest();
+        if (rests && mode_ == System::rolling && !former.holds_rolling) return record(pair, EventKind::stops);
+        if (rests && mode_ == System::rolling && former.spin != 0 && rotation_.holds_spin)
+            return record(pair, EventKind::stops);
+        if (rests && mode_ == System::sliding) return;
+        if (rotation_.holds_rolling != former.holds_rolling)
+            record(pair, rotation_.holds_rolling ? EventKind::rolling_stops : EventKind::rolling_starts);
+        if (rotation_.holds_spin != former.holds_spin)
+            record(pair, rotation_.holds_spin ? EventKind::spin_stops : EventKind::spin_starts);
+    }
+    void set_rotation(const RotationFriction<P>& rotation) {
+        rotation_ = rotation;
+        form_.set_rotation(rotation_);
+    }
+    /// Selects the mode of a ball on a plane with torsional or rolling friction. Velocities below the error of the
+    /// steps become exactly zero.
+    std::optional<System> ball_mode(Pair pair, const Plane& plane) {
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        const MassProperties<P> body = mass_properties<P>(scene_->body);
+        BallContact<P> ball;
+        ball.mass = body.mass, ball.moment = body.inertia[0][0], ball.radius = geometry_.pieces[pair.piece].radius;
+        ball.friction = P(plane.friction), ball.rolling = P(plane.rolling_friction);
+        ball.torsional = P(plane.torsional_friction);
+        ball.torque = axes.from_world(form_.load_torque(motion_));
+        ball.acceleration = form_.response(pair, motion_).acceleration;
+        // the tangential acceleration of the centre, without that by rotation
+        const P per_moment = ball.radius / ball.moment;
+        ball.acceleration[0] = ball.acceleration[0] + per_moment * ball.torque[1];
+        ball.acceleration[1] = ball.acceleration[1] - per_moment * ball.torque[0];
+        const Vector3<P> u = form_.response(pair, motion_).velocity;
+        const P small(error(2) * speed());
+        const Vector3<P> w = axes.from_world(rotate(motion_.q, motion_.angular_velocity_B));
+        if (length(Vector3<P>(u[0], u[1], P(0))) > small || !(ball.friction > P(0)))
+            ball.slip = Vector3<P>(u[0], u[1], P(0));
+        if (length(Vector3<P>(w[0], w[1], P(0))) * ball.radius > small)
+            ball.angular_velocity[0] = w[0], ball.angular_velocity[1] = w[1];
+        if (Elementary<P>::magnitude(w[2]) * ball.radius > small) ball.angular_velocity[2] = w[2];
+        const std::optional<BallMode<P>> found = BallModeChoice<P>(ball, exceeded_).choose();
+        exceeded_ = Exceeded::none;
+        if (!found) {
+            fail("no mode of sliding and rolling is consistent with friction " + at_time());
+            return {};
+        }
+        motion_.angular_velocity_B = rotate_back(motion_.q, axes.to_world(ball.angular_velocity));
+        // v = u - w x s, s = -r n
+        const Vector3<P>& kept = ball.angular_velocity;
+        motion_.velocity_W =
+            axes.to_world(Vector3<P>(ball.slip[0] + ball.radius * kept[1], ball.slip[1] - ball.radius * kept[0],
+                                     dot(axes.normal_W, motion_.velocity_W)));
+        enter_ball_mode(*found, ball, axes);
+        return found->slides ? System::sliding : System::rolling;
+    }
+    void enter_ball_mode(const BallMode<P>& mode, const BallContact<P>& ball, const ContactAxes<P>& axes) {
+        RotationFriction<P> rotation;
+        rotation.acts = true;
+        rotation.rolling = ball.rolling, rotation.torsional = ball.torsional;
+        rotation.holds_rolling = mode.holds_rolling, rotation.holds_spin = mode.holds_spin, rotation.spin = mode.spin;
+        rotation.starts_rolling = mode.rolling_start.has_value();
+        if (mode.rolling_start) {
+            const Vector3<P> direction = axes.to_world(*mode.rolling_start);
+            rotation.path = {direction, cross(axes.normal_W, direction), {}, t_};
+        }
+        spin_zeros_ = ball.angular_velocity[2] == P(0) ? 1 : 0;
+        onset_ = mode.slip_start;
+        set_rotation(rotation);
     }
 
     bool is_at_rest() const {
@@ -330,6 +412,8 @@ class ContactDriver {
     // the mode of a contact whose point does not approach; nothing if the contact force would pull
     std::optional<System> contact_mode(Pair pair) {
         onset_.reset();
+        const Plane& plane = scene_->planes[pair.plane];
+        if (plane.rolling_friction > 0 || plane.torsional_friction > 0) return ball_mode(pair, plane);
         const ContactResponse<P> at = form_.response(pair, motion_);
         const P friction = mu(pair);
         if (!(friction > P(0))) return System::sliding;
@@ -588,13 +672,19 @@ class ContactDriver {
     // force for forces, and its square for the cone.
     double observed_step(const Step& step) const {
         const int first = step.clock + 1, own = form_.own_functions(), all = form_.dimension() - first;
+        const int rotation = rotation_.acts && contact_ ? form_.first_rotation_function() - first : own;
         double force = 0;
-        for (int i = 0; i < own; ++i)
+        for (int i = 0; i < rotation; ++i)
             if (i != 1) force = std::max(force, std::abs(static_cast<double>(step.coefficient(first + i, 1))));
         double log2_step = std::numeric_limits<double>::infinity();
         for (int i = 0; i < all; ++i) {
             if (i < own && (i == 1 || i == 5) && mode_ == System::sliding) continue;
-            const double scale = i >= own ? reach() : i == 1 ? force * force : force;
+            if (i == rotation && i < own && !rotation_.holds_rolling) continue;
+            if (i == rotation + 2 && i < own) continue;
+            const double scale = i >= own        ? reach()
+                                 : i >= rotation ? rotation_scale(i - rotation, force)
+                                 : i == 1        ? force * force
+                                                 : force;
             for (int k = settings_.order - 4; k < settings_.order; ++k) {
                 const double size = log2_magnitude(series_coefficient(step, first + i, k + 1)) + std::log2(k + 1);
                 log2_step = std::min(log2_step, (std::log2(scale) - settings_.digits * std::log2(10.0) - size) / k);
@@ -602,11 +692,19 @@ class ContactDriver {
         }
         return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
     }
+    // scale of a function of torsional and rolling friction
+    double rotation_scale(int i, double force) const {
+        const double rolling = static_cast<double>(rotation_.rolling) * force,
+                     torsional = static_cast<double>(rotation_.torsional) * force;
+        if (i == 0) return rolling * rolling;
+        if (i == 1) return rotation_.holds_spin ? torsional * torsional : sizes_.angular_velocity;
+        return rolling + torsional;
+    }
     static const T& series_coefficient(const Step& step, int i, int k) { return step.series.coefficient(i, k); }
 
     struct Found {
         P s{0};
-        enum class What { gap, normal_force, cone } what = What::gap;
+        enum class What { gap, normal_force, cone, rolling_limit, spin_limit, spin } what = What::gap;
         std::size_t pair = 0;
     };
 
@@ -631,12 +729,18 @@ class ContactDriver {
             look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
             look(step.clock + 2, 0, 0, Found::What::cone, 0);
         }
+        if (rotation_.acts && contact_) {
+            const int rotation = form_.first_rotation_function();
+            if (rotation_.holds_rolling) look(rotation, 0, 0, Found::What::rolling_limit, 0);
+            if (rotation_.holds_spin) look(rotation + 1, 0, 0, Found::What::spin_limit, 0);
+            if (rotation_.spin != 0) look(rotation + 1, spin_zeros_, 0, Found::What::spin, 0);
+        }
         return first;
     }
 
     /// Integrates the present mode until it ends or the leg does.
     void advance(const Leg& leg) {
-        if (onset_) return start_slip(leg);
+        if (onset_ || rotation_.starts_rolling) return start_slip(leg);
         form_.select(mode_, contact_.value_or(Pair{}));
         const int n = form_.dimension(), clock = form_.clock();
         std::vector<P> y(n);
@@ -648,7 +752,8 @@ class ContactDriver {
             series.expand(y.data());
             Step step{series, clock, form_.is_stretched()};
             double slip = 0;
-            if (step.stretched) {
+            if (rotation_.acts && ends_rolling(step, y)) return;
+            if (step.stretched && form_.is_stretched_by_slip()) {
                 const P square = step.coefficient(clock + 2, 1), growth = P(2) * step.coefficient(clock + 2, 2);
                 slip = std::sqrt(static_cast<double>(square));
                 // growth = 2 |u_t|^2 d|u_t|/dt
@@ -683,6 +788,7 @@ class ContactDriver {
         motion_ = form_.motion(y.data());
         note_sizes();
         std::fill(zeros_.begin(), zeros_.end(), 0);
+        spin_zeros_ = 0;
         if (!found) check_face();
         if (fails()) return false;
         if (found) handle(*found);
@@ -705,30 +811,44 @@ class ContactDriver {
         for (; samples_.due(leg, reached); samples_.pop()) {
             const P s = step.when(P(samples_.front()), start);
             step.series.evaluate(s, y.data());
-            std::vector<Vector3<P>> forces(scene_->planes.size());
+            std::vector<Vector3<P>> forces(scene_->planes.size()), torques(scene_->planes.size());
             if (contact_) {
-                const int first = step.clock + 3;
-                for (int i = 0; i < 3; ++i) {
-                    P sum(0);
-                    for (int k = settings_.order; k >= 1; --k) sum = sum * s + P(k) * step.coefficient(first + i, k);
-                    forces[contact_->plane][static_cast<std::size_t>(i)] = sum;
-                }
+                forces[contact_->plane] = observed_vector(step, step.clock + 3, s);
+                if (rotation_.acts)
+                    torques[contact_->plane] = observed_vector(step, form_.first_rotation_function() + 3, s);
             }
-            show(form_.motion(y.data()), std::move(forces));
+            show(form_.motion(y.data()), std::move(forces), std::move(torques));
         }
     }
-    void show(const BodyMotion<P>& m, std::vector<Vector3<P>> forces) {
-        if (forces.empty()) forces.resize(scene_->planes.size());
+    // the value of three observed functions from the index `first` on
+    Vector3<P> observed_vector(const Step& step, int first, const P& s) const {
+        Vector3<P> result;
+        for (int i = 0; i < 3; ++i) {
+            P sum(0);
+            for (int k = settings_.order; k >= 1; --k) sum = sum * s + P(k) * step.coefficient(first + i, k);
+            result[static_cast<std::size_t>(i)] = sum;
+        }
+        return result;
+    }
+    void show(const BodyMotion<P>& m, std::vector<Vector3<P>> forces, std::vector<Vector3<P>> torques) {
         run_.motions.push_back(m);
         run_.forces_W.push_back(std::move(forces));
+        run_.torques_W.push_back(std::move(torques));
     }
 
     void open_interval() {
         close_interval();
-        const Mode mode = mode_ == System::flight    ? Mode::flight
-                          : mode_ == System::sliding ? Mode::sliding
-                                                     : Mode::rolling;
-        run_.record.intervals.push_back({t_, t_, contact_.value_or(Pair{}).plane, mode, 0});
+        run_.record.intervals.push_back({t_, t_, contact_.value_or(Pair{}).plane, present_mode(), 0});
+    }
+    Mode present_mode() const {
+        if (mode_ == System::flight) return Mode::flight;
+        const bool slides = mode_ == System::sliding, no_spin = rotation_.holds_spin;
+        if (!rotation_.holds_rolling) {
+            if (no_spin) return slides ? Mode::sliding_without_spin : Mode::rolling_without_spin;
+            return slides ? Mode::sliding : Mode::rolling;
+        }
+        if (slides) return no_spin ? Mode::sliding_without_rotation : Mode::sliding_without_rolling;
+        return no_spin || is_at_rest() ? Mode::resting : Mode::spinning;
     }
     void close_interval() {
         if (run_.record.intervals.empty()) return;
@@ -762,8 +882,32 @@ class ContactDriver {
         }
     }
 
+    // Ends the mode if the rolling velocity is below the error of the steps and decreases, like end_slip().
+    bool ends_rolling(const Step& step, std::vector<P>& y) {
+        if (!form_.is_stretched_by_rolling()) return false;
+        const int index = form_.first_rotation_function();
+        const P square = step.coefficient(index, 1), growth = P(2) * step.coefficient(index, 2);
+        const P small(error(2) * speed() / reach());
+        if (square > small * small || growth > P(0)) return false;
+        move_to_end(step.series, square, growth, y);
+        const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
+        const Vector3<P> spin = rotate(motion_.q, motion_.angular_velocity_B);
+        const P normal = dot(spin, axes.normal_W);
+        motion_.angular_velocity_B = rotate_back(motion_.q, Vector3<P>(normal * axes.normal_W));
+        // a ball: the slip is kept
+        const Vector3<P> arm = -(geometry_.pieces[contact_->piece].radius * axes.normal_W);
+        motion_.velocity_W = motion_.velocity_W + cross(Vector3<P>(spin - normal * axes.normal_W), arm);
+        transition(nullptr);
+        return true;
+    }
     // The slip is below the error of the steps and decreases: it ends after the time |u_t| / |d|u_t|/dt|.
     void end_slip(const Series<T>& series, const P& square, const P& growth, std::vector<P>& y) {
+        move_to_end(series, square, growth, y);
+        remove_slip();
+        transition(nullptr);
+    }
+    // Moves to the end of a slip or a rolling velocity whose square and its growth are given.
+    void move_to_end(const Series<T>& series, const P& square, const P& growth, std::vector<P>& y) {
         // dy/dt = c_1 / |u_t|, d|u_t|/dt = growth / (2 |u_t|^2), and the remaining time is -|u_t| / (d|u_t|/dt)
         if (growth < P(0)) {
             const P factor = P(-2) * square / growth;
@@ -771,8 +915,6 @@ class ContactDriver {
         }
         t_ = y[form_.clock()];
         motion_ = form_.motion(y.data());
-        remove_slip();
-        transition(nullptr);
     }
     void remove_slip() {
         const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
@@ -790,54 +932,84 @@ class ContactDriver {
     void start_slip(const Leg& leg) {
         const Pair pair = *contact_;
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
-        SlipPath<P> path{axes.to_world(*onset_), cross(axes.normal_W, axes.to_world(*onset_)), {}, t_};
+        const bool slips = onset_.has_value(), rolls = rotation_.starts_rolling;
+        SlipPath<P> path;
+        if (slips) path = {axes.to_world(*onset_), cross(axes.normal_W, axes.to_world(*onset_)), {}, t_};
         onset_.reset();
-        form_.select(System::onset, pair);
+        form_.select(slips ? System::onset : mode_, pair);
         const int n = form_.dimension(), clock = form_.clock(), order = settings_.order;
         std::vector<P> y(n);
         form_.start(motion_, t_, y.data());
         for (int i = clock + 1; i < n; ++i) y[i] = P(0);
         const auto expand = [&](int to_order) {
-            form_.set_path(path);
+            if (slips) form_.set_path(path);
+            if (rolls) form_.set_rotation(rotation_);
             Series<T> series(cast_recording<T>(record_form(n)), to_order);
             series.expand(y.data());
             return series;
         };
+        const double acceleration = static_cast<double>(length(form_.response(pair, motion_).acceleration));
+        const bool both = slips && rolls;
+        if (slips) find_path(path, expand, {clock + 2, clock + 6, acceleration, both, "slip"});
+        if (rolls) {
+            const int first = form_.first_rotation_function();
+            find_path(rotation_.path, expand, {first, first + 2, acceleration / reach(), both, "rolling"});
+        }
+        if (fails()) return;
+        const Series<T> series = expand(order);
+        Step step{series, clock, false};
+        double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(step));
+        for (const SlipPath<P>* curve : {&std::as_const(path), &std::as_const(rotation_.path)})
+            for (std::size_t k = curve->angle.size() > 4 ? curve->angle.size() - 4 : 0; k < curve->angle.size(); ++k)
+                longest = std::min(longest,
+                                   std::exp2((-settings_.digits * std::log2(10.0) - log2_magnitude(curve->angle[k])) /
+                                             static_cast<double>(k + 1)));
+        if (!may_step()) return;
+        if (std::isnan(longest)) return fail("the motion is not finite " + at_time());
+        step.length = P(longest);
+        const bool continues = take_step(step, leg, y);
+        if (!continues || !rolls) return;
+        rotation_.starts_rolling = false, rotation_.path = {};
+        form_.set_rotation(rotation_);
+    }
+    /// A motion that starts from zero: indices of the observed accelerations across and along its direction, the size
+    /// of accelerations, and whether its direction must be constant.
+    struct Onset {
+        int across = 0, along = 0;
+        double acceleration = 0;
+        bool must_be_straight = false;
+        const char* name = "";
+    };
+    // finds the series of the angle of `path`, which `expand` uses
+    template <class Expand>
+    void find_path(SlipPath<P>& path, const Expand& expand, const Onset& onset) {
         const auto across = [&](const Series<T>& series, int k) {
-            return P(P(k + 1) * static_cast<P>(series.coefficient(clock + 2, k + 1)));
+            return P(P(k + 1) * static_cast<P>(series.coefficient(onset.across, k + 1)));
         };
         // slip_j = A_{j-1} / j; the slip at the start of the series is zero
         const auto slip = [&](const Series<T>& series, int j) {
-            return static_cast<P>(series.coefficient(clock + 6, j));
+            return static_cast<P>(series.coefficient(onset.along, j));
         };
         path.angle = {P(1)};
         const P turned = across(expand(2), 1);
         path.angle.clear();
-        const Series<T> straight = expand(order);
+        const Series<T> straight = expand(settings_.order);
         const P slope = turned - across(straight, 1);
         P first = slip(straight, 1);
-        const double acceleration = static_cast<double>(length(form_.response(pair, motion_).acceleration));
-        if (Elementary<P>::magnitude(first) <= P(error(6) * acceleration)) first = P(0);
+        if (Elementary<P>::magnitude(first) <= P(error(6) * onset.acceleration)) first = P(0);
         if (!(first > P(0)) && !(slip(straight, 2) > P(0)))
-            return fail(fmt::format("slip at {} does not grow from its start {}", plane_at(pair), at_time()));
+            return fail(
+                fmt::format("{} at {} does not grow from its start {}", onset.name, plane_at(*contact_), at_time()));
         const double free = step_of(straight, form_.blocks(sizes_, 0));
         bool is_straight = true;
-        for (int k = 1; k < order; ++k)
+        for (int k = 1; k < settings_.order; ++k)
             if (static_cast<double>(Elementary<P>::magnitude(across(straight, k))) * std::pow(free, k) >
-                error() * acceleration)
+                error() * onset.acceleration)
                 is_straight = false;
-        if (!is_straight) find_angles(path, expand, across, slip, slope, first);
-        const Series<T> series = expand(order);
-        Step step{series, clock, false};
-        double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(step));
-        for (std::size_t k = path.angle.size() > 4 ? path.angle.size() - 4 : 0; k < path.angle.size(); ++k)
-            longest =
-                std::min(longest, std::exp2((-settings_.digits * std::log2(10.0) - log2_magnitude(path.angle[k])) /
-                                            static_cast<double>(k + 1)));
-        if (!may_step()) return;
-        if (std::isnan(longest)) return fail("the motion is not finite " + at_time());
-        step.length = P(longest);
-        take_step(step, leg, y);
+        if (is_straight) return;
+        if (onset.must_be_straight)
+            return fail("sliding and rolling start together along curves, which is not supported, " + at_time());
+        find_angles(path, expand, across, slip, slope, first);
     }
     // (slip angle')_k = sum over j of slip_j (k + 1 - j) angle_{k + 1 - j}
     template <class Expand, class Across, class Slip>
@@ -857,6 +1029,13 @@ class ContactDriver {
         if (found.what == Found::What::normal_force) {
             const EventKind lifts = EventKind::lifts_off;
             return transition(&lifts);
+        }
+        if (rotation_.acts) {
+            exceeded_ = found.what == Found::What::cone            ? Exceeded::slip
+                        : found.what == Found::What::rolling_limit ? Exceeded::rolling
+                        : found.what == Found::What::spin_limit    ? Exceeded::spin
+                                                                   : Exceeded::none;
+            return transition(nullptr);
         }
         // rolling becomes sliding, against the friction that it needed
         const Vector3<P> force = rolling_force(form_.response(*contact_, motion_));

@@ -16,6 +16,7 @@
 
 #include "integrators/contact/contact_point.h"
 #include "integrators/contact/contact_state.h"
+#include "integrators/contact/rotation_friction.h"
 #include "motion/body_equations.h"
 #include "motion/exact_body_of.h"
 
@@ -51,7 +52,18 @@ class ReducedForm {
     Pair pair_at(std::size_t k) const { return {k / geometry_->pieces.size(), k % geometry_->pieces.size()}; }
     /// Indices of the pairs whose gaps are observed, in this order, after the system's own functions.
     const std::vector<std::size_t>& observed_gaps() const { return others_; }
-    bool is_stretched() const { return system_ == System::shock || (system_ == System::sliding && friction() > P(0)); }
+    bool is_stretched() const {
+        return system_ == System::shock || is_stretched_by_slip() || is_stretched_by_rolling();
+    }
+    /// Whether |u_t| is a factor of dt/ds.
+    bool is_stretched_by_slip() const {
+        return system_ == System::sliding && friction() > P(0) && !rotation_.starts_rolling;
+    }
+    /// Whether |w_t| is a factor of dt/ds.
+    bool is_stretched_by_rolling() const {
+        return (system_ == System::sliding || system_ == System::rolling) && rotation_.opposes_rolling() &&
+               !rotation_.starts_rolling;
+    }
     int clock() const {
         switch (system_) {
             case System::flight:
@@ -69,9 +81,19 @@ class ReducedForm {
     int work() const { return 3; }  ///< shock: index of the normal work
     /// Number of the system's own observed functions: sliding N, slip^2, force (3); rolling N, (mu N)^2 - F_t^2, force
     /// (3); shock u_n, slip^2.
+    /// With torsional or rolling friction, rotation_functions further ones (see rotation_functions()).
     int own_functions() const {
-        return system_ == System::flight ? 0 : system_ == System::shock ? 2 : system_ == System::onset ? 6 : 5;
+        const int rotation = is_contact() && rotation_.acts ? rotation_functions : 0;
+        return (system_ == System::flight  ? 0
+                : system_ == System::shock ? 2
+                : system_ == System::onset ? 6
+                                           : 5) +
+               rotation;
     }
+    /// Index of the first function of torsional and rolling friction: rolling (w_t^2, or (rho N)^2 - M_t^2 while it is
+    /// held, or the angular acceleration across the direction in which it starts), spin (|w_n|, or (sigma N)^2 - M_n^2
+    /// while it is held), the angular acceleration along the direction in which rolling starts, and the torque (3).
+    int first_rotation_function() const { return clock() + 1 + own_functions() - rotation_functions; }
     int dimension() const {
         return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
     }
@@ -83,7 +105,7 @@ class ReducedForm {
         std::vector<Block> all{{0, 3, sizes.angular_velocity}, {3, 4, 1}, {7, 3, sizes.position}};
         if (system_ == System::flight) all.push_back({10, 3, sizes.velocity});
         if (system_ == System::sliding || system_ == System::onset)
-            all.push_back({10, 2, is_stretched() ? slip : sizes.velocity});
+            all.push_back({10, 2, is_stretched_by_slip() ? slip : sizes.velocity});
         return all;
     }
 
@@ -93,6 +115,8 @@ class ReducedForm {
     Vector3<P> load_torque(const BodyMotion<P>& m) const {
         return rotate(m.q, torque(forcing_, 0, m.angular_velocity_B, m.q, m.position_W, m.velocity_W));
     }
+    /// Sets torsional and rolling friction for later calls.
+    void set_rotation(const RotationFriction<P>& rotation) { rotation_ = rotation; }
     /// The direction of the slip for System::onset.
     void set_path(const SlipPath<P>& path) { path_ = path; }
 
@@ -195,7 +219,9 @@ class ReducedForm {
     BodyMotion<P> frozen_;         // shock: the motion before it
     ContactResponse<P> response_;  // shock: before it
     SlipPath<P> path_;             // onset
+    RotationFriction<P> rotation_;
 
+    bool is_contact() const { return system_ != System::flight && system_ != System::shock; }
     const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
     const P& friction() const { return geometry_->planes[pair_.plane].friction; }
 
@@ -235,6 +261,43 @@ class ReducedForm {
         dy[13] = S(1);
         observe_gaps(q, p, dy);
     }
+    // Torque of torsional and rolling friction for N = 1; w and n in body axes.
+    template <class S>
+    Vector3<S> rotation_torque(const Quaternion<S>& q, const Vector3<S>& n, const Vector3<S>& w, const S& t) const {
+        return rotation_.torque(n, w, t, [&](const Vector3<S>& v) { return rotate_back(q, v); });
+    }
+    template <class S>
+    Vector3<S> held_rotation(const Vector3<S>& n, const Vector3<S>& torque) const {
+        return held_response(rotation_.holds_rolling, rotation_.holds_spin, inertia_.tensor, inertia_.inverse, n,
+                             torque);
+    }
+    // Functions of torsional and rolling friction, given the angular acceleration W and the torques: of the loads and
+    // the contact force (`given`), and of friction against w_t and w_n (N g).
+    template <class S>
+    void observe_rotation(const S* y, const Vector3<S>& n, const S& N, const Vector3<S>& W, const Vector3<S>& given,
+                          const Vector3<S>& opposing, S* dy) const {
+        const Vector3<S> w = vector_at(y, 0);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        const Vector3<S> holding = inertia_.tensor * W - given - opposing, rolls = w - dot(w, n) * n;
+        const S about_normal = dot(holding, n);
+        const Vector3<S> M = holding - about_normal * n;
+        int next = first_rotation_function();
+        const S& t = y[clock()];
+        if (rotation_.starts_rolling)
+            dy[next] = dot(rotation_.path.across_at(t), rotate(q, W));
+        else
+            dy[next] = rotation_.holds_rolling ? (rotation_.rolling * rotation_.rolling) * (N * N) - dot(M, M)
+                                               : dot(rolls, rolls);
+        dy[next + 1] = rotation_.holds_spin
+                           ? (rotation_.torsional * rotation_.torsional) * (N * N) - about_normal * about_normal
+                           : P(rotation_.spin) * dot(w, n);
+        dy[next + 2] = rotation_.starts_rolling ? dot(rotation_.path.at(t), rotate(q, W)) : S(0) * N;
+        // free motions do not get the small torques that remain by rounding
+        Vector3<S> torque = opposing;
+        if (rotation_.holds_rolling) torque = torque + M;
+        if (rotation_.holds_spin) torque = torque + about_normal * n;
+        put(dy, next + 3, rotate(q, torque));
+    }
     template <class S>
     void sliding(const S* y, S* dy) const {
         const Vector3<S> w = vector_at(y, 0), p = vector_at(y, 7);
@@ -246,6 +309,7 @@ class ReducedForm {
         const Vector3<S> v = y[10] * axes_.first_W + y[11] * axes_.second_W + rotate(q, cross(s, w));
         const S square = y[10] * y[10] + y[11] * y[11];
         const bool rubs = friction() > P(0);
+        const bool is_starting = rotation_.acts && rotation_.starts_rolling;
         S pace(1);
         Vector3<S> f = n;
         if (system_ == System::onset) {
@@ -253,11 +317,21 @@ class ReducedForm {
         } else if (rubs) {
             pace = square_root(square);
             const S share = friction() / pace;
+            if (is_starting) pace = S(1);
             f = n - (share * y[10]) * e1 - (share * y[11]) * e2;
         }
-        const Vector3<S> free = angular_acceleration(w, torque(forcing_, 0, w, q, p, v));
+        const Vector3<S> tau = torque(forcing_, 0, w, q, p, v);
+        Vector3<S> free, turn, g;
+        if (rotation_.acts) {
+            g = rotation_torque(q, n, w, y[12]);
+            free = held_rotation(n, Vector3<S>(tau + cross(inertia_.tensor * w, w)));
+            turn = held_rotation(n, Vector3<S>(cross(s, f) + g));
+            if (is_stretched_by_rolling()) pace = pace * rolling_speed(n, w);
+        } else {
+            free = angular_acceleration(w, tau);
+            turn = turning(cross(s, f));
+        }
         const Vector3<S> b = cross(free, s) + cross(w, at.moves_B) + cross(w, cross(w, s));
-        const Vector3<S> turn = turning(cross(s, f));
         const Vector3<S> d = (P(1) / body_.mass) * f + cross(turn, s);
         const Vector3<S> a = load_acceleration(q, v);
         const S N = P(-1) * ((dot(axes_.normal_W, a) + dot(n, b)) / dot(n, d));
@@ -275,7 +349,28 @@ class ReducedForm {
             const Vector3<S> slip_rate = dy[10] * axes_.first_W + dy[11] * axes_.second_W;
             dy[14] = dot(path_.across_at(y[12]), slip_rate), dy[18] = dot(path_.at(y[12]), slip_rate);
         }
+        if (rotation_.acts) {
+            const Vector3<S> W = free + N * turn, given = tau + cross(inertia_.tensor * w, w) + N * cross(s, f);
+            observe_rotation(y, n, N, W, given, Vector3<S>(N * g), dy);
+        }
         observe_gaps(q, p, dy);
+    }
+    template <class S>
+    S rolling_speed(const Vector3<S>& n, const Vector3<S>& w) const {
+        const Vector3<S> rolls = w - dot(w, n) * n;
+        return square_root(dot(rolls, rolls));
+    }
+    // The angular acceleration of rolling with friction torques N g, N = n . F, F = m (c + s x W):
+    //   (A - m g (n x s)^T) W = moment + m (n . c) g, up to torques that hold w_t or w_n.
+    template <class S>
+    Vector3<S> rolling_acceleration(Matrix3<S> about, const Vector3<S>& n, const Vector3<S>& s, const Vector3<S>& c,
+                                    const Vector3<S>& g, const Vector3<S>& moment) const {
+        const Vector3<S> lever = cross(n, s);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) about[i][j] = about[i][j] - body_.mass * (g[i] * lever[j]);
+        const Vector3<S> right = moment + (body_.mass * dot(n, c)) * g;
+        const Matrix3<S> inverse_about = rotation_.holds_rolling ? about : Matrix3<S>(inverse(about));
+        return held_response(rotation_.holds_rolling, rotation_.holds_spin, about, inverse_about, n, right);
     }
     template <class S>
     void rolling(const S* y, S* dy) const {
@@ -294,9 +389,15 @@ class ReducedForm {
                 const S shift = i == j ? square - s[i] * s[j] : P(-1) * (s[i] * s[j]);
                 about[i][j] = inertia_.tensor[i][j] + body_.mass * shift;
             }
-        const Vector3<S> moment =
-            torque(forcing_, 0, w, q, p, v) - cross(w, inertia_.tensor * w) + body_.mass * cross(s, c);
-        const Vector3<S> w_rate = held_ ? Vector3<S>() : Vector3<S>(inverse(about) * moment);
+        const Vector3<S> free = torque(forcing_, 0, w, q, p, v) - cross(w, inertia_.tensor * w);
+        const Vector3<S> moment = free + body_.mass * cross(s, c);
+        Vector3<S> w_rate, g;
+        if (rotation_.acts) {
+            g = rotation_torque(q, n, w, y[10]);
+            w_rate = rolling_acceleration(about, n, s, c, g, moment);
+        } else if (!held_) {
+            w_rate = inverse(about) * moment;
+        }
         const Vector3<S> force_B = body_.mass * (c + cross(s, w_rate));
         const S N = dot(n, force_B);
         const P mu_square = friction() * friction();
@@ -306,6 +407,13 @@ class ReducedForm {
         dy[10] = S(1);
         dy[11] = N, dy[12] = (mu_square + P(1)) * (N * N) - dot(force_B, force_B);
         put(dy, 13, rotate(q, force_B));
+        if (rotation_.acts) {
+            observe_rotation(y, n, N, w_rate, Vector3<S>(free + cross(s, force_B)), Vector3<S>(N * g), dy);
+            if (is_stretched_by_rolling()) {
+                const S pace = rolling_speed(n, w);
+                for (int i = 0; i <= 10; ++i) dy[i] = pace * dy[i];
+            }
+        }
         observe_gaps(q, p, dy);
     }
     template <class S>

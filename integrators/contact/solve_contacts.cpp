@@ -30,12 +30,24 @@ ContactSettings settings_for(const Settings& settings) {
 
 }  // namespace
 
+std::string rotation_friction_refusal(const Scene& scene) {
+    const auto rubs = [](const Plane& plane) { return plane.torsional_friction > 0 || plane.rolling_friction > 0; };
+    if (std::none_of(scene.planes.begin(), scene.planes.end(), rubs)) return "";
+    const MassProperties<double> body = mass_properties<double>(scene.body);
+    const ContactGeometry<double> geometry = contact_geometry(scene, body.center, Quaternion<double>{});
+    bool is_ball =
+        geometry.pieces.size() == 1 && !geometry.pieces.front().extended && length(geometry.pieces.front().center) == 0;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            is_ball = is_ball && body.inertia[i][j] == (i == j ? body.inertia[0][0] : 0);
+    if (is_ball) return "";
+    return "torsional and rolling friction of planes are supported only for spheres with their centre of mass in the "
+           "middle and three equal moments";
+}
+
 std::string contact_refusal(const Scene& scene) {
     if (scene.planes.empty()) return "";
-    for (const Plane& plane : scene.planes) {
-        if (plane.torsional_friction > 0) return "torsional friction of a plane is not supported";
-        if (plane.rolling_friction > 0) return "rolling friction of a plane is not supported";
-    }
+    if (const std::string why = rotation_friction_refusal(scene); !why.empty()) return why;
     for (const Load& load : scene.loads)
         if (std::holds_alternative<FormulaLoad>(load)) return "formulas are not supported together with planes";
     return "";

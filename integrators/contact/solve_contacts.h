@@ -11,6 +11,9 @@ namespace polhode::contact {
 /// Follows the body with Taylor series to the tolerance of `settings`. The samples are those of `settings`.
 Run<double> follow_in_binary64(const Problem& problem, const Settings& settings);
 
+/// Why torsional and rolling friction of the scene's planes is not supported; empty if it is or if no plane has it.
+std::string rotation_friction_refusal(const Scene& scene);
+
 /// Why the contact modes do not support the scene's planes or loads; empty if they do or if there are no planes.
 std::string contact_refusal(const Scene& scene);
 

@@ -75,10 +75,14 @@ void write_contacts(Truth& truth, const contact::Run<P>& run, int digits) {
     for (const contact::Interval<P>& in : run.record.intervals)
         truth.contact_intervals.push_back({decimal_of(in.from, digits), decimal_of(in.to, digits), in.plane,
                                            contact::mode_names[static_cast<std::size_t>(in.mode)], in.largest_ratio});
-    for (const std::vector<Vector3<P>>& moment : run.forces_W)
-        for (const Vector3<P>& force : moment) {
+    for (std::size_t i = 0; i < run.forces_W.size(); ++i)
+        for (std::size_t plane = 0; plane < run.forces_W[i].size(); ++plane) {
             ReactionDecimals decimals{"0", "0", "0", "0", "0", "0"};
-            for (std::size_t c = 0; c < 3; ++c) decimals[c] = decimal_of(force[c], digits);
+            const Vector3<P>& torque = run.torques_W[i][plane];
+            for (std::size_t c = 0; c < 3; ++c) {
+                decimals[c] = decimal_of(run.forces_W[i][plane][c], digits);
+                if (!(torque[c] == P(0))) decimals[c + 3] = decimal_of(torque[c], digits);
+            }
             truth.reaction_decimals.push_back(decimals);
         }
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "integrators/contact/contact_state.h"
+#include "integrators/contact/rotation_friction.h"
 #include "integrators/truth/momentum_form.h"
 #include "motion/body_equations.h"
 
@@ -55,11 +56,25 @@ class MultiplierForm {
     }
     contact::Pair pair_at(std::size_t k) const { return {k / geometry_->pieces.size(), k % geometry_->pieces.size()}; }
     const std::vector<std::size_t>& observed_gaps() const { return others_; }
-    bool is_stretched() const { return system_ == System::shock || (system_ == System::sliding && mu() > P(0)); }
+    bool is_stretched() const {
+        return system_ == System::shock || is_stretched_by_slip() || is_stretched_by_rolling();
+    }
+    bool is_stretched_by_slip() const { return system_ == System::sliding && mu() > P(0) && !rotation_.starts_rolling; }
+    bool is_stretched_by_rolling() const {
+        return (system_ == System::sliding || system_ == System::rolling) && rotation_.opposes_rolling() &&
+               !rotation_.starts_rolling;
+    }
+    int first_rotation_function() const { return 14 + own_functions() - contact::rotation_functions; }
+    void set_rotation(const contact::RotationFriction<P>& rotation) { rotation_ = rotation; }
     int clock() const { return system_ == System::shock ? 7 : 13; }
     int work() const { return 6; }
     int own_functions() const {
-        return system_ == System::flight ? 0 : system_ == System::shock ? 2 : system_ == System::onset ? 6 : 5;
+        const bool touches = system_ != System::flight && system_ != System::shock;
+        return (system_ == System::flight  ? 0
+                : system_ == System::shock ? 2
+                : system_ == System::onset ? 6
+                                           : 5) +
+               (touches && rotation_.acts ? contact::rotation_functions : 0);
     }
     int dimension() const {
         return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
@@ -135,14 +150,20 @@ class MultiplierForm {
         S pace(1);
         if (system_ != System::flight) {
             const Kinematics<S> k = kinematics(pair_, y, dy);
-            Vector3<S> F;
+            const bool rotates = rotation_.acts;
+            Vector3<S> F, g, g_response;  // torque of friction for N = 1, and the acceleration by it
+            if (rotates) {
+                g = rotation_.torque(n, k.angular_velocity, y[13], [](const Vector3<S>& v) { return v; });
+                g_response = cross(k.rotate_by(g), k.arm);
+            }
             if (system_ == System::rolling) {
                 Matrix3<S> K;
                 for (std::size_t j = 0; j < 3; ++j) {
                     Vector3<P> unit;
                     unit[j] = P(1);
                     const Vector3<S> column = k.respond(unit);
-                    for (std::size_t i = 0; i < 3; ++i) K[i][j] = column[i];
+                    for (std::size_t i = 0; i < 3; ++i)
+                        K[i][j] = rotates ? column[i] + n[j] * g_response[i] : column[i];
                 }
                 F = P(-1) * (inverse(K) * k.acceleration);
                 const S N = dot(n, F);
@@ -156,17 +177,28 @@ class MultiplierForm {
                 } else if (mu() > P(0)) {
                     pace = square_root(square);
                     f = n - (mu() / pace) * slip;
+                    if (rotation_.starts_rolling) pace = S(1);
                 }
-                const S N = P(-1) * (dot(n, k.acceleration) / dot(n, k.respond(f)));
+                Vector3<S> response = k.respond(f);
+                if (rotates) response = response + g_response;
+                const S N = P(-1) * (dot(n, k.acceleration) / dot(n, response));
                 F = N * f;
                 dy[14] = N, dy[15] = square;
                 if (system_ == System::onset) {
-                    const Vector3<S> u_rate = k.acceleration + N * k.respond(f);
+                    const Vector3<S> u_rate = k.acceleration + N * response;
                     dy[15] = dot(path_.across_at(y[13]), u_rate), dy[19] = dot(path_.at(y[13]), u_rate);
                 }
             }
             put(dy, 16, F);
-            put(dy, 0, held_ ? Vector3<S>() : Vector3<S>(vector_at(dy, 0) + cross(k.arm, F)));
+            if (rotates) {
+                add_rotation_torque(k, y, F, g, dy);
+                if (is_stretched_by_rolling()) {
+                    const Vector3<S> rolls = k.angular_velocity - dot(n, k.angular_velocity) * n;
+                    pace = pace * square_root(dot(rolls, rolls));
+                }
+            } else {
+                put(dy, 0, held_ ? Vector3<S>() : Vector3<S>(vector_at(dy, 0) + cross(k.arm, F)));
+            }
             put(dy, 10, vector_at(dy, 10) + F);
             if (is_stretched())
                 for (int i = 0; i < 13; ++i) dy[i] = pace * dy[i];
@@ -189,6 +221,7 @@ class MultiplierForm {
     std::vector<std::size_t> others_;
     Motion<P> frozen_;           // shock: the motion before it
     contact::SlipPath<P> path_;  // onset
+    contact::RotationFriction<P> rotation_;
 
     const P& mu() const { return geometry_->planes[pair_.plane].friction; }
 
@@ -201,16 +234,25 @@ class MultiplierForm {
     /// The contact point in world axes.
     template <class S>
     struct Kinematics {
-        Vector3<S> arm;           // r
-        Vector3<S> velocity;      // u
-        Vector3<S> acceleration;  // du/dt without contact force
-        Matrix3<S> inverse_inertia_W;
+        Vector3<S> arm;                                     // r
+        Vector3<S> velocity;                                // u
+        Vector3<S> acceleration;                            // du/dt without contact force
+        Vector3<S> angular_velocity, angular_acceleration;  // w, and dw/dt without contact force
+        Matrix3<S> inverse_inertia_W, inertia_W;            // the inertia with rotation friction only
+        bool holds_rolling = false, holds_spin = false;
+        Vector3<P> normal;
         P inverse_mass;
+
+        // angular acceleration by a torque
+        Vector3<S> rotate_by(const Vector3<S>& torque) const {
+            if (!holds_rolling && !holds_spin) return inverse_inertia_W * torque;
+            return contact::held_response(holds_rolling, holds_spin, inertia_W, inverse_inertia_W, normal, torque);
+        }
 
         // K f
         template <class T>
         Vector3<S> respond(const Vector3<T>& f) const {
-            return inverse_mass * f + cross(inverse_inertia_W * cross(arm, f), arm);
+            return inverse_mass * f + cross(rotate_by(cross(arm, f)), arm);
         }
     };
     // `rate` holds dL/dt and dP/dt by the loads
@@ -235,9 +277,42 @@ class MultiplierForm {
             moves = moves - (P(1) / root) * Bn_rate + (h_rate / (P(2) * (h * root))) * Bn;
         }
         k.velocity = k.inverse_mass * vector_at(y, 10) + cross(w, k.arm);
-        const Vector3<S> w_rate = k.inverse_inertia_W * (vector_at(rate, 0) - cross(w, L));
+        k.angular_velocity = w, k.normal = n;
+        if (rotation_.acts) {
+            k.inertia_W = axes * body_.inertia * transposed(axes);
+            k.holds_rolling = rotation_.holds_rolling, k.holds_spin = rotation_.holds_spin;
+        }
+        const Vector3<S> w_rate = k.rotate_by(vector_at(rate, 0) - cross(w, L));
+        k.angular_acceleration = w_rate;
         k.acceleration = k.inverse_mass * vector_at(rate, 10) + cross(w_rate, k.arm) + cross(w, moves);
         return k;
+    }
+    // dL/dt = I W + w x L with the friction torques, and their functions as in contact/reduced_form.h
+    template <class S>
+    void add_rotation_torque(const Kinematics<S>& k, const S* y, const Vector3<S>& F, const Vector3<S>& g,
+                             S* dy) const {
+        const Vector3<P>& n = k.normal;
+        const Vector3<S>&w = k.angular_velocity, opposing = dot(n, F) * g;
+        const Vector3<S> by_force = cross(k.arm, F);
+        const Vector3<S> W = k.angular_acceleration + k.rotate_by(Vector3<S>(by_force + opposing));
+        const Vector3<S> L_rate = k.inertia_W * W + cross(w, vector_at(y, 0));
+        const Vector3<S> holding = L_rate - vector_at(dy, 0) - by_force - opposing;
+        const S N = dot(n, F), twist = dot(n, holding), rolling_limit = rotation_.rolling * N,
+                spin_limit = rotation_.torsional * N, spin = dot(n, w);
+        const Vector3<S> M = holding - twist * n, rolls = w - spin * n;
+        const int next = first_rotation_function();
+        const S& t = y[13];
+        const bool starts = rotation_.starts_rolling;
+        dy[next] = starts                    ? dot(rotation_.path.across_at(t), W)
+                   : rotation_.holds_rolling ? rolling_limit * rolling_limit - dot(M, M)
+                                             : dot(rolls, rolls);
+        dy[next + 1] = rotation_.holds_spin ? spin_limit * spin_limit - twist * twist : P(rotation_.spin) * spin;
+        dy[next + 2] = starts ? dot(rotation_.path.at(t), W) : P(0) * N;
+        Vector3<S> torque = opposing;
+        if (rotation_.holds_rolling) torque = torque + M;
+        if (rotation_.holds_spin) torque = torque + twist * n;
+        put(dy, next + 3, torque);
+        put(dy, 0, L_rate);
     }
     template <class S>
     S gap(contact::Pair pair, const Quaternion<S>& q, const Vector3<S>& p) const {

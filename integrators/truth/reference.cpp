@@ -20,6 +20,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/attempt_formula.h"
@@ -234,9 +235,7 @@ std::string refusal(const Scene& scene, int digits) {
     validate(scene, scene.name);
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "no truth: user-defined torques are not supported";
-    for (const Plane& plane : scene.planes)
-        if (plane.torsional_friction > 0 || plane.rolling_friction > 0)
-            return "no truth: torsional and rolling friction are not supported";
+    if (const std::string why = contact::rotation_friction_refusal(scene); !why.empty()) return "no truth: " + why;
     for (const Load& load : scene.loads)
         if (!scene.planes.empty() && std::holds_alternative<FormulaLoad>(load))
             return "no truth: formulas are not supported together with planes";

@@ -27,17 +27,18 @@ std::string events_csv(const Scene& scene, const DecimalReference& truth) {
 }
 
 std::string modes_table(const Scene& scene, const DecimalReference& truth) {
-    std::size_t time = 8, contact = 7;
+    std::size_t time = 8, contact = 7, mode = 7;
     const auto other = [&](const DecimalContactInterval& in) {
         return in.mode == "flight" ? std::string("-") : plane_name(scene, in.plane);
     };
     for (const DecimalContactInterval& in : truth.contact_intervals)
-        time = std::max({time, in.from.size(), in.to.size()}), contact = std::max(contact, other(in).size());
-    std::string text = fmt::format("{:<{}}  {:<{}}  body  {:<{}}  mode     |F|/(mu N)\n", "from (s)", time, "to (s)",
-                                   time, "contact", contact);
+        time = std::max({time, in.from.size(), in.to.size()}), contact = std::max(contact, other(in).size()),
+        mode = std::max(mode, in.mode.size());
+    std::string text = fmt::format("{:<{}}  {:<{}}  body  {:<{}}  {:<{}}  |F|/(mu N)\n", "from (s)", time, "to (s)",
+                                   time, "contact", contact, "mode", mode);
     for (const DecimalContactInterval& in : truth.contact_intervals)
-        text += fmt::format("{:<{}}  {:<{}}  {}  {:<{}}  {:<7}  {}\n", in.from, time, in.to, time, only_body, other(in),
-                            contact, in.mode,
+        text += fmt::format("{:<{}}  {:<{}}  {}  {:<{}}  {:<{}}  {}\n", in.from, time, in.to, time, only_body,
+                            other(in), contact, in.mode, mode,
                             in.largest_ratio > 0 ? fmt::format("{:.6g}", in.largest_ratio) : std::string("-"));
     return text;
 }
@@ -46,11 +47,13 @@ std::string modes_table(const Scene& scene, const DecimalReference& truth) {
 
 void add_contact_options(CLI::App& command, ContactOptions& options) {
     command.add_flag("--modes", options.modes,
-                     "Print the contact modes over time: flight, sliding, rolling, with the largest |F|/(mu N). To "
-                     "stdout with --output, else to stderr");
+                     "Print the contact modes over time: flight, sliding, rolling, and with torsional and rolling "
+                     "friction spinning, resting and .._without_spin, with the largest |F|/(mu N). To stdout with "
+                     "--output, else to stderr");
     command.add_option("--events", options.events,
                        "CSV file for events at contacts: t,body,other,event and the impulse, N s, world axes. Events: "
-                       "impact, lands, rolls, slides, lifts_off, accumulates, stops");
+                       "impact, lands, rolls, slides, lifts_off, accumulates, stops, spin_stops, spin_starts, "
+                       "rolling_stops, rolling_starts");
 }
 
 void require_contacts(const Scene& scene, const ContactOptions& options, const std::string& output,

@@ -59,8 +59,15 @@ void contacts(Report& report, const Problem& problem) {
     report.line("events", events.empty() ? "none" : join_with_commas(events));
     if (!run.fault.empty()) report.line("ends early", one_line(run.fault, 300));
     const bool rolls = std::ranges::any_of(intervals, [](const auto& in) { return in.mode == contact::Mode::rolling; });
-    if (rolls) report.line("kept while rolling", "energy, unless drag or a torque acts");
-    if (is_ball(problem)) report.line("kept by a ball", "spin about the normal of the plane, unless a torque acts");
+    const bool has_torques = std::ranges::any_of(problem.scene.planes, [](const Plane& plane) {
+        return plane.torsional_friction > 0 || plane.rolling_friction > 0;
+    });
+    if (rolls && !has_torques) report.line("kept while rolling", "energy, unless drag or a torque acts");
+    if (has_torques) report.line("torsional and rolling friction", "no impulse of either acts in impacts");
+    const bool has_twist =
+        std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.torsional_friction > 0; });
+    if (is_ball(problem) && !has_twist)
+        report.line("kept by a ball", "spin about the normal of the plane, unless a torque acts");
 }
 
 }  // namespace polhode::description

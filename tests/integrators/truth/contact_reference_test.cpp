@@ -147,9 +147,6 @@ TEST(ContactReference, TippeTopKeepsJellettsConstant) {
 }
 
 TEST(ContactReference, RefusesWhatItDoesNotFollow) {
-    const Scene rolling = contact_scene(solid_ball, R"({"position": [0, 0, 0.5]})", "[3, 0, -9]",
-                                        R"("restitution": 0.5, "rolling_friction": 0.01)", 2);
-    EXPECT_EQ(decimal_reference(rolling, 2).message, "no truth: torsional and rolling friction are not supported");
     const Scene spinning = contact_scene(R"({"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "mass": 2})",
                                          R"({"position": [0, 0, 0.5], "angular_velocity": [0, 0, 1]})", "[0, 0, -9]",
                                          R"("restitution": 0.5, "friction": 0.5)", 2);

@@ -131,7 +131,7 @@ class BallModeChoice {
     Exceeded exceeded_;
     P normal_force_;
     Vector3<P> arm_, a_, tau_, rolls_;
-    P limit_, slip_limit_;  // of the torque against rolling, and of friction
+    Vector3<P> acceleration, torque;  ///< without contact force, m/s^2 and N m
     bool is_rolling_ = false;
 
     static Vector3<P> tangential(const Vector3<P>& v) { return {v[0], v[1], P(0)}; }

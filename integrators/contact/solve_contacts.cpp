@@ -47,7 +47,7 @@ std::string rotation_friction_refusal(const Scene& scene) {
 
 std::string contact_refusal(const Scene& scene) {
     if (scene.planes.empty()) return "";
-    if (const std::string why = rotation_friction_refusal(scene); !why.empty()) return why;
+    if (std::string why = rotation_friction_refusal(scene); !why.empty()) return why;
     for (const Load& load : scene.loads)
         if (std::holds_alternative<FormulaLoad>(load)) return "formulas are not supported together with planes";
     return "";

@@ -131,7 +131,7 @@ class BallModeChoice {
     Exceeded exceeded_;
     P normal_force_;
     Vector3<P> arm_, a_, tau_, rolls_;
-    Vector3<P> acceleration, torque;  ///< without contact force, m/s^2 and N m
+    P limit_, slip_limit_;  // largest torque against rolling, largest friction
     bool is_rolling_ = false;
 
     static Vector3<P> tangential(const Vector3<P>& v) { return {v[0], v[1], P(0)}; }

@@ -221,20 +221,29 @@ class ContactDriver {
     /// Starts contact at several points. Supported for points of one plane that are not on a line, without rotation:
     /// a body that rests or slides on a face. Returns false if the motion cannot be followed.
     bool start_face(const std::vector<Pair>& points) {
-        const P small(error(6) * speed());
-        bool supported = length(motion_.angular_velocity_B) * P(reach()) <= small;
-        for (const Pair& pair : points) supported = supported && pair.plane == points.front().plane;
-        if (!supported || !spans_area(points)) {
-            fail(
-                fmt::format("several lasting contacts at once are not supported: the body touches {} at a second "
-                            "point {}",
-                            plane_at(points[1]), at_time()));
+        const auto other = std::find_if(points.begin(), points.end(),
+                                        [&](const Pair& pair) { return pair.plane != points.front().plane; });
+        if (other != points.end()) {
+            fail(fmt::format("lasting contacts with several planes are not supported: the body touches {} and {} {}",
+                             plane_at(points.front()), plane_at(*other), at_time()));
+            return false;
+        }
+        if (!spans_area(points)) {
+            fail(fmt::format("touches {} along an edge {}: the forces at two points are not determined by rigid laws",
+                             plane_at(points.front()), at_time()));
+            return false;
+        }
+        if (length(motion_.angular_velocity_B) * P(reach()) > P(error(6) * speed())) {
+            fail(spins_on_face());
             return false;
         }
         motion_.angular_velocity_B = Vector3<P>();
         face_ = points;
         form_.hold_attitude(true);
         return true;
+    }
+    std::string spins_on_face() const {
+        return fmt::format("spins on a face {}: the pressure under a face is not determined by rigid laws", at_time());
     }
     // the point of the face in the contact's axes, from the centre of mass, m
     Vector3<double> face_point(Pair pair) const {
@@ -277,9 +286,7 @@ class ContactDriver {
         const Vector3<double> M = cast<double>(axes.from_world(-form_.load_torque(motion_)));
         const double h = -face_point(face_.front())[2];
         const double y = (M[0] - h * F[1]) / F[2], x = -(M[1] + h * F[0]) / F[2];
-        if (std::abs(M[2] - (x * F[1] - y * F[0])) > 1e-9 * F[2] * reach())
-            return fail(fmt::format("spins on a face {}: the pressure under a face is not determined by rigid laws",
-                                    at_time()));
+        if (std::abs(M[2] - (x * F[1] - y * F[0])) > 1e-9 * F[2] * reach()) return fail(spins_on_face());
         if (!is_within_face(x, y)) fail(fmt::format("tips over {}", at_time()));
     }
     // whether the point is on the inner side of each border of the face

@@ -52,12 +52,15 @@ std::optional<Vector3<P>> slip_direction(const ContactResponse<P>& at, const P& 
         if (!(start.normal_force > 0) || !(start.stiffness > 0)) along = -1;
         return d[0] * start.acceleration[1] - d[1] * start.acceleration[0];
     };
+    // a direction along an axis, which loads often have, is not an end of an interval of the scan
     constexpr int directions = 1440;
+    constexpr double first = 0.37;
+    const auto angle_of = [](int i) { return 2 * std::numbers::pi * (i + first) / directions; };
     std::optional<double> found;
-    double best = 0, along_before = 0, before = across(0, along_before);
+    double best = 0, along_before = 0, before = across(angle_of(0), along_before);
     for (int i = 1; i <= directions; ++i) {
         double along = 0;
-        const double low = 2 * std::numbers::pi * (i - 1) / directions, high = 2 * std::numbers::pi * i / directions;
+        const double low = angle_of(i - 1), high = angle_of(i);
         const double now = across(high, along);
         if ((before > 0) != (now > 0) && along > 0 && along_before > 0 && (!found || along > best)) {
             double a = low, b = high, unused = 0;

@@ -16,6 +16,7 @@
 #include "integrators/run/stiffness.h"
 #include "motion/contact.h"
 #include "motion/problem.h"
+#include "scene/contact_shape.h"
 #include "scene/plane_file.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
@@ -39,7 +40,11 @@ std::string describe_definition(const BodyDefinition& source) {
         std::string operator()(const MeshBody& b) const {
             return fmt::format("the volume enclosed by {}, {} triangles", b.file, b.mesh.triangles.size());
         }
-        std::string operator()(const PartsBody& b) const { return fmt::format("{} parts", b.parts.size()); }
+        std::string operator()(const PartsBody& b) const {
+            if (const Shape* hull = contact_shape(b))
+                return fmt::format("mass and inertia; contact shape: {}", name_of(*hull));
+            return fmt::format("{} parts", b.parts.size());
+        }
         std::string operator()(const ImportedBody& b) const { return fmt::format("the link {} of {}", b.link, b.file); }
     };
     return one_line(std::visit(Words{}, source), 200);

@@ -113,7 +113,7 @@ Table mechanism_rows_of(const std::vector<std::string>& names) {
 std::string scene_index() {
     std::vector<std::string> plain;
     std::map<std::string, std::vector<std::string>> mechanisms;  // by directory
-    std::map<std::string, std::vector<std::string>> formulas;    // by directory
+    std::map<std::string, std::vector<std::string>> kinds;       // by directory: formulas, contact
     std::map<std::string, std::set<std::string>> families;       // by directory
     for (const std::string& name : builtin_scene_names()) {
         const FamilyMember member = family_member(name);
@@ -121,8 +121,8 @@ std::string scene_index() {
             mechanisms[member.folder].push_back(name);
         else if (member.folder.empty())
             plain.push_back(name);
-        else if (has_formula_loads(find_scene(name)))
-            formulas[member.folder].push_back(name);
+        else if (member.parameter.empty())
+            kinds[member.folder].push_back(name);
         else
             families[member.folder].insert(member.family);
     }
@@ -130,7 +130,7 @@ std::string scene_index() {
     for (const auto& [folder, names] : mechanisms)
         page += fmt::format("\n## {}\n\n{}", folder.empty() ? "several bodies" : folder,
                             markdown(mechanism_rows_of(names)));
-    for (const auto& [folder, names] : formulas)
+    for (const auto& [folder, names] : kinds)
         page += fmt::format("\n## {}\n\n{}", folder, markdown(make_scene_table(names)));
     for (const auto& [folder, names] : families) {
         page += fmt::format("\n## {}\n", folder);

@@ -78,6 +78,7 @@ def scene_pages(pages: Pages, program: Program) -> None:
         "": ("scenes", "Scenes of one body", "The catalogue of `experiments/scenes`."),
         "extreme": ("scenes_extreme", "Extreme scenes", "Scenes at which methods fail; each family has one parameter."),
         "mechanisms": ("scenes_mechanisms", "Scenes of several bodies", "Bodies with joints and loops."),
+        "contact": ("scenes_contact", "Scenes of contact with friction", "One body that slides, rolls or bounces."),
         "formulas": ("scenes_formulas", "Scenes with formulas", "Loads given by formulas of time and state."),
     }
     grouped: dict[str, list[tuple[str, str]]] = {part: [] for part in parts}

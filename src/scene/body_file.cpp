@@ -10,6 +10,7 @@
 
 #include <utility>
 
+#include "scene/contact_shape.h"
 #include "scene/json_values.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
@@ -163,15 +164,18 @@ BodyDefinition parse_numeric_body(const JsonNode& node, const std::string&, bool
     b.mass = mass.number();
     // a massless body of a mechanism has no moments
     const JsonNode* moments = node.find("inertia");
-    if (!moments && (is_part || b.mass != 0))
+    if (!moments && (is_part || b.mass != 0 || node.find("contact_shape")))
         moments = &node.require_member("inertia", "3 moments or a 3x3 matrix about the centre of mass in kg m^2");
     if (moments) b.inertia = inertia(*moments);
     if (const JsonNode* center = node.find("center_of_mass")) b.center_of_mass = vector3(*center);
-    if (is_part) {
-        positive(mass, "the mass of a part (a hole has a negative density)");
+    const JsonNode* hull = node.find("contact_shape");
+    if (is_part || hull) {
+        positive(mass, is_part ? "the mass of a part (a hole has a negative density)" : "the mass");
         if (const std::string fault = tensor_fault(b.inertia); !fault.empty())
-            moments->fail(fault, "give a physically possible inertia tensor; a part's moments may be 0");
+            moments->fail(fault, is_part ? "give a physically possible inertia tensor; a part's moments may be 0"
+                                         : "give a physically possible inertia tensor");
     }
+    if (hull) return with_contact_shape(b, shape(*hull));
     return b;
 }
 
@@ -375,6 +379,9 @@ struct SourceWriter {
                            json_string(b.link));
     }
     std::string operator()(const PartsBody& b) const {
+        if (const Shape* hull = contact_shape(b))
+            return fmt::format("{},\n    \"contact_shape\": {}", (*this)(numbers_beside_contact_shape(b)),
+                               std::visit(ShapeWriter{}, *hull));
         std::string text = "\"parts\": [";
         for (const PartsBody::Part& part : b.parts) {
             text += fmt::format("{}\n      {{{}, \"position\": {}, \"orientation\": {}}}",

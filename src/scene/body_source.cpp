@@ -6,6 +6,7 @@
 
 #include "body/orientation.h"
 #include "body/rigid_body.h"
+#include "scene/contact_shape.h"
 #include "text/decimal.h"
 
 namespace polhode {
@@ -45,10 +46,27 @@ std::string norm_fault(const Quaternion<double>& q) {
     return std::abs(length - 1) <= 1e-6 ? "" : "has norm " + shortest_decimal(length);
 }
 
+PartsBody with_contact_shape(NumericBody numbers, Shape shape) {
+    PartsBody body;
+    body.parts.push_back({body_source(numbers), {}, {}});
+    body.parts.push_back({body_source(ShapedBody{std::move(shape), {0, false}}), {}, {}});
+    return body;
+}
+
+const Shape* contact_shape(const PartsBody& body) {
+    if (body.parts.size() != 2) return nullptr;
+    const auto* hull = std::get_if<ShapedBody>(&body.parts[1].body->definition);
+    return hull && hull->amount.value == 0 ? &hull->shape : nullptr;
+}
+
+const NumericBody& numbers_beside_contact_shape(const PartsBody& body) {
+    return std::get<NumericBody>(body.parts.front().body->definition);
+}
+
 bool has_shape(const BodySource& source) {
     if (const auto* parts = std::get_if<PartsBody>(&source.definition))
-        return std::all_of(parts->parts.begin(), parts->parts.end(),
-                           [](const PartsBody::Part& part) { return has_shape(*part.body); });
+        return contact_shape(*parts) || std::all_of(parts->parts.begin(), parts->parts.end(),
+                                                    [](const PartsBody::Part& part) { return has_shape(*part.body); });
     return std::holds_alternative<ShapedBody>(source.definition) || std::holds_alternative<MeshBody>(source.definition);
 }
 

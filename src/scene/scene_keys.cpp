@@ -337,6 +337,8 @@ std::span<const FileKey> scene_keys() {
          "mechanism moments may be 0 (point, rod)"},
         {"body", "center_of_mass", "[x, y, z]", "m", "[0, 0, 0]", "[0, 0, 0.5]",
          "position from the body's origin, body axes"},
+        {"body", "contact_shape", "object", "", "none", "{\"type\": \"ellipsoid\", ..}",
+         "shape that touches planes, placed at the body's origin; it adds no mass"},
         {"body of a shape", "shape", "object", "", "required", "{\"type\": \"box\", ..}", "a homogeneous solid"},
         {"body of a shape", "mass", "number > 0", "kg", "this or density", "2", "mass"},
         {"body of a shape", "density", "number", "kg/m^3", "this or mass", "1000",

@@ -231,7 +231,8 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
                        "remove one of them: a body with a pivot does not support planes");
         if (!scene.body.source || !has_shape(*scene.body.source))
             check.fail(place, "is given, but the body has no shape",
-                       "give the body by \"shape\", \"parts\" with shapes, or \"mesh\"");
+                       "give the body by \"shape\", \"parts\" with shapes or \"mesh\", or add a \"contact_shape\" to "
+                       "its mass and inertia");
         const std::vector<SupportPiece<Wide>> pieces = hull<Wide>(*scene.body.source);
         if (pieces.empty())
             check.fail(place, "is given, but the body consists of holes only", "give the body a solid part");
@@ -245,7 +246,8 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
                          lowest - Wide(plane.offset) / length;
         if (!(gap >= -start_tolerance * reach))
             check.fail(place,
-                       fmt::format("is penetrated {} m deep by the body at the start", shortest_decimal(-double(gap))),
+                       fmt::format("({}) is penetrated {} m deep by the body at the start",
+                                   one_line(plane_name(scene, i), 60), shortest_decimal(-double(gap))),
                        "start where normal . x > offset: raise /initial/position");
     }
 }

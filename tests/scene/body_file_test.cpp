@@ -8,6 +8,7 @@
 #include "body/shapes.h"
 #include "body/tessellation.h"
 #include "places.h"
+#include "scene/body_hull.h"
 #include "scene/body_source.h"
 #include "scene/mesh_file.h"
 #include "scene/robot_file.h"
@@ -262,6 +263,49 @@ TEST(BodyFile, AnAttachedSphereTurnsTheMomentumAside) {
     const Vector3<double> w = scene.initial.angular_velocity, L = scene.body.inertia_B * w;
     const Vector3<double> across = cross(w, L);
     EXPECT_GT(std::sqrt(dot(across, across) / (dot(w, w) * dot(L, L))), 0.2);
+}
+
+// The numbers remain as given, and the hull is that of the shape about the body's origin.
+TEST(BodyFile, AContactShapeAddsAHullToNumbers) {
+    const std::string numbers = R"("mass": 2, "inertia": [[1, 0.25, 0], [0.25, 2, 0], [0, 0, 2.5]],
+                                   "center_of_mass": [0, 0, -0.25])";
+    const std::string shape = R"({"type": "ellipsoid", "semi_axes": [3, 2, 1]})";
+    const std::string floor = R"(, "initial": {"position": [0, 0, 0.75]}, "planes": [{"normal": [0, 0, 1],
+                                "restitution": 0}])";
+    const Scene scene = scene_of(numbers + R"(, "contact_shape": )" + shape, floor);
+    expect_same(scene.body, scene_of(numbers).body, 0);
+    const std::vector<SupportPiece<double>> pieces = hull<double>(*scene.body.source);
+    ASSERT_EQ(pieces.size(), 1u);
+    EXPECT_EQ(pieces[0].lowest({0, 0, 1}), -1);
+    EXPECT_EQ(pieces[0].lowest({1, 0, 0}), -3);
+    EXPECT_EQ(write_scene(parse_scene(write_scene(scene), "written")), write_scene(scene));
+    EXPECT_NE(write_scene(scene).find("\"contact_shape\": {\"type\": \"ellipsoid\""), std::string::npos);
+}
+
+std::string refusal_of(const std::string& body, const std::string& more = "") {
+    try {
+        scene_of(body, more);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(BodyFile, ContactShapesAreChecked) {
+    const std::string numbers = R"("mass": 2, "inertia": [1, 2, 2.5])",
+                      sphere = R"(, "contact_shape": {"type": "sphere", "radius": 0.5})",
+                      floor = R"(, "planes": [{"name": "floor", "normal": [0, 0, 1], "restitution": 0}])";
+    EXPECT_NE(refusal_of(R"("shape": {"type": "sphere", "radius": 1}, "mass": 1)" + sphere).find("contact_shape"),
+              std::string::npos);
+    EXPECT_EQ(refusal_of(numbers + R"(, "contact_shape": {"type": "sphere", "radius": -1})")
+                  .find("s.json: /body/contact_shape/radius: "),
+              0u);
+    EXPECT_EQ(refusal_of(R"("mass": 0)" + sphere).find("s.json: /body/inertia"), 0u)
+        << refusal_of(R"("mass": 0)" + sphere);
+    EXPECT_NE(refusal_of(numbers, floor).find("contact_shape"), std::string::npos);
+    // 0.5 m of the ball are below the floor
+    EXPECT_EQ(refusal_of(numbers + sphere, floor).find("s.json: /planes/0: (floor) is penetrated 0.5 m deep"), 0u)
+        << refusal_of(numbers + sphere, floor);
 }
 
 }  // namespace

@@ -855,7 +855,8 @@ class ContactDriver {
             return slides ? Mode::sliding : Mode::rolling;
         }
         if (slides) return no_spin ? Mode::sliding_without_rotation : Mode::sliding_without_rolling;
-        return no_spin || is_at_rest() ? Mode::resting : Mode::spinning;
+        // a spin that starts is zero at first
+        return no_spin || (rotation_.spin == 0 && is_at_rest()) ? Mode::resting : Mode::spinning;
     }
     void close_interval() {
         if (run_.record.intervals.empty()) return;
@@ -884,8 +885,10 @@ class ContactDriver {
                 }
             const Vector3<P> f = ContactAxes<P>(geometry_.planes[contact_->plane].normal_W).from_world(force);
             const double normal = static_cast<double>(f[2]);
-            largest = std::max(largest,
-                               std::hypot(static_cast<double>(f[0]), static_cast<double>(f[1])) / (friction * normal));
+            const double tangential = std::hypot(static_cast<double>(f[0]), static_cast<double>(f[1]));
+            // a force that rounding leaves at a body at rest is zero
+            if (rotation_.acts && tangential < error() * normal) continue;
+            largest = std::max(largest, tangential / (friction * normal));
         }
     }
 

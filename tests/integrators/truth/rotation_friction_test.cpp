@@ -146,6 +146,29 @@ TEST(RotationFriction, RollingVelocityPassesThroughZero) {
     EXPECT_EQ(held.contact_intervals.back().mode, "sliding_without_rolling");
 }
 
+/// A torque about the normal above sigma N spins a ball that rests: (tau - sigma N) / I, then -sigma N / I. Below the
+/// limit the ball stays at rest.
+TEST(RotationFriction, TorqueSpinsABallAtRest) {
+    const std::string start = R"("velocity": [0, 0, 0])";
+    const auto with_torque = [](const std::string& torque) {
+        return R"([0, 0, -10]}, {"type": "torque", "frame": "world", "from": 0.5, "until": 2, "vector": [0, 0, )" +
+               torque + "]";
+    };
+    const DecimalReference spins = available_reference(ball_scene(start, with_torque("2"), both_frictions, 4));
+    ASSERT_EQ(events_of(spins), "spin_starts stops ");
+    const long double limit = 0.0625L * 20, rate = (2 - limit) / 0.2L * 1.5L;
+    expect_equal(spins.columns[1][6], rate);
+    expect_equal(spins.contact_events[1].t, 2 + rate / (limit / 0.2L));
+    ASSERT_EQ(spins.contact_intervals.size(), 3U);
+    EXPECT_EQ(spins.contact_intervals[0].mode, "resting");
+    EXPECT_EQ(spins.contact_intervals[1].mode, "spinning");
+    EXPECT_EQ(spins.contact_intervals[2].mode, "resting");
+    EXPECT_EQ(spins.contact_intervals[2].largest_ratio, 0);
+    const DecimalReference rests = available_reference(ball_scene(start, with_torque("1.2"), both_frictions, 1));
+    EXPECT_EQ(events_of(rests), "");
+    expect_equal(rests.reactions[2][5], -1.2);
+}
+
 TEST(RotationFriction, IsRefusedForOtherBodies) {
     const Scene scene = ball_scene(R"("velocity": [0, 0, 0])", "[0, 0, -9]", both_frictions, 1,
                                    R"({"shape": {"type": "ellipsoid", "semi_axes": [0.75, 0.75, 0.5]}, "mass": 2})");

@@ -19,6 +19,7 @@ True
 
 from typing import TYPE_CHECKING
 
+from polhode import symbols
 from polhode._attitudes import BodyMotion
 from polhode._builders import BUILDERS, Builder
 from polhode._checking import Report, check
@@ -71,6 +72,7 @@ __all__ = [
     "solve",
     "solve_ivp",
     "solver",
+    "symbols",
     "trajectory",
     "truth",
 ]

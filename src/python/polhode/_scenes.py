@@ -14,20 +14,24 @@ import numpy as np
 from polhode import _polhode
 from polhode._builders import Built
 from polhode._html import table_html
+from polhode.symbols import Formula
 
 #: Types that `scene` makes a scene from.
 SceneLike = Union["Scene", str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 def _plain(value: Any) -> Any:
-    """Converts values that JSON does not support: numpy arrays and numbers, and paths."""
+    """Converts values that JSON does not support: formulas, numpy arrays and numbers, and paths."""
+    if isinstance(value, Formula):
+        return str(value)
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise TypeError(f"a scene contains a {type(value).__name__}; give numbers, strings, lists, arrays or dicts")
+    raise TypeError(f"a scene contains a {type(value).__name__}; give numbers, strings, formulas, lists, arrays "
+                    "or dicts")
 
 
 class Changes:

@@ -63,7 +63,7 @@ void contacts(Report& report, const Problem& problem) {
         return plane.torsional_friction > 0 || plane.rolling_friction > 0;
     });
     if (rolls && !has_torques) report.line("kept while rolling", "energy, unless drag or a torque acts");
-    if (has_torques) report.line("torsional and rolling friction", "no impulse of either acts in impacts");
+    if (has_torques) report.line("friction torques", "torsional and rolling friction; none acts in impacts");
     const bool has_twist =
         std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.torsional_friction > 0; });
     if (is_ball(problem) && !has_twist)

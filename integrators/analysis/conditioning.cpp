@@ -168,6 +168,12 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         unavailable.message = "conditioning through impacts on planes is not supported";
         return unavailable;
     }
+    for (const Joint& joint : problem.scene.joints)
+        if (joint.friction != 0 || joint.limits.any()) {
+            Conditioning unavailable;
+            unavailable.message = "conditioning through friction and limits of joints is not supported";
+            return unavailable;
+        }
     if (times.back() > problem.scene.duration)
         throw std::invalid_argument("times must not exceed the scene's duration");
     if (std::holds_alternative<UserSystem>(problem.system)) {

@@ -50,7 +50,7 @@ class TreeConstants {
     void add(std::vector<LinkLoop<P>>& loops) {
         for (LinkLoop<P>& loop : loops) {
             add(loop.first.point), add(loop.second.point), add(loop.across[0]), add(loop.across[1]);
-            add(loop.second_axis), add(loop.length);
+            add(loop.second_axis), add(loop.length), add(loop.ratio), add(loop.offset);
         }
     }
     void add(LinkLoads<P>& loads) {
@@ -116,6 +116,8 @@ Scene as_mechanism(const Scene& scene) {
 
 std::string unsupported_part(const Scene& scene) {
     if (!scene.planes.empty()) return "impacts on planes are not supported";
+    for (const Joint& joint : scene.joints)
+        if (joint.friction != 0 || joint.limits.any()) return "friction and limits of joints are not supported";
     for (const Load& load : scene.loads) {
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques are not supported";
         if (std::holds_alternative<FormulaLoad>(load)) return "loads given by formulas are not supported";

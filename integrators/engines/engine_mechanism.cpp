@@ -103,6 +103,8 @@ EngineJoint convert_joint(const Joint& joint, const InitialBodies& initial) {
         throw std::invalid_argument("the engine protocol does not support springs and dampers of joints");
     if (joint.armature != std::array<double, 2>{})
         throw std::invalid_argument("the engine protocol does not support armature of joints");
+    if (joint.friction != 0 || joint.limits.any())
+        throw std::invalid_argument("the engine protocol does not support friction and limits of joints");
     EngineJoint result;
     result.name = joint.name, result.type = name_of(joint.type);
     result.parent = initial.index(joint.parent), result.child = initial.index(joint.child);
@@ -229,6 +231,8 @@ EngineMechanism engine_mechanism(const Problem& problem) {
         result.bodies.push_back(body);
     }
     const InitialBodies initial(scene, result.bodies, properties);
+    if (!scene.couplings.empty())
+        throw std::invalid_argument("the engine protocol does not support couplings of joints");
     for (const Joint& joint : scene.joints) result.joints.push_back(convert_joint(joint, initial));
     sort_joints(result.joints);
     for (const Loop& loop : scene.loops) result.loops.push_back(convert_loop(loop, initial));

@@ -64,7 +64,10 @@ class Dynamics {
                                  const std::vector<Wrench<S>>& on) const {
         std::vector<S> result(static_cast<std::size_t>(rows_count_), S(P(0)));
         for (const int k : order_)
-            for (std::size_t i = 0; i < rows[k].size(); ++i) result[first_row_[k] + i] = -rows[k][i].bias;
+            for (std::size_t i = 0; i < rows[k].size(); ++i) {
+                S& sum = result[first_row_[k] + i];
+                sum = mechanism_->links[k].partner < 0 ? S(-rows[k][i].bias) : S(sum - rows[k][i].bias);
+            }
         for (int b = 0; b < mechanism_->world(); ++b) {
             if (!mechanism_->movable(b)) continue;
             const MaximalBody<P>& body = mechanism_->bodies[b];
@@ -204,8 +207,10 @@ class Dynamics {
         attached_.assign(mechanism_->bodies.size(), {});
         rows_count_ = trees_ = 0;
         for (const int k : order_) {
-            first_row_[k] = rows_count_;
-            rows_count_ += static_cast<int>(kept_[k].size());
+            if (const int partner = mechanism_->links[k].partner; partner >= 0)
+                first_row_[k] = first_row_[partner];
+            else
+                first_row_[k] = rows_count_, rows_count_ += static_cast<int>(kept_[k].size());
             const Link<P>& link = mechanism_->links[k];
             if (!link.closes) trees_ = rows_count_;
             if (mechanism_->movable(link.to.body)) attached_[link.to.body].push_back({k, true});
@@ -269,13 +274,16 @@ class Dynamics {
         // I^-1 times a row's torque is reused for all its pairs.
         const Row<S>* seen = nullptr;
         Vector3<S> turned;
-        for_pairs([&](int b, const Attached& x, std::size_t i, int, const Attached& y, std::size_t j, int) {
+        for_pairs([&](int b, const Attached& x, std::size_t i, int row, const Attached& y, std::size_t j, int column) {
             const MaximalBody<P>& body = mechanism_->bodies[b];
             const Row<S>&one = rows[x.link][i], &other = rows[y.link][j];
             if (seen != &one || (&one == &other)) turned = body.inverse_inertia * side(one, x.to), seen = &one;
             const P inverse_mass = (x.to == y.to ? P(1) : P(-1)) / body.mass;
             S& entry = A[targets_[next++]];
-            entry = entry + (inverse_mass * dot(one.force_W, other.force_W) + dot(turned, side(other, y.to)));
+            const S product = inverse_mass * dot(one.force_W, other.force_W) + dot(turned, side(other, y.to));
+            entry = entry + product;
+            // two links of a coupling share the row
+            if (row == column && x.link != y.link) entry = entry + product;
         });
         for_added([&](int, std::size_t k, std::size_t i) {
             S& entry = A[first_row_[k] + i];

@@ -48,6 +48,7 @@ class Loads {
         }
     }
 
+    void add_motor(std::size_t link, const P& force) { motors_[link] += force; }
     /// The sum of the motors on a joint.
     const P& motor(std::size_t link) const { return motors_[link]; }
 

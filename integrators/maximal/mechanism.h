@@ -57,7 +57,10 @@ struct Attachment {
 ///
 /// `armature` constrains nothing either. The torque -d x'' of an inertia d on a joint coordinate x depends on the
 /// acceleration; it is the unknown lambda of the row x'' + lambda / d = 0.
-enum class Kind { revolute, prismatic, spherical, universal, fixed, distance, added_inertia, armature };
+///
+/// `coordinate` constrains the acceleration of a joint's coordinate: it locks the joint, or is one of the two links of
+/// a coupling, which share a row: that of the second joint, minus the ratio times that of the first.
+enum class Kind { revolute, prismatic, spherical, universal, fixed, distance, added_inertia, armature, coordinate };
 
 /// A joint (from the parent to the child) or a loop (from the first body to the second).
 template <class P>
@@ -81,14 +84,18 @@ struct Link {
     std::vector<int> rows;                    ///< indices of its constraints that are kept
     /// By row; added_inertia: 1 / m' and 1 / j'; armature: -1 / d.
     std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};
-    int joint = -1;            ///< armature: index of the joint
-    Kind of = Kind::revolute;  ///< armature: kind of the joint
+    int joint = -1;            ///< armature, coordinate: index of the joint
+    Kind of = Kind::revolute;  ///< armature, coordinate: kind of the joint
+    P factor = P(1);           ///< coordinate: of the joint's row
+    int partner = -1;          ///< coordinate: the link before this one that has the shared row, or -1
 
     /// Number of coordinates that can have a spring, a damper or a motor.
     int coordinates() const {
         return kind == Kind::universal ? 2 : kind == Kind::revolute || kind == Kind::prismatic ? 1 : 0;
     }
     bool is_joint() const { return !closes && !has_compliance(); }
+    /// Whether it is a joint or a loop of the scene.
+    bool is_in_scene() const { return !has_compliance() && kind != Kind::coordinate; }
     /// Whether its unknowns are forces of an inertia, and not of a constraint.
     bool has_compliance() const { return kind == Kind::added_inertia || kind == Kind::armature; }
     /// Whether the joint has a spring or a damper.
@@ -118,8 +125,8 @@ std::array<Vector3<P>, 2> across(const Vector3<P>& a) {
 template <class P>
 class Mechanism {
   public:
-    /// `scene` must outlive this object.
-    explicit Mechanism(const Scene& scene) : scene_(&scene) {
+    /// `scene` must outlive this object. `locked`: indices of joints whose coordinates are locked.
+    explicit Mechanism(const Scene& scene, std::span<const int> locked = {}) : scene_(&scene) {
         for (const NamedBody& named : scene.bodies) {
             const MassProperties<P> m = mass_properties<P>(named.body);
             bodies.push_back({m.mass, m.center, m.inertia, {}, true});
@@ -127,15 +134,21 @@ class Mechanism {
         for (const Joint& joint : scene.joints) links.push_back(link_of(joint));
         for (const Loop& loop : scene.loops) links.push_back(link_of(loop));
         find_depths();
+        for (const Coupling& coupling : scene.couplings) {
+            add_coordinate(joint_of(coupling.second), P(1), -1);
+            add_coordinate(joint_of(coupling.first), -P(coupling.ratio), static_cast<int>(links.size()) - 1);
+        }
+        for (const int joint : locked) add_coordinate(static_cast<std::size_t>(joint), P(1), -1);
         add_inertia();
         add_armature();
         for (MaximalBody<P>& body : bodies) body.inverse_inertia = inverse(body.inertia);
     }
 
     std::vector<MaximalBody<P>> bodies;  ///< in the scene's order
-    std::vector<Link<P>> links;  ///< joints in the scene's order, then its loops, then added inertias and armatures
-    std::vector<int> depth;      ///< by body: number of joints between it and its root
-    int turns = 0;               ///< number of angles that count revolutions
+    std::vector<Link<P>>
+        links;               ///< joints in the scene's order, its loops, couplings and locks, added inertias, armatures
+    std::vector<int> depth;  ///< by body: number of joints between it and its root
+    int turns = 0;           ///< number of angles that count revolutions
 
     const Scene& scene() const { return *scene_; }
     /// The index that stands for the world.
@@ -251,6 +264,20 @@ class Mechanism {
             for (int i = 3; i < 6; ++i) link.rows.push_back(i);
             links.push_back(link);
         }
+    }
+
+    std::size_t joint_of(std::string_view name) const {
+        std::size_t j = 0;
+        while (scene_->joints[j].name != name) ++j;
+        return j;
+    }
+    // Adds a row of a joint's coordinate.
+    void add_coordinate(std::size_t joint, const P& factor, int partner) {
+        Link<P> link = links[joint];
+        link.of = link.kind, link.kind = Kind::coordinate, link.joint = static_cast<int>(joint);
+        link.closes = true, link.angles = -1, link.stiffness = link.damping = {P(0), P(0)};
+        link.rows = {0}, link.factor = factor, link.partner = partner;
+        links.push_back(link);
     }
 
     // Adds the armatures of the joints between bodies of which one can move.

@@ -79,6 +79,12 @@ class LinkView {
             case Kind::armature:
                 add_coordinate_accelerations(rows);
                 break;
+            case Kind::coordinate:
+                add_coordinate_accelerations(rows);
+                for (Row<S>& row : rows)
+                    row = {link_.factor * row.force_W, link_.factor * row.torque_W, link_.factor * row.to_B,
+                           link_.factor * row.from_B, link_.factor * row.bias};
+                break;
             default:
                 add_points(rows);
                 if (link_.kind == Kind::fixed) add_parallel(rows);
@@ -93,7 +99,7 @@ class LinkView {
     /// velocities.
     std::vector<S> gaps() const {
         std::vector<S> all;
-        if (link_.has_compliance()) return std::vector<S>(6, S(P(0)));
+        if (!link_.is_in_scene()) return std::vector<S>(6, S(P(0)));
         const auto add_turn = [&] {
             const Quaternion<S> base = from_.q * link_.orientation, turn = conjugate(base) * to_.q;
             const Vector3<S> turn_W = rotate(base, (turn.w + turn.w) * vector_part(turn));

@@ -37,11 +37,12 @@ class System {
 
     /// `start`: the motion of every body at t = 0 before any impulse, in the scene's order: q, angular_velocity_B,
     /// position_W and velocity_W. `coordinates`: those of the joints at t = 0, where they differ from the scene's
-    /// (dependent joints). The scene must outlive this object.
+    /// (dependent joints). `locked`: indices of joints whose coordinates are locked. The scene must outlive this
+    /// object.
     template <class Start>
     explicit System(const Scene& scene, const Start& start, std::span<const std::array<P, 2>> coordinates = {},
-                    LoopRows loops = LoopRows::shortest)
-        : mechanism_(std::make_shared<Mechanism<P>>(scene)) {
+                    LoopRows loops = LoopRows::shortest, std::span<const int> locked = {})
+        : mechanism_(std::make_shared<Mechanism<P>>(scene, locked)) {
         for (const auto& body : start)
             start_.push_back({body.q, body.angular_velocity_B, body.position_W, body.velocity_W});
         for (std::size_t k = 0; k < coordinates.size(); ++k) mechanism_->links[k].coordinate = coordinates[k];
@@ -82,20 +83,27 @@ class System {
                 y[angles_ + link.angles + i] = link.coordinate[i];
     }
 
+    /// Selects the loads that act from `begin` (s) on.
+    void select_loads(double begin) { loads_ = Loads<P>(*mechanism_, begin); }
+    /// Adds a force on the coordinate of a joint to the loads that are selected.
+    void add_motor(std::size_t joint, const P& force) { loads_.add_motor(joint, force); }
+    /// Applies an impulse on the coordinate of a joint of one coordinate to y.
+    void push(std::size_t joint, const P& impulse, P* y) const {
+        const std::vector<Placement<P>> at = placements(y);
+        const Link<P>& link = mechanism_->links[joint];
+        const Row<P> row = view(link, at).coordinate_rows()[0];
+        std::vector<Wrench<P>> given(at.size());
+        given[static_cast<std::size_t>(link.to.body)].add_to(row, impulse);
+        given[static_cast<std::size_t>(link.from.body)].add_from(row, impulse);
+        add_impulses(at, std::move(given), y);
+    }
     /// Selects the loads that act from `begin` (s) on, and applies the impulses at that time to y, propagated through
     /// all joints.
     void enter(double begin, P* y) {
         loads_ = Loads<P>(*mechanism_, begin);
         const std::vector<Placement<P>> at = placements(y);
         std::vector<Wrench<P>> given(at.size());
-        if (!loads_.add_impulses(begin, at, given)) return;
-        const Rows<P> rows = dynamics_->constraints(at);
-        dynamics_->add_constraint_forces(rows, dynamics_->impulses(at, rows, given), given);
-        for (int b = 0; b < mechanism_->world(); ++b) {
-            if (place_[b] < 0) continue;
-            put(y, place_[b] + 7, vector_at(y, place_[b] + 7) + given[b].torque_W + at[b].world(given[b].torque_B));
-            put(y, place_[b] + 10, vector_at(y, place_[b] + 10) + given[b].force_W);
-        }
+        if (loads_.add_impulses(begin, at, given)) add_impulses(at, std::move(given), y);
     }
 
     template <class S>
@@ -181,6 +189,17 @@ class System {
     }
 
   private:
+    // Adds momenta that each body would get if it were free, and the impulses of all joints.
+    void add_impulses(const std::vector<Placement<P>>& at, std::vector<Wrench<P>> given, P* y) const {
+        const Rows<P> rows = dynamics_->constraints(at);
+        dynamics_->add_constraint_forces(rows, dynamics_->impulses(at, rows, given), given);
+        for (int b = 0; b < mechanism_->world(); ++b) {
+            if (place_[b] < 0) continue;
+            put(y, place_[b] + 7, vector_at(y, place_[b] + 7) + given[b].torque_W + at[b].world(given[b].torque_B));
+            put(y, place_[b] + 10, vector_at(y, place_[b] + 10) + given[b].force_W);
+        }
+    }
+
     std::shared_ptr<Mechanism<P>> mechanism_;  // not moved: dynamics and loads refer to it
     std::shared_ptr<Dynamics<P>> dynamics_;
     Loads<P> loads_;
@@ -200,7 +219,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
     dynamics_->add_constraint_forces(rows, lambda, on);
 
     const std::size_t count = static_cast<std::size_t>(
-        std::ranges::count_if(mechanism_->links, [](const Link<P>& link) { return !link.has_compliance(); }));
+        std::ranges::count_if(mechanism_->links, [](const Link<P>& link) { return link.is_in_scene(); }));
     std::vector<Reaction<P>> all(count);
     for (std::size_t k = 0; k < count; ++k) {
         Reaction<P>& reaction = all[k];
@@ -212,7 +231,7 @@ std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const 
         for (const auto& [row, size] : joint_forces(*mechanism_, loads_, k, at, y + angles_)) add(row, size);
     }
     for (std::size_t k = count; k < mechanism_->links.size(); ++k) {
-        if (mechanism_->links[k].kind != Kind::armature) continue;
+        if (mechanism_->links[k].joint < 0) continue;
         Reaction<P>& reaction = all[static_cast<std::size_t>(mechanism_->links[k].joint)];
         for (std::size_t i = 0; i < rows[k].size(); ++i) {
             const P& size = lambda[dynamics_->first_row(k) + i];
@@ -250,7 +269,7 @@ JointGap<P> System<P>::gap(const P* y) const {
         if (largest < size) largest = size;
     };
     for (const Link<P>& link : mechanism_->links) {
-        if (link.has_compliance()) continue;
+        if (!link.is_in_scene()) continue;
         const Placement<P>&from = at[link.from.body], &to = at[link.to.body];
         const Vector3<P> apart = view(link, at).apart();
         if (link.kind == Kind::distance) {

@@ -20,6 +20,7 @@ std::string mechanism_refusal(const Problem& problem) {
 std::string inertia_refusal(const Problem& problem) {
     const std::string why = mechanism_refusal(problem);
     if (!why.empty()) return why;
+    if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
     for (const Joint& joint : problem.scene.joints)
         if (joint.armature != std::array<double, 2>{})
             return fmt::format("joint \"{}\" has an armature, which the method does not support",

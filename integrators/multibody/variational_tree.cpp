@@ -165,6 +165,7 @@ std::string variational_tree_refusal(const Problem& problem) {
     if (std::string why = multibody::mechanism_refusal(problem); !why.empty()) return why;
     for (const Joint& joint : problem.scene.joints)
         if (joint.armature != std::array<double, 2>{}) return "this method does not support armature of joints";
+    if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
     return problem.scene.loops.empty() ? "" : "this method supports only trees, not loops";
 }
 

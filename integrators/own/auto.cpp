@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <iterator>
 
+#include "integrators/contact/joint_events.h"
 #include "integrators/method.h"
 #include "integrators/own/exact.h"
 #include "integrators/own/record_system.h"
@@ -44,6 +45,8 @@ Choice choose_method(const Problem& problem, double tolerance) {
     if (std::ranges::any_of(problem.scene.planes, has_friction))
         if (const Method* method = find_method("taylor"); method && refusal(*method, problem).empty())
             return {method, "contact with friction, by its modes"};
+    if (contact::has_joint_events(problem.scene))
+        return {find_method("taylor"), "friction and limits of joints, located as events"};
     if (!problem.scene.planes.empty()) return {find_method("cvode_impacts"), "impacts on planes, located as events"};
     if (const Method* method = find_method("exact"); method && has_closed_form(problem))
         return {method, "the motion has a closed form"};

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "integrators/contact/joint_events.h"
 #include "integrators/method.h"
 #include "integrators/own/extrapolated_lanes.h"
 #include "integrators/run/stiffness.h"
@@ -141,7 +142,9 @@ MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_s
     require_in_range(settings);
     if (samples < 1) throw std::invalid_argument("samples must be at least 1");
     constexpr double min_lane_tolerance = 1e-13;
-    if (!scene.loops.empty() || !only_starts || settings.tolerance < min_lane_tolerance) return;
+    if (!scene.loops.empty() || !scene.couplings.empty() || contact::has_joint_events(scene) || !only_starts ||
+        settings.tolerance < min_lane_tolerance)
+        return;
     common_problem_ = pose(scene);
     if (is_stiff(*common_problem_)) common_problem_.reset();
 }

@@ -81,7 +81,17 @@ std::string special_contact_law(const Scene& scene) {
 
 }  // namespace
 
+// Why a method cannot follow joints with friction or limits, or couplings; empty if it can.
+static std::string joint_law_refusal(const Method& method, const Scene& scene) {
+    if (method.family != Family::reference && method.family != Family::series)
+        for (const Joint& joint : scene.joints)
+            if (joint.friction != 0 || joint.limits.any())
+                return fmt::format("{} does not support friction and limits of joints", method.name);
+    return "";
+}
+
 std::string refusal(const Method& method, const Problem& problem) {
+    if (std::string why = joint_law_refusal(method, problem.scene); !why.empty()) return why;
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} does not support impacts on planes", method.name);
     if (method.family != Family::reference && method.family != Family::series)

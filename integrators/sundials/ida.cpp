@@ -15,6 +15,7 @@ std::string ida_refusal(const Problem& problem) {
         return "this method supports only scenes of several bodies";
     for (const Load& load : problem.scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques have no Jacobian";
+    if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
     return "";
 }
 

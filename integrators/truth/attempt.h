@@ -60,6 +60,11 @@ template <unsigned working>
 Attempt attempt_by_mechanism_series(const Problem& problem, const std::vector<double>& sample_times,
                                     double local_digits);
 
+/// Several bodies whose joints have limits or friction, from event to event, in joint coordinates and in maximal
+/// coordinates. Digits: see attempt_by_taylor().
+template <unsigned working>
+Attempt attempt_by_joint_events(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
+
 /// One body that touches planes, by its contact modes, in reduced coordinates and with multipliers. Digits: see
 /// attempt_by_taylor().
 template <unsigned working>
@@ -80,6 +85,8 @@ extern template Attempt attempt_by_taylor<50>(const Problem&, const std::vector<
 extern template Attempt attempt_by_taylor<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_mechanism_series<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_mechanism_series<100>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_joint_events<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_joint_events<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_contact_modes<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_contact_modes<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);

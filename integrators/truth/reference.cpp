@@ -20,6 +20,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "integrators/contact/joint_events.h"
 #include "integrators/contact/solve_contacts.h"
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/attempt.h"
@@ -81,6 +82,9 @@ Attempt attempt(const Problem& problem, const std::vector<double>& times, double
         case Formulas::closed_form:
             return truth::attempt_by_closed_form(problem, times, local_digits);
         case Formulas::series_in_joint_coordinates:
+            if (contact::has_joint_events(problem.scene))
+                return use_50_digits ? truth::attempt_by_joint_events<50>(problem, times, local_digits)
+                                     : truth::attempt_by_joint_events<100>(problem, times, local_digits);
             return use_50_digits ? truth::attempt_by_mechanism_series<50>(problem, times, local_digits)
                                  : truth::attempt_by_mechanism_series<100>(problem, times, local_digits);
         case Formulas::collocation:

@@ -26,6 +26,13 @@ std::string events_csv(const Scene& scene, const DecimalReference& truth) {
     return text;
 }
 
+std::string joint_events_csv(const Scene& scene, const DecimalReference& truth) {
+    std::string text = "t,joint,event,impulse\n";
+    for (const DecimalContactEvent& e : truth.contact_events)
+        text += fmt::format("{},{},{},{}\n", e.t, scene.joints[e.plane].name, e.event, e.normal_impulse);
+    return text;
+}
+
 std::string modes_table(const Scene& scene, const DecimalReference& truth) {
     std::size_t time = 8, contact = 7, mode = 7;
     const auto other = [&](const DecimalContactInterval& in) {
@@ -53,7 +60,8 @@ void add_contact_options(CLI::App& command, ContactOptions& options) {
     command.add_option("--events", options.events,
                        "CSV file for events at contacts: t,body,other,event and the impulse, N s, world axes. Events: "
                        "impact, lands, rolls, slides, lifts_off, accumulates, stops, spin_stops, spin_starts, "
-                       "rolling_stops, rolling_starts");
+                       "rolling_stops, rolling_starts. Friction and limits of joints: t,joint,event,impulse, N m s or "
+                       "N s. Events: impact, rests, leaves, sticks, slips");
 }
 
 void require_contacts(const Scene& scene, const ContactOptions& options, const std::string& output,
@@ -61,7 +69,11 @@ void require_contacts(const Scene& scene, const ContactOptions& options, const s
     if (!options.any()) return;
     require_output(options.events);
     const char* name = options.modes ? "--modes" : "--events";
-    if (scene.planes.empty()) throw UsageError(fmt::format("{}: the scene has no planes; remove the option", name));
+    const bool has_joints = contact::has_joint_events(scene);
+    if (scene.planes.empty() && !has_joints)
+        throw UsageError(
+            fmt::format("{}: the scene has no planes, and no joint has friction or limits; remove the option", name));
+    if (has_joints && options.modes) throw UsageError("--modes: not available for joints; use --events");
     if (options.events.empty()) return;
     if (options.events == output) throw UsageError("--events and --output name the same file; give two files");
     if (options.events == reactions) throw UsageError("--events and --reactions name the same file; give two files");
@@ -69,6 +81,10 @@ void require_contacts(const Scene& scene, const ContactOptions& options, const s
 
 bool write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout) {
     if (!options.any()) return true;
+    if (contact::has_joint_events(scene)) {
+        write_output(options.events, joint_events_csv(scene, truth));
+        return true;
+    }
     if (truth.contact_intervals.empty()) {
         std::fputs(
             "polhode: no events or modes: this motion has impacts without friction only, which are not recorded "
@@ -100,6 +116,18 @@ bool write_contacts(const Scene& scene, const ContactOptions& options, const con
         as_text.contact_intervals.push_back({shortest_decimal(in.from), shortest_decimal(in.to), in.plane,
                                              contact::mode_names[static_cast<std::size_t>(in.mode)], in.largest_ratio});
     return write_contacts(scene, options, as_text, to_stdout);
+}
+
+bool write_joint_events(const Scene& scene, const ContactOptions& options,
+                        const std::vector<contact::JointEvent<double>>& events) {
+    DecimalReference as_text;
+    for (const contact::JointEvent<double>& e : events)
+        as_text.contact_events.push_back({shortest_decimal(e.t),
+                                          e.joint,
+                                          contact::joint_event_names[static_cast<std::size_t>(e.kind)],
+                                          shortest_decimal(e.impulse),
+                                          {}});
+    return write_contacts(scene, options, as_text, false);
 }
 
 std::vector<std::string> reaction_names(const Scene& scene) {

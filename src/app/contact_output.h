@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "integrators/contact/contact_record.h"
+#include "integrators/contact/joint_events.h"
 #include "integrators/truth/reference.h"
 #include "scene/scene.h"
 
@@ -33,6 +34,10 @@ bool write_contacts(const Scene& scene, const ContactOptions& options, const Dec
 /// Writes the record of a run in binary64 in the same form.
 bool write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
                     bool to_stdout);
+
+/// Writes the events of joints with friction or limits.
+bool write_joint_events(const Scene& scene, const ContactOptions& options,
+                        const std::vector<contact::JointEvent<double>>& events);
 
 /// Names of what exerts a reaction: planes, or joints and then loops.
 std::vector<std::string> reaction_names(const Scene& scene);

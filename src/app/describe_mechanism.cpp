@@ -77,6 +77,14 @@ std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j
     if (joint.stiffness[0] != 0 || joint.stiffness[1] != 0) text += "; spring " + both(joint.stiffness);
     if (joint.damping[0] != 0 || joint.damping[1] != 0) text += "; damping " + both(joint.damping);
     if (joint.armature[0] != 0 || joint.armature[1] != 0) text += "; armature " + both(joint.armature);
+    if (joint.friction != 0) text += "; friction " + brief(joint.friction);
+    if (joint.limits.any())
+        text += fmt::format("; limits {} to {}, restitution {}", brief(joint.limits.lower), brief(joint.limits.upper),
+                            brief(joint.limits.restitution));
+    for (const Coupling& coupling : scene.couplings)
+        if (coupling.second == joint.name)
+            text += fmt::format("; = {} times {} + {}", brief(coupling.ratio), one_line(coupling.first, 26),
+                                brief(coupling.offset));
     if (joint.dependent) text += "; adjusted until the loops close";
     return text;
 }
@@ -178,10 +186,12 @@ void overview(Report& report, const Problem& problem) {
     report.line("joints", kinds_of(scene.joints));
     report.line("loops", kinds_of(scene.loops));
     const std::size_t rates = static_cast<std::size_t>(tree.links().rates);
-    report.line("degrees of freedom", scene.loops.empty()
+    if (!scene.couplings.empty())
+        report.line("couplings", format_count(scene.couplings.size(), "constraint of joint coordinates"));
+    report.line("degrees of freedom", scene.loops.empty() && scene.couplings.empty()
                                           ? std::to_string(rates)
-                                          : fmt::format("{}: {} of the tree minus {} removed by loops", mobility(tree),
-                                                        rates, tree.independent_loop_rows()));
+                                          : fmt::format("{}: {} of the tree minus {} removed by loops and couplings",
+                                                        mobility(tree), rates, tree.independent_loop_rows()));
 }
 
 void loops(Report& report, const Problem& problem) {

@@ -11,6 +11,7 @@
 #include "app/joint_history.h"
 #include "app/lookup.h"
 #include "integrators/contact/solve_contacts.h"
+#include "integrators/contact/solve_joints.h"
 #include "integrators/method.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
@@ -135,6 +136,9 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
                      const Settings& settings) {
     if (!options.contacts.any()) return true;
+    if (contact::has_joint_events(problem.scene) && method.family == Family::series)
+        return write_joint_events(problem.scene, options.contacts,
+                                  contact::follow_joints_in_binary64(problem, settings).events);
     const bool to_stdout = !options.output.empty();
     if (method.family == Family::reference) {
         constexpr int digits = 17;

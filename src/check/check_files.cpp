@@ -13,6 +13,7 @@
 #include "check/sample_clock.h"
 #include "check/system_search.h"
 #include "integrators/analysis/conditioning.h"
+#include "integrators/contact/joint_events.h"
 #include "integrators/truth/dense.h"
 #include "integrators/truth/reference.h"
 #include "motion/mechanism_motion.h"
@@ -194,7 +195,10 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
         const auto fails = [&](auto&& is) {
             return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
         };
-        if (is_mechanism(scene)) {
+        if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
+            if (fails([](std::string_view) { return true; }))
+                checked.remarks.push_back("no diagnosis: friction, limits and couplings of joints are not varied");
+        } else if (is_mechanism(scene)) {
             checked.diagnosis = diagnose_system(scene, files[i], explain);
             // in a sound engine that steps bodies separately, joints drift within the limit
             if (!fails([](std::string_view name) { return is_of_joints(name); }))

@@ -82,6 +82,8 @@ class ConventionConverter {
             for (double* x : {&j.stiffness[i], &j.damping[i], &j.armature[i]}) *x = scale(*x, slides ? 0 : 2);
             for (double* x : {&j.coordinate[i], &j.rate[i], &j.rest[i]}) *x = scale(*x, slides ? 1 : 0);
         }
+        j.friction = scale(j.friction, slides ? 1 : 2);
+        if (slides) j.limits.lower = scale(j.limits.lower, 1), j.limits.upper = scale(j.limits.upper, 1);
     }
     void operator()(Loop& l) const {
         l.first_point = vector(l.first_point, 1), l.second_point = vector(l.second_point, 1);

@@ -106,6 +106,10 @@ struct AngularChanges {
 bool conserves_mechanism_energy(const Problem& problem) {
     const Scene& scene = problem.scene;
     if (problem.segments.size() > 1 || std::ranges::any_of(scene.joints, has_damper)) return false;
+    if (std::ranges::any_of(scene.joints, [](const Joint& joint) {
+            return joint.friction != 0 || (joint.limits.any() && joint.limits.restitution != 1);
+        }))
+        return false;
     return std::ranges::none_of(scene.loads, [](const Load& load) {
         if (const auto* torque = std::get_if<Torque>(&load)) return !is_zero(torque->vector);
         if (const auto* force = std::get_if<Force>(&load))
@@ -136,6 +140,7 @@ std::optional<V3> rotation_line(const Scene& scene, const std::vector<Sample>& s
     for (const Joint& joint : scene.joints) {
         if (joint.parent != "world") continue;
         if (has_damper(joint) || has_spring(joint) || has_armature(joint)) return std::nullopt;
+        if (joint.friction != 0 || joint.limits.any() || !scene.couplings.empty()) return std::nullopt;
         for (const Load& load : scene.loads)
             if (const auto* motor = std::get_if<Motor>(&load); motor && motor->joint == joint.name) return std::nullopt;
         if (joint.type == JointType::revolute) {

@@ -57,10 +57,6 @@ void refuse_parts_of_one_body(const Scene& scene) {
             fail(fmt::format("/loads/{}", i),
                  "is a user-defined torque, which scenes with several bodies do not support",
                  "give a load of type torque or force with \"body\", or a motor on a joint");
-    for (std::size_t i = 0; i < scene.joints.size(); ++i)
-        if (scene.joints[i].friction != 0 || scene.joints[i].limits.any())
-            fail(fmt::format("/joints/{}", i), "has friction or limits, which are not supported", "remove them");
-    if (!scene.couplings.empty()) fail("/couplings", "are not supported", "remove them");
     if (scene.pivot)
         fail("/pivot", "is given in a scene with several bodies",
              "connect a body to the world by a joint whose parent is \"world\"");
@@ -80,6 +76,8 @@ void refuse_parts_of_several_bodies(const Scene& scene) {
     const char* remedy = "use \"bodies\" instead of \"body\"";
     if (!scene.joints.empty()) throw InputError(scene.name, "/joints", "are given in a scene with one body", remedy);
     if (!scene.loops.empty()) throw InputError(scene.name, "/loops", "are given in a scene with one body", remedy);
+    if (!scene.couplings.empty())
+        throw InputError(scene.name, "/couplings", "are given in a scene with one body", remedy);
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const Load& load = scene.loads[i];
         if (!load_body(load).empty() || std::holds_alternative<Motor>(load) ||

@@ -101,14 +101,19 @@ struct LinkLoop {
     Vector3<P> across[2];    ///< revolute: unit vectors perpendicular to the first axis, in the first link's axes
     Vector3<P> second_axis;  ///< revolute: unit, in the second link's axes
     P length = P(0);
+    /// A constraint of joint coordinates instead: second = ratio * first + offset, where `second.link` and `first.link`
+    /// are the links of the coordinates. Without a first link the second coordinate is locked.
+    bool couples = false;
+    P ratio = P(0), offset = P(0);
 
-    int rows() const { return type == LoopType::spherical ? 3 : type == LoopType::revolute ? 5 : 1; }
+    int rows() const { return couples ? 1 : type == LoopType::spherical ? 3 : type == LoopType::revolute ? 5 : 1; }
 };
 
 /// Memory of the recursion, one instance per thread and scalar.
 template <class S>
 struct TreeWork {
     std::vector<LinkWork<S>> links;
+    const S* y = nullptr;              ///< the state of the last move()
     std::vector<LinkFrame<S>> frames;  ///< computed only if loads or loops need them
     std::vector<Vector3<S>> velocity_W;
     std::vector<Quaternion<S>> q;
@@ -168,6 +173,13 @@ class Tree {
     /// The reactions of the joints, then of the loops, in the scene's order.
     template <class S>
     std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
+    /// Locks the coordinates of these links: their accelerations vanish. Replaces former locks. The tree must have no
+    /// loops and no couplings.
+    void lock(const std::vector<int>& links);
+    /// Adds a generalized force to a link's coordinate until loads are set again.
+    void add_motor(int link, const P& force);
+    /// Changes the rates by a generalized impulse of size 1 on a link's coordinate; locked coordinates are free.
+    std::vector<P> unit_response(int link, const P* y) const;
     /// Projects y onto the loop constraints by the smallest step in the mass metric, then its rates in the same way.
     void project(P* y) const;
     /// The largest violation of the loop constraints and of their rates at y (m, rad, SI).
@@ -226,7 +238,9 @@ class Tree {
     template <class S>
     void respond_to_rows(TreeWork<S>& at) const;
     template <class S>
-    S applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations) const;
+    S applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations, const S* rates) const;
+    template <class S>
+    void add_generalized_force(int link, const S& size, TreeWork<S>& at) const;
     template <class S>
     void start_response(std::size_t row, TreeWork<S>& at) const;
     template <class S>

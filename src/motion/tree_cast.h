@@ -80,7 +80,10 @@ Tree<P>::Tree(const Tree<Other>& other)
                           cast<P>(loop.second),
                           {cast<P>(loop.across[0]), cast<P>(loop.across[1])},
                           cast<P>(loop.second_axis),
-                          P(loop.length)});
+                          P(loop.length),
+                          loop.couples,
+                          P(loop.ratio),
+                          P(loop.offset)});
     for (const Other& y : other.start_) start_.push_back(P(y));
 }
 

@@ -26,6 +26,7 @@ TreeWork<S>& Tree<P>::work() const {
 template <class P>
 template <class S>
 void Tree<P>::move(const S* y, TreeWork<S>& at) const {
+    at.y = y;
     const std::size_t n = links_.links.size();
     for (std::size_t i = 0; i < n; ++i) {
         const Link<P>& link = links_.links[i];
@@ -346,7 +347,7 @@ void Tree<P>::accelerate(const S* y, TreeWork<S>& at, S* dy) const {
     at.multipliers.resize(rows);
     for (std::size_t r = 0; r < rows; ++r) {
         const std::size_t row = static_cast<std::size_t>(chosen_[r]);
-        at.multipliers[r] = -(applied(row, at, now.data()) + at.rows[row].bias);
+        at.multipliers[r] = -(applied(row, at, now.data(), dy + links_.coordinates) + at.rows[row].bias);
     }
     solve_rows(at, at.multipliers);
     for (std::size_t r = 0; r < rows; ++r) {

@@ -78,8 +78,8 @@ void Tree<P>::require_inertia(const Scene& scene, std::size_t i, const Articulat
         std::string place =
             link.kind == LinkJoint::free ? "" : scene.joints[static_cast<std::size_t>(link.joint)].place;
         if (place.empty()) place = scene.bodies[index].place;
-        throw InputError(scene.name, place.empty() ? fmt::format("/bodies/{}", index) : "/import: " + place,
-                         fmt::format("\"{}\" has no {}", one_line(body, 60), fault), remedy);
+        if (!place.starts_with('/')) place = place.empty() ? fmt::format("/bodies/{}", index) : "/import: " + place;
+        throw InputError(scene.name, place, fmt::format("\"{}\" has no {}", one_line(body, 60), fault), remedy);
     };
     if (link.kind == LinkJoint::free) {
         const std::string& body = scene.bodies[static_cast<std::size_t>(link.base)].name;

@@ -42,6 +42,18 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
         return link < 0 ? v_W : transposed_times(at.frames[static_cast<std::size_t>(link)].R, v_W);
     };
     for (const LinkLoop<P>& loop : loops_) {
+        if (loop.couples) {
+            const Link<P>& second = links_.links[static_cast<std::size_t>(loop.second.link)];
+            row->value = at.y[second.coordinate] - S(loop.offset), row->velocity = at.y[second.rate];
+            row->bias = S(P(0));
+            if (loop.first.link >= 0) {
+                const Link<P>& first = links_.links[static_cast<std::size_t>(loop.first.link)];
+                row->value = row->value - loop.ratio * at.y[first.coordinate];
+                row->velocity = row->velocity - loop.ratio * at.y[first.rate];
+            }
+            ++row;
+            continue;
+        }
         const WorldPoint one = world_point(loop.first), two = world_point(loop.second);
         const Vector3<S> d = two.x - one.x, v = two.v - one.v, bias = two.bias - one.bias;
         const auto pull = [&](const Vector3<S>& along_W) {
@@ -84,8 +96,15 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
 
 template <class P>
 template <class S>
-S Tree<P>::applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations) const {
+S Tree<P>::applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations, const S* rates) const {
     const LinkLoop<P>& loop = loops_[static_cast<std::size_t>(loop_of_row_[row])];
+    if (loop.couples) {
+        const auto rate = [&](int link) {
+            return rates[links_.links[static_cast<std::size_t>(link)].rate - links_.coordinates];
+        };
+        return loop.first.link < 0 ? rate(loop.second.link)
+                                   : S(rate(loop.second.link) - loop.ratio * rate(loop.first.link));
+    }
     S sum(0);
     const auto add = [&](int link, const Pair6<S>& side) {
         if (link < 0) return;
@@ -97,11 +116,33 @@ S Tree<P>::applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accel
     return sum;
 }
 
+/// Adds to at.wrench a force on the link along its coordinate, and the opposite force on its parent.
+template <class P>
+template <class S>
+void Tree<P>::add_generalized_force(int link, const S& size, TreeWork<S>& at) const {
+    const std::size_t i = static_cast<std::size_t>(link);
+    const bool turns = links_.links[i].kind == LinkJoint::revolute;
+    Pair6<S>& own = at.wrench[i];
+    S& along = turns ? own.turning[2] : own.linear[2];
+    along = along + size;
+    if (links_.links[i].parent < 0) return;
+    Pair6<S>& parent = at.wrench[static_cast<std::size_t>(links_.links[i].parent)];
+    const LinkWork<S>& w = at.links[i];
+    const Vector3<S> axis = size * Vector3<S>(w.R[0][2], w.R[1][2], w.R[2][2]);
+    if (!turns) parent.linear = parent.linear - axis;
+    parent.turning = parent.turning - (turns ? axis : cross(w.r, axis));
+}
+
 template <class P>
 template <class S>
 void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
     const LinkLoop<P>& loop = loops_[static_cast<std::size_t>(loop_of_row_[row])];
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.wrench[i] = {};
+    if (loop.couples) {
+        add_generalized_force(loop.second.link, S(P(1)), at);
+        if (loop.first.link >= 0) add_generalized_force(loop.first.link, S(-loop.ratio), at);
+        return;
+    }
     const auto add = [&](int link, const Pair6<S>& side) {
         if (link < 0) return;
         Pair6<S>& there = at.wrench[static_cast<std::size_t>(link)];
@@ -188,7 +229,8 @@ void Tree<P>::respond_to_rows(TreeWork<S>& at) const {
         start_response(static_cast<std::size_t>(chosen_[r]), at);
         respond(at, at.response.data() + r * n, at.rates.data() + r * rates);
         for (std::size_t c = 0; c <= r; ++c)
-            at.matrix[r * rows + c] = applied(static_cast<std::size_t>(chosen_[c]), at, at.response.data() + r * n);
+            at.matrix[r * rows + c] = applied(static_cast<std::size_t>(chosen_[c]), at, at.response.data() + r * n,
+                                              at.rates.data() + r * rates);
     }
     // L D below the diagonal, 1 / D on it
     for (std::size_t c = 0; c < rows; ++c) {
@@ -214,6 +256,40 @@ void Tree<P>::solve_rows(TreeWork<S>& at, std::vector<S>& x) const {
         for (std::size_t c = r + 1; c < rows; ++c) x[r] = x[r] - at.matrix[c * rows + r] * x[c];
         x[r] = at.matrix[r * rows + r] * x[r];
     }
+}
+
+template <class P>
+void Tree<P>::lock(const std::vector<int>& links) {
+    loops_.clear(), loop_of_row_.clear(), chosen_.clear();
+    for (const int link : links) {
+        LinkLoop<P> own;
+        own.couples = true, own.second.link = link;
+        chosen_.push_back(static_cast<int>(loops_.size()));
+        loop_of_row_.push_back(static_cast<int>(loops_.size()));
+        loops_.push_back(own);
+    }
+    all_rows_ = loops_.size();
+}
+
+template <class P>
+void Tree<P>::add_motor(int link, const P& force) {
+    loads_.motors.resize(links_.links.size(), P(0));
+    P& sum = loads_.motors[static_cast<std::size_t>(link)];
+    sum = sum + force;
+}
+
+template <class P>
+std::vector<P> Tree<P>::unit_response(int link, const P* y) const {
+    TreeWork<P>& at = work<P>();
+    move(y, at);
+    for (LinkWork<P>& one : at.links) one.force = {};
+    articulate(at);
+    for (std::size_t i = 0; i < links_.links.size(); ++i) at.wrench[i] = {};
+    add_generalized_force(link, P(1), at);
+    std::vector<Pair6<P>> accelerations(links_.links.size());
+    std::vector<P> rates(static_cast<std::size_t>(links_.rates));
+    respond(at, accelerations.data(), rates.data());
+    return rates;
 }
 
 template <class P>

@@ -93,6 +93,11 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     std::vector<Reaction<S>> all(scene.joints.size());
     for (std::size_t l = 0, row = 0; l < loops_.size(); ++l) {
         const LinkLoop<P>& loop = loops_[l];
+        // its forces are part of the reactions of its joints
+        if (loop.couples) {
+            ++row;
+            continue;
+        }
         Pair6<S> on_second;  // about the second link's origin, in its axes
         for (int k = 0; k < loop.rows(); ++k, ++row)
             for (std::size_t c = 0; c < chosen_.size(); ++c) {

@@ -53,6 +53,16 @@ void Tree<P>::find_loops(const Scene& scene) {
         loop_of_row_.insert(loop_of_row_.end(), static_cast<std::size_t>(own.rows()), static_cast<int>(l));
         loops_.push_back(std::move(own));
     }
+    for (const Coupling& coupling : scene.couplings) {
+        LinkLoop<P> own;
+        own.couples = true, own.ratio = P(coupling.ratio), own.offset = P(coupling.offset);
+        const auto link = [&](const std::string& joint) {
+            return links_.link_of_joint[static_cast<std::size_t>(joint_index(scene, joint))];
+        };
+        own.first.link = link(coupling.first), own.second.link = link(coupling.second);
+        loop_of_row_.push_back(static_cast<int>(loops_.size()));
+        loops_.push_back(std::move(own));
+    }
     all_rows_ = loop_of_row_.size();
 }
 
@@ -88,11 +98,12 @@ void Tree<P>::find_start(const Scene& scene) {
         };
         for (std::size_t row = 1; row < all_rows_; ++row)
             if (size(row) > size(worst)) worst = row;
-        throw InputError(scene.name, fmt::format("/loops/{}", loop_of_row_[worst]),
-                         fmt::format("is open by {:.3g} at the start (m, rad, m/s or rad/s)", off),
-                         dependent.empty()
-                             ? "mark joints as \"dependent\": true, or give a start that closes the loop to 1e-9"
-                             : "start the dependent joints closer to a closed position");
+        const std::size_t open = static_cast<std::size_t>(loop_of_row_[worst]), loops = scene.loops.size();
+        throw InputError(
+            scene.name, open < loops ? fmt::format("/loops/{}", open) : fmt::format("/couplings/{}", open - loops),
+            fmt::format("is open by {:.3g} at the start (m, rad, m/s or rad/s)", off),
+            dependent.empty() ? "mark joints as \"dependent\": true, or give a start that closes the loop to 1e-9"
+                              : "start the dependent joints closer to a closed position");
     }
     require_inertia(scene);
     choose_rows();
@@ -207,7 +218,8 @@ void Tree<P>::choose_rows() {
     for (std::size_t r = 0; r < all_rows_; ++r) {
         start_response(r, at);
         respond(at, response.data(), response_rates.data());
-        for (std::size_t c = 0; c < all_rows_; ++c) matrix[r * all_rows_ + c] = applied(c, at, response.data());
+        for (std::size_t c = 0; c < all_rows_; ++c)
+            matrix[r * all_rows_ + c] = applied(c, at, response.data(), response_rates.data());
     }
     // scale each constraint by its own size; a constraint that is nonzero only by rounding, as perpendicular to a
     // plane, is dropped
@@ -335,7 +347,7 @@ bool Tree<P>::apply_impulses(const Scene& scene, double time, P* y) const {
         find_rows(at), respond_to_rows(at);
         at.multipliers.resize(rows);
         for (std::size_t r = 0; r < rows; ++r)
-            at.multipliers[r] = -applied(static_cast<std::size_t>(chosen_[r]), at, jumps.data());
+            at.multipliers[r] = -applied(static_cast<std::size_t>(chosen_[r]), at, jumps.data(), jump.data());
         solve_rows(at, at.multipliers);
         for (std::size_t r = 0; r < rows; ++r)
             for (std::size_t k = 0; k < rates; ++k) jump[k] = jump[k] + at.multipliers[r] * at.rates[r * rates + k];

@@ -11,6 +11,7 @@
 
 #include "scene/body_file.h"
 #include "scene/initial_file.h"
+#include "scene/joint_chains.h"
 #include "scene/json_values.h"
 #include "scene/robot_import.h"
 #include "scene/scene_keys.h"
@@ -41,6 +42,8 @@ Type parse_type(const JsonNode& node, const std::pair<const char*, Type> (&types
             node.require_known_keys(keys_of(scene_keys(), fmt::format("{} {}", object, name)));
             return type;
         }
+    if (std::string_view(object) == "joint")
+        for (const char* chain : {"compound", "cylindrical", "screw", "planar", "free"}) names.emplace_back(chain);
     const std::string meant = did_you_mean(given.string(), names);
     given.fail(given.describe(),
                fmt::format("{}{}give one of {}", meant, meant.empty() ? "" : " ", join_with_commas(names)));
@@ -57,6 +60,54 @@ std::array<double, 2> numbers_at(const JsonNode& node, const char* key, bool two
     return two ? two_numbers(*value) : std::array<double, 2>{value->number(), 0};
 }
 
+JointLimits parse_limits(const JsonNode& node) {
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"lower\": .., \"upper\": ..}");
+    node.require_known_keys(keys_of(scene_keys(), "limits"));
+    JointLimits limits;
+    const JsonNode *lower = node.find("lower"), *upper = node.find("upper"), *restitution = node.find("restitution");
+    if (!lower && !upper) node.fail("has neither \"lower\" nor \"upper\"", "give one of them, or both");
+    if (lower) limits.lower = lower->number();
+    if (upper) limits.upper = upper->number();
+    if (restitution) limits.restitution = restitution->number();
+    return limits;
+}
+
+Coupling parse_coupling(const JsonNode& node) {
+    if (!node.is_object()) node.fail(node.describe(), "give an object {\"first\": .., \"second\": .., \"ratio\": ..}");
+    node.require_known_keys(keys_of(scene_keys(), "coupling"));
+    Coupling coupling;
+    coupling.first = node.require_member("first", "a joint's name").string();
+    coupling.second = node.require_member("second", "a joint's name").string();
+    if (const JsonNode* ratio = node.find("ratio")) coupling.ratio = ratio->number();
+    if (const JsonNode* offset = node.find("offset")) coupling.offset = offset->number();
+    return coupling;
+}
+
+std::string write_limits(const JointLimits& limits) {
+    const JointLimits none;
+    std::string text;
+    if (limits.lower > none.lower) text += "\"lower\": " + shortest_decimal(limits.lower) + ", ";
+    if (limits.upper < none.upper) text += "\"upper\": " + shortest_decimal(limits.upper) + ", ";
+    return "{" + text + "\"restitution\": " + shortest_decimal(limits.restitution) + "}";
+}
+
+}  // namespace
+
+void parse_coordinate(const JsonNode& node, Joint& j) {
+    const bool universal = j.type == JointType::universal;
+    if (const JsonNode* start = node.find("initial")) parse_joint_start(*start, j);
+    j.stiffness = numbers_at(node, "stiffness", universal), j.damping = numbers_at(node, "damping", universal);
+    j.armature = numbers_at(node, "armature", universal);
+    if (const JsonNode* friction = node.find("friction")) j.friction = friction->number();
+    if (const JsonNode* limits = node.find("limits")) j.limits = parse_limits(*limits);
+    if (j.type != JointType::spherical)
+        j.rest = numbers_at(node, "rest", universal);
+    else if (const JsonNode* rest = node.find("rest"))
+        j.rest_orientation = quaternion(*rest);
+}
+
+namespace {
+
 Joint joint(const JsonNode& node) {
     Joint j;
     j.type = parse_type(node, joint_types, "joint");
@@ -65,21 +116,14 @@ Joint joint(const JsonNode& node) {
     j.child = node.require_member("child", "a body's name").string();
     j.parent_point = point_at(node, "parent_point"), j.child_point = point_at(node, "child_point");
     if (const JsonNode* q = node.find("parent_orientation")) j.parent_orientation = quaternion(*q);
-    if (const JsonNode* start = node.find("initial")) parse_joint_start(*start, j);
+    parse_coordinate(node, j);
     if (j.type == JointType::revolute || j.type == JointType::prismatic)
         j.axes[0] = vector3(node.require_member("axis", "[x, y, z], in the child's axes"));
-    const bool universal = j.type == JointType::universal;
-    if (universal) {
+    if (j.type == JointType::universal) {
         const JsonNode& axes = node.require_member("axes", "two vectors [x, y, z]");
         if (axes.elements().size() != 2) axes.fail(axes.describe(), "give two axes [[x, y, z], [x, y, z]]");
         for (std::size_t i = 0; i < 2; ++i) j.axes[i] = vector3(*axes.elements()[i]);
     }
-    j.stiffness = numbers_at(node, "stiffness", universal), j.damping = numbers_at(node, "damping", universal);
-    j.armature = numbers_at(node, "armature", universal);
-    if (j.type != JointType::spherical)
-        j.rest = numbers_at(node, "rest", universal);
-    else if (const JsonNode* rest = node.find("rest"))
-        j.rest_orientation = quaternion(*rest);
     return j;
 }
 
@@ -161,6 +205,8 @@ std::string write_joint(const Joint& j) {
     const std::string rest = j.type == JointType::spherical ? write_json(j.rest_orientation) : numbers(j.rest);
     text +=
         fmt::format(R"(, "stiffness": {}, "rest": {}, "damping": {})", numbers(j.stiffness), rest, numbers(j.damping));
+    if (j.friction != 0) text += ", \"friction\": " + shortest_decimal(j.friction);
+    if (j.limits.any()) text += ", \"limits\": " + write_limits(j.limits);
     if (j.armature != std::array<double, 2>{}) text += ", \"armature\": " + numbers(j.armature);
     return text;
 }
@@ -228,13 +274,54 @@ bool has_gravity(const JsonNode& root) {
 
 }  // namespace
 
+namespace {
+
+// Gives the child of a free joint its initial state.
+void start_free_body(const JsonNode& root, const JointChain& chain, Scene& scene) {
+    const JsonNode& joints = *root.find("joints");
+    for (const Joint& joint : scene.joints)
+        if (joint.child == chain.free_child)
+            joints.fail(fmt::format("make \"{}\" the child of two joints", one_line(chain.free_child, 60)),
+                        "remove the free joint or the other one");
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        if (scene.bodies[b].name != chain.free_child) continue;
+        if (!chain.free_initial) return;
+        if (const JsonNode* start = root.find("bodies")->elements()[b]->find("initial"))
+            start->fail("is given for a body whose free joint has an initial state", "remove one of them");
+        scene.bodies[b].initial = *chain.free_initial;
+        return;
+    }
+    joints.fail(
+        fmt::format("have a free joint of \"{}\", which is not the name of a body", one_line(chain.free_child, 60)),
+        "give the name of a body as \"child\"");
+}
+
+}  // namespace
+
 void parse_mechanism(const JsonNode& root, Scene& scene) {
     const JsonNode* import = root.find("import");
     if (import) parse_robot_import(*import, has_gravity(root), scene);
-    if (const JsonNode* joints = root.find("joints"))
-        for (const JsonNode* one : joints->elements()) scene.joints.push_back(joint(*one));
+    std::vector<JointChain> chains;
+    if (const JsonNode* joints = root.find("joints")) {
+        std::vector<std::size_t> elements;  // by joint: index in the file
+        for (std::size_t i = 0; i < joints->elements().size(); ++i) {
+            const JsonNode& one = *joints->elements()[i];
+            if (std::optional<JointChain> chain = parse_joint_chain(one, i)) {
+                scene.joints.insert(scene.joints.end(), chain->joints.begin(), chain->joints.end());
+                scene.couplings.insert(scene.couplings.end(), chain->couplings.begin(), chain->couplings.end());
+                chains.push_back(*std::move(chain));
+            } else {
+                scene.joints.push_back(joint(one));
+            }
+            elements.resize(scene.joints.size(), i);
+        }
+        for (std::size_t k = 0; !chains.empty() && k < elements.size(); ++k)
+            if (scene.joints[k].place.empty()) scene.joints[k].place = fmt::format("/joints/{}", elements[k]);
+    }
     if (const JsonNode* loops = root.find("loops"))
         for (const JsonNode* one : loops->elements()) scene.loops.push_back(loop(*one));
+    if (const JsonNode* couplings = root.find("couplings"))
+        for (const JsonNode* one : couplings->elements()) scene.couplings.push_back(parse_coupling(*one));
     if (import) return;
     const JsonNode& bodies = root.require_member("bodies", "a list of {\"name\": .., \"body\": ..}");
     if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
@@ -243,6 +330,10 @@ void parse_mechanism(const JsonNode& root, Scene& scene) {
     const std::set<std::string_view> carried = children_of(scene);
     for (const JsonNode* one : bodies.elements())
         scene.bodies.push_back(parse_named_body(*one, scene.directory, carried));
+    for (const JointChain& chain : chains) {
+        scene.bodies.insert(scene.bodies.end(), chain.bodies.begin(), chain.bodies.end());
+        if (!chain.free_child.empty()) start_free_body(root, chain, scene);
+    }
 }
 
 std::string write_bodies(const Scene& scene) {
@@ -255,6 +346,13 @@ std::string write_bodies(const Scene& scene) {
 }
 
 std::string write_joints(const Scene& scene) { return write_list(scene.joints, write_joint); }
+
+std::string write_couplings(const Scene& scene) {
+    return write_list(scene.couplings, [](const Coupling& one) {
+        return fmt::format(R"("first": {}, "second": {}, "ratio": {}, "offset": {})", json_string(one.first),
+                           json_string(one.second), shortest_decimal(one.ratio), shortest_decimal(one.offset));
+    });
+}
 
 std::string write_loops(const Scene& scene) { return write_list(scene.loops, write_loop); }
 

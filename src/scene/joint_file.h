@@ -17,9 +17,14 @@ void parse_mechanism(const JsonNode& root, Scene& scene);
 /// joint, or `dependent`. Throws InputError.
 void parse_joint_start(const JsonNode& node, Joint& joint);
 
+/// Parses what belongs to the coordinate of a revolute or prismatic joint, all optional: initial, stiffness, rest,
+/// damping, armature, friction, limits. Throws InputError.
+void parse_coordinate(const JsonNode& node, Joint& joint);
+
 /// The members "bodies", "joints" and "loops" as canonical JSON arrays; empty arrays as "".
 std::string write_bodies(const Scene& scene);
 std::string write_joints(const Scene& scene);
+std::string write_couplings(const Scene& scene);
 std::string write_loops(const Scene& scene);
 
 /// The name in scene files: "revolute", .., "fixed" for joints; "spherical", .., "distance" for loops.

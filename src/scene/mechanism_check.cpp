@@ -4,6 +4,7 @@
 // body is the child and rejects cycles of joints by walking from each body towards the world. Whether the loops close
 // is checked later, by the start of the motion (motion/tree_start.h).
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "scene/joint_file.h"
@@ -104,12 +105,54 @@ void check_numbers(const SceneCheck& check, const std::string& place, const Join
     if (joint.type != JointType::spherical) finite("rest", "rest", joint.rest);
 }
 
-void refuse_friction_and_limits(const SceneCheck& check, const std::string& place, const Joint& joint) {
-    const char* remedy = "remove it: no equations of motion of this kind are available";
-    if (joint.friction != 0) check.fail(place + "/friction", "is not supported", remedy);
-    if (joint.limits.any()) check.fail(place + "/limits", "are not supported", remedy);
+// Checks friction, limits and armature, which require a coordinate.
+void check_joint_laws(const SceneCheck& check, const std::string& place, const Scene& scene, const Joint& joint) {
     if (joint.type == JointType::fixed && joint.armature != std::array<double, 2>{})
         check.fail(place + "/armature", "is given for a fixed joint", "remove it: a fixed joint does not move");
+    check.finite(place + "/friction", joint.friction);
+    if (joint.friction < 0)
+        check.fail(place + "/friction", fmt::format("is negative ({})", shortest_decimal(joint.friction)),
+                   "give a torque or force >= 0");
+    const JointLimits& limits = joint.limits;
+    if (joint.friction == 0 && !limits.any()) return;
+    const char* key = joint.friction != 0 ? "/friction" : "/limits";
+    if (joint.type != JointType::revolute && joint.type != JointType::prismatic)
+        check.fail(place + key, fmt::format("is given for a {} joint", name_of(joint.type)),
+                   "only revolute and prismatic joints can have friction and limits");
+    if (!scene.loops.empty() || !scene.couplings.empty())
+        check.fail(place + key, "is given in a scene with loops or couplings",
+                   "remove it: friction and limits of joints are supported in trees only");
+    if (!limits.any()) return;
+    if (std::isnan(limits.lower) || std::isnan(limits.upper) || !(limits.lower < limits.upper))
+        check.fail(
+            place + "/limits",
+            fmt::format("have lower {} and upper {}", shortest_decimal(limits.lower), shortest_decimal(limits.upper)),
+            "lower must be less than upper");
+    if (!(limits.restitution >= 0 && limits.restitution <= 1))
+        check.fail(place + "/limits/restitution", fmt::format("is {}", shortest_decimal(limits.restitution)),
+                   "give a number from 0 to 1");
+    const double x = joint.coordinate[0];
+    if (!(x >= limits.lower && x <= limits.upper))
+        check.fail(place + "/initial", fmt::format("has the coordinate {}, outside of the limits", shortest_decimal(x)),
+                   "start within the limits");
+}
+
+void check_couplings(const SceneCheck& check, const Scene& scene, const Names& joints) {
+    for (std::size_t i = 0; i < scene.couplings.size(); ++i) {
+        const Coupling& coupling = scene.couplings[i];
+        const std::string place = fmt::format("/couplings/{}", i);
+        for (const auto& [key, name] : {std::pair{"/first", &coupling.first}, {"/second", &coupling.second}}) {
+            const Joint& joint = scene.joints[joints.find(place + key, *name)];
+            if (joint.type != JointType::revolute && joint.type != JointType::prismatic)
+                check.fail(place + key, fmt::format("is \"{}\", a {} joint", one_line(*name, 60), name_of(joint.type)),
+                           "give a revolute or prismatic joint");
+        }
+        if (coupling.first == coupling.second)
+            check.fail(place + "/second", "is the same joint as the first", "give two different joints");
+        check.finite(place + "/ratio", coupling.ratio), check.finite(place + "/offset", coupling.offset);
+        if (coupling.ratio == 0)
+            check.fail(place + "/ratio", "is 0", "give a ratio other than 0, or use a fixed joint");
+    }
 }
 
 // Checks each body. A body that a joint carries must have no initial state.
@@ -240,19 +283,18 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
         const std::string place = fmt::format("/joints/{}", i);
         check_numbers(check, place, scene.joints[i]);
-        refuse_friction_and_limits(check, place, scene.joints[i]);
+        check_joint_laws(check, place, scene, scene.joints[i]);
         if (!scene.joints[i].dependent) continue;
         const JointType type = scene.joints[i].type;
         if (type != JointType::revolute && type != JointType::prismatic)
             check.fail(place + "/initial/dependent", "is given for a joint with several coordinates",
                        "only revolute and prismatic joints can be dependent");
-        if (scene.loops.empty())
+        if (scene.loops.empty() && scene.couplings.empty())
             check.fail(place + "/initial/dependent", "is given in a scene without loops",
                        "remove it, or close a chain by one of \"loops\"");
     }
     check_loops(check, scene, bodies);
-    if (!scene.couplings.empty())
-        check.fail("/couplings", "are not supported", "remove them: no equations of motion of this kind are available");
+    check_couplings(check, scene, moving);
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const std::string place = fmt::format("/loads/{}", i);
         std::visit(NamesInLoad{check, scene, place, bodies, moving}, scene.loads[i]);
@@ -260,8 +302,10 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
 }
 
 void check_single_body_names(const SceneCheck& check, const Scene& scene) {
-    for (const char* key : {"joints", "loops"})
-        if (key[0] == 'j' ? !scene.joints.empty() : !scene.loops.empty())
+    const std::pair<const char*, bool> parts[] = {
+        {"joints", !scene.joints.empty()}, {"loops", !scene.loops.empty()}, {"couplings", !scene.couplings.empty()}};
+    for (const auto& [key, is_given] : parts)
+        if (is_given)
             check.fail(fmt::format("/{}", key), "are given together with \"body\"",
                        "use \"bodies\" instead of \"body\"");
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {

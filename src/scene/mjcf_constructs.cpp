@@ -44,6 +44,12 @@ bool has_limits(const XMLElement& at) {
     return automatic;
 }
 
+}  // namespace
+
+bool has_mjcf_limits(const XMLElement& at) { return has_limits(at); }
+
+namespace {
+
 // wind acts only in a medium
 bool has_wind(const XMLElement& at) {
     if (!is_set(at, "wind")) return false;

@@ -122,6 +122,7 @@ void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler,
     else if (armature_[index] != 0)
         omit("armature of free joints", name);
     const double stiffness = leading(at, "stiffness", name), damping = leading(at, "damping", name);
+    read_laws(at, compiler, robot_.joints[index]);
     if (at.Attribute("springdamper")) {
         const std::vector<double> v = xml_.attribute(at, "springdamper", 2);
         if (v[0] != 0 || v[1] != 0) {
@@ -133,6 +134,16 @@ void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler,
         }
     }
     set_forces(at, compiler, index, Wide(stiffness), Wide(damping));
+}
+
+void MjcfJoints::read_laws(const XMLElement& at, const MjcfCompiler& compiler, RobotJoint& joint) {
+    if (joint.motion != RobotMotion::revolute && joint.motion != RobotMotion::prismatic) return;
+    joint.friction = xml_.attribute_or(at, "frictionloss", 0);
+    if (!at.Attribute("range") || !has_mjcf_limits(at)) return;
+    const std::vector<double> range = xml_.attribute(at, "range", 2);
+    const bool in_degrees = compiler.in_degrees && joint.motion == RobotMotion::revolute;
+    const Wide ref = in_radians(xml_.attribute_or(at, "ref", 0), in_degrees);
+    joint.limits = {double(in_radians(range[0], in_degrees) - ref), double(in_radians(range[1], in_degrees) - ref), 0};
 }
 
 void MjcfJoints::set_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index,

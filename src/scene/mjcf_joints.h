@@ -10,6 +10,9 @@
 
 namespace polhode {
 
+/// Whether the range of a joint or tendon is a limit.
+bool has_mjcf_limits(const XMLElement& at);
+
 /// Converts the joints of MJCF bodies and adds them to a robot.
 class MjcfJoints {
   public:
@@ -38,6 +41,7 @@ class MjcfJoints {
     void add_joint(const MjcfParts::Part& part, const std::string& body, std::size_t from, std::size_t to,
                    const RobotPose& place, std::size_t count);
     void read_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index);
+    void read_laws(const XMLElement& at, const MjcfCompiler& compiler, RobotJoint& joint);
     void set_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index, const Wide& stiffness,
                     const Wide& damping);
     double leading(const XMLElement& at, const char* name, const std::string& joint);

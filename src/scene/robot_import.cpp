@@ -60,6 +60,7 @@ void parse_robot_import(const JsonNode& node, bool scene_has_gravity, Scene& sce
     if (const JsonNode* base = node.find("base")) options.base = robot_base(*base);
     if (const JsonNode* model = node.find("model")) options.model = model->string();
     if (const JsonNode* balance = node.find("balance_inertia")) options.balance_inertia = balance->boolean();
+    if (const JsonNode* laws = node.find("limits_and_friction")) options.limits_and_friction = laws->boolean();
     try {
         const std::string text = robot_text(scene.directory, file);
         add_robot(parse_robot(text, file, options, {scene.directory, file}), options, file, scene);

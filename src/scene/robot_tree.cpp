@@ -66,6 +66,8 @@ class RobotMerger {
         if (scene.bodies.empty())
             throw InputError(path_, "", "has no link with a mass", "give at least one link an <inertial>");
         require_motion();
+        if (options_.limits_and_friction) remove_modelled_laws();
+        for (const Robot::Coupling& coupling : robot_.couplings) add_coupling(coupling, scene);
         for (const Robot::FreeDamping& damping : robot_.free_damping) add_drag(damping, scene);
         if (robot_.gravity_W && !options_.scene_has_gravity) {
             const Vector3<double>& g = *robot_.gravity_W;
@@ -191,6 +193,8 @@ class RobotMerger {
         if (joint.motion != RobotMotion::revolute || children.size() != 1) return false;
         const RobotJoint& second = robot_.joints[children[0]];
         if (second.motion != RobotMotion::revolute) return false;
+        // a universal joint has neither friction nor limits
+        if (options_.limits_and_friction && (has_law(joint) || has_law(second))) return false;
         const HingePair m = hinge_pair(joint, second);
         const Wide apart = dot(m.d, m.n);
         return m.across > Wide(1e-12) * dot(m.a, m.a) * dot(m.b, m.b) &&
@@ -297,6 +301,40 @@ class RobotMerger {
              "free the robot by \"base\": \"free\" in the import, or add a movable joint");
     }
 
+    // The second joint starts where the coupling requires it.
+    void add_coupling(const Robot::Coupling& coupling, Scene& scene) {
+        const auto find = [&](const std::string& name) -> Joint* {
+            for (Joint& joint : scene.joints)
+                if (joint.name == name && (joint.type == JointType::revolute || joint.type == JointType::prismatic))
+                    return &joint;
+            return nullptr;
+        };
+        Joint* const second = find(coupling.second);
+        if (!second || !find(coupling.first) || second == find(coupling.first) || coupling.ratio == 0)
+            return note("mimic joints of a joint that has been merged or does not move", coupling.second);
+        second->coordinate[0] = coupling.offset, second->dependent = true;
+        scene.couplings.push_back({coupling.first, coupling.second, coupling.ratio, coupling.offset});
+    }
+
+    static bool has_law(const RobotJoint& joint) { return joint.friction != 0 || joint.limits.any(); }
+
+    // Removes modelled limits and friction from the notes about omissions.
+    void remove_modelled_laws() {
+        std::vector<std::string> modelled;
+        for (const RobotJoint& joint : robot_.joints)
+            if (has_law(joint)) modelled.push_back(joint.name);
+        for (const char* what : {"joint limits", "joint friction"}) {
+            const auto notes = robot_.omitted.find(what);
+            if (notes == robot_.omitted.end()) continue;
+            std::erase_if(notes->second, [&](const std::string& name) {
+                return std::find(modelled.begin(), modelled.end(), name) != modelled.end();
+            });
+            if (notes->second.empty()) robot_.omitted.erase(notes);
+        }
+        if (!modelled.empty())
+            robot_.assumed["limits and friction of joints by rigid laws, with restitution 0"] = modelled;
+    }
+
     // A drag load acts at the centre of mass; damping of a free joint acts at the origin of its link.
     void add_drag(const Robot::FreeDamping& damping, Scene& scene) {
         const RobotLink& link = robot_.links[damping.link];
@@ -374,6 +412,7 @@ class RobotMerger {
             joint.axes[k] = round_to_double(from.axes[k]);
             joint.stiffness[k] = round_to_double(from.stiffness[k]), joint.rest[k] = round_to_double(from.rest[k]);
         }
+        if (options_.limits_and_friction && axes == 1) joint.friction = from.friction, joint.limits = from.limits;
         if (joint.type != JointType::fixed)
             for (std::size_t k = 0; k < std::max<std::size_t>(axes, 1); ++k)
                 joint.damping[k] = round_to_double(from.damping[k]),

@@ -52,6 +52,8 @@ struct RobotJoint {
     Vector3<Wide> point;                ///< the joint's point, in the child's frame
     std::array<Vector3<Wide>, 2> axes;  ///< in the child's frame at coordinate zero
     std::array<Wide, 2> stiffness{}, rest{}, damping{}, armature{};
+    double friction = 0;  ///< of revolute and prismatic joints; used with RobotOptions::limits_and_friction
+    JointLimits limits;   ///< of revolute and prismatic joints; used with RobotOptions::limits_and_friction
 };
 
 /// Constructs of a file: heading -> names, such as "limits of joints" -> the joints that have limits.
@@ -75,14 +77,21 @@ struct Robot {
         double rotational = 0, translational = 0;
     };
     std::vector<FreeDamping> free_damping;
+    /// Gears and mimic joints: coordinate of `second` = ratio * coordinate of `first` + offset.
+    struct Coupling {
+        std::string first, second;
+        double ratio = 1, offset = 0;
+    };
+    std::vector<Coupling> couplings;
 };
 
 /// Which robot to read from a file, and how.
 struct RobotOptions {
     std::string model;  ///< SDFormat: the model to read, "outer::inner" if nested; empty: all models
     RobotBase base = RobotBase::format_default;
-    bool balance_inertia = false;    ///< accept tensors that break the triangle inequality by any amount
-    bool scene_has_gravity = false;  ///< the scene has its own gravity load, which takes precedence
+    bool balance_inertia = false;      ///< accept tensors that break the triangle inequality by any amount
+    bool limits_and_friction = false;  ///< model limits and friction of joints; otherwise they are omitted
+    bool scene_has_gravity = false;    ///< the scene has its own gravity load, which takes precedence
 };
 
 /// Reads the robot from the text of a file. The root element selects the format; errors name `path`. Throws

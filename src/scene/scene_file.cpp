@@ -70,6 +70,16 @@ Scene scene(const JsonNode& root, const std::string& directory) {
     return s;
 }
 
+// Places of joints that were expanded to chains keep the indices of the file.
+std::string place_in_file(const Scene& scene, const std::string& place) {
+    constexpr std::string_view prefix = "/joints/";
+    if (!place.starts_with(prefix)) return place;
+    std::size_t index = 0;
+    const auto [end, fault] = std::from_chars(place.data() + prefix.size(), place.data() + place.size(), index);
+    if (fault != std::errc() || index >= scene.joints.size() || scene.joints[index].place.empty()) return place;
+    return scene.joints[index].place + place.substr(static_cast<std::size_t>(end - place.data()));
+}
+
 // Converts a place in the bodies or joints of an imported robot to a place in the robot's file: "/bodies/3/body/mass"
 // -> "/import: arm.urdf: line 5, body \"arm\", mass".
 std::string place_in_robot(const Scene& scene, const std::string& place) {
@@ -127,8 +137,8 @@ Scene parse_scene(std::string_view text, const std::string& file, const std::str
     try {
         validate(parsed, file);
     } catch (const InputError& error) {
-        if (!is_imported) throw;
-        throw error.relocate(file, place_in_robot(parsed, error.place()));
+        throw error.relocate(
+            file, is_imported ? place_in_robot(parsed, error.place()) : place_in_file(parsed, error.place()));
     }
     return parsed;
 }

@@ -27,6 +27,7 @@ std::string write_scene(const Scene& scene) {
         member("bodies", write_bodies(scene));
         if (!scene.joints.empty()) member("joints", write_joints(scene));
         if (!scene.loops.empty()) member("loops", write_loops(scene));
+        if (!scene.couplings.empty()) member("couplings", write_couplings(scene));
     } else {
         member("body", "{\n    " + write_body(scene.body) + "\n  }");
         member("initial", "{\n    " + write_initial(scene.initial, scene.pivot.has_value(), "\n    ") + "\n  }");

@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <queue>
 #include <utility>
 
+#include "text/decimal.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -63,6 +65,24 @@ Quaternion<Wide> axis_frame(const RobotXml& xml, SdfTree& tree, const SdfEntity&
     return tree.pose_in_world(tree.find(*xyz, name, entity.scope)).turn;
 }
 
+// Limits and friction of a joint with one axis. 1e16 or more means no limit.
+void read_laws(const RobotXml& xml, const XMLElement& axis, RobotJoint& joint) {
+    if (joint.motion != RobotMotion::revolute && joint.motion != RobotMotion::prismatic) return;
+    if (const XMLElement* dynamics = xml.optional_child(axis, "dynamics"))
+        joint.friction = xml.content_or(xml.optional_child(*dynamics, "friction"), 0);
+    const XMLElement* limit = xml.optional_child(axis, "limit");
+    const char* type = axis.Parent()->ToElement()->Attribute("type");
+    if (!limit || (type && std::string_view(type) == "continuous")) return;
+    constexpr double none = 1e16;
+    // texts such as "inf" mean no limit
+    const auto bound = [&](const char* name) {
+        const XMLElement* at = xml.optional_child(*limit, name);
+        return at ? parse_decimal(sdf_text(*at)) : std::nullopt;
+    };
+    if (const std::optional<double> lower = bound("lower"); lower && *lower > -none) joint.limits.lower = *lower;
+    if (const std::optional<double> upper = bound("upper"); upper && *upper < none) joint.limits.upper = *upper;
+}
+
 void read_axis(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const XMLElement& at, std::size_t i,
                const JointFrames& frames, RobotJoint& joint, Robot& robot) {
     Vector3<Wide> axis(Wide(0), Wide(0), Wide(1));
@@ -75,6 +95,7 @@ void read_axis(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, cons
     }
     const Quaternion<Wide> turn = axis_frame(xml, tree, entity, at, xyz, frames, robot);
     joint.axes[i] = rotate_back(frames.child.turn, rotate(turn, axis));
+    if (i == 0) read_laws(xml, at, joint);
     const XMLElement* dynamics = xml.optional_child(at, "dynamics");
     if (!dynamics) return;
     const auto number = [&](const char* name) { return xml.content_or(xml.optional_child(*dynamics, name), 0); };

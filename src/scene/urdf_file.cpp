@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "scene/robot_parts.h"
+#include "text/decimal.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -127,11 +128,24 @@ class UrdfReader {
         if (const XMLElement* dynamics = xml_.optional_child(at, "dynamics")) {
             const double damping = xml_.attribute_or(*dynamics, "damping", 0);
             const double friction = xml_.attribute_or(*dynamics, "friction", 0);
-            if (has_axis) joint.damping[0] = Wide(damping);
+            if (has_axis) joint.damping[0] = Wide(damping), joint.friction = friction;
             // the format does not define them for six degrees of freedom
             if (joint.motion == RobotMotion::free && (damping != 0 || friction != 0))
                 robot_.omitted["damping and friction of floating joints"].push_back(joint.name);
         }
+        const std::string_view type = at.Attribute("type") ? at.Attribute("type") : "";
+        if (const XMLElement* limit = xml_.optional_child(at, "limit"); limit && has_axis && type != "continuous") {
+            const auto bound = [&](const char* name) {
+                const char* text = limit->Attribute(name);
+                return text ? parse_decimal(text).value_or(0) : 0;
+            };
+            const double lower = bound("lower"), upper = bound("upper");
+            if (lower < upper) joint.limits = {lower, upper, 0};
+        }
+        if (const XMLElement* mimic = xml_.optional_child(at, "mimic"); mimic && has_axis)
+            robot_.couplings.push_back({xml_.name(*mimic, "joint", "a joint's name"), joint.name,
+                                        xml_.attribute_or(*mimic, "multiplier", 1),
+                                        xml_.attribute_or(*mimic, "offset", 0)});
         robot_.joints.push_back(std::move(joint));
     }
 

@@ -287,6 +287,7 @@ void validate(const Scene& scene, const std::string& file) {
     check.count("/bodies", scene.bodies.size(), most_bodies, "bodies");
     check.count("/joints", scene.joints.size(), most_bodies, "joints");
     check.count("/loops", scene.loops.size(), most_bodies, "loops");
+    check.count("/couplings", scene.couplings.size(), most_bodies, "couplings");
     check.count("/loads", scene.loads.size(), most_loads, "loads");
     check.count("/planes", scene.planes.size(), most_planes, "planes");
     check.positive("/duration", scene.duration, "the duration in s");

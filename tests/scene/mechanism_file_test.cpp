@@ -217,7 +217,7 @@ TEST(MechanismFile, MessagesSuggestNames) {
               "file.json: /joints/0/child: is \"uper\", which is not the name of a body; did you mean upper?");
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "revolut", "parent": "world", "child": "upper"})"),
               "file.json: /joints/0/type: is the string \"revolut\"; did you mean revolute? give one of revolute, "
-              "prismatic, spherical, universal, fixed");
+              "prismatic, spherical, universal, fixed, compound, cylindrical, screw, planar, free");
     EXPECT_EQ(mechanism_fault(R"({"name": "a", "type": "fixed", "parent": "world", "child": "upper"},
                                  {"name": "b", "type": "fixed", "parent": "lower", "child": "upper"})"),
               "file.json: /joints/1/child: is \"upper\", which is already the child of joint \"a\"; a body can be the "

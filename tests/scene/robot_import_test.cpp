@@ -1,6 +1,7 @@
 // Import of whole robots: one robot in three formats, compared with hand-computed positions; merged links and refusals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -437,6 +438,69 @@ TEST(RobotImport, GeomsOfMjcfHaveTheirMass) {
               std::string::npos);
 }
 
+// A gripper: the second finger mimics the first.
+TEST(RobotImport, MimicJointsBecomeCouplings) {
+    const std::string fingers = urdf(link("palm") + link("left") + link("right") +
+                                     joint("a", "prismatic", "palm", "left", "<axis xyz='1 0 0'/>") +
+                                     joint("b", "prismatic", "palm", "right",
+                                           "<axis xyz='1 0 0'/><mimic joint='a' multiplier='-1' offset='0.25'/>"));
+    const Scene s = robot_scene(fingers);
+    ASSERT_EQ(s.couplings.size(), 1u);
+    EXPECT_EQ(s.couplings[0].first, "a");
+    EXPECT_EQ(s.couplings[0].second, "b");
+    EXPECT_EQ(s.couplings[0].ratio, -1);
+    EXPECT_EQ(s.couplings[0].offset, 0.25);
+    EXPECT_TRUE(joint_named(s, "b").dependent);
+    EXPECT_EQ(std::count_if(s.omitted.begin(), s.omitted.end(),
+                            [](const std::string& one) { return one.find("mimic") != one.npos; }),
+              0);
+    const Scene lost =
+        robot_scene(urdf(link("palm") + link("left") +
+                         joint("a", "revolute", "palm", "left", "<axis xyz='1 0 0'/><mimic joint='other'/>")));
+    EXPECT_TRUE(lost.couplings.empty());
+    EXPECT_EQ(std::count_if(lost.omitted.begin(), lost.omitted.end(),
+                            [](const std::string& one) { return one.find("mimic") != one.npos; }),
+              1);
+}
+
+// The same limits and friction in three formats, on request.
+TEST(RobotImport, LimitsAndFrictionAreReadOnRequest) {
+    const auto import = [](const std::string& text, bool on) {
+        Scene scene;
+        scene.name = "robot", scene.duration = 1;
+        RobotOptions options;
+        options.base = RobotBase::fixed, options.limits_and_friction = on;
+        add_robot(parse_robot(text, "robot.xml", options), options, "robot.xml", scene);
+        validate(scene, "robot.xml");
+        return scene;
+    };
+    const std::string urdf_text =
+        urdf(link("base") + link("arm") +
+             joint("h", "revolute", "base", "arm",
+                   "<axis xyz='0 1 0'/><limit lower='-0.5' upper='1.5' effort='1' velocity='1'/>"
+                   "<dynamics friction='0.25'/>"));
+    const std::string mjcf_text =
+        mjcf("<body name='arm'><joint name='h' axis='0 1 0' range='-0.5 1.5' frictionloss='0.25'/>" + mjcf_inertial +
+                 "</body>",
+             "<compiler angle='radian'/>");
+    for (const std::string& text : {urdf_text, mjcf_text}) {
+        const Scene with = import(text, true), without = import(text, false);
+        const Joint& h = joint_named(with, "h");
+        EXPECT_EQ(h.friction, 0.25);
+        EXPECT_EQ(h.limits.lower, -0.5);
+        EXPECT_EQ(h.limits.upper, 1.5);
+        EXPECT_TRUE(with.omitted.empty()) << with.omitted.front();
+        EXPECT_EQ(joint_named(without, "h").friction, 0);
+        EXPECT_FALSE(joint_named(without, "h").limits.any());
+        EXPECT_EQ(without.omitted.size(), 2u);
+    }
+    const std::string degrees =
+        mjcf("<body name='arm'><joint name='h' axis='0 1 0' range='-90 90' ref='45'/>" + mjcf_inertial + "</body>");
+    const Scene turned = import(degrees, true);
+    EXPECT_NEAR(joint_named(turned, "h").limits.lower, -2.356194490192345, 1e-15);
+    EXPECT_NEAR(joint_named(turned, "h").limits.upper, 0.7853981633974483, 1e-15);
+}
+
 TEST(RobotImport, JointsOfMjcf) {
     const Scene s = robot_scene(mjcf(
         "<body name='a' pos='0 0 1'><joint name='h' type='hinge' pos='0 0 0.5' axis='0 1 0' stiffness='3' "
@@ -465,8 +529,8 @@ TEST(RobotImport, JointsOfMjcf) {
                 turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
                     turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
                 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "joint friction: h",
-                                                   "joint limits: h", "springs of ball joints: ball"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "joint friction: h", "joint limits: h",
+                                                   "springs of ball joints: ball"}));
     EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity (0, 0, -1) m/s^2: <option gravity>",
                                                    "pairs of hinges converted to one universal joint: x+y"}));
     // orientations: a quarter turn about z by each of the ways

@@ -142,7 +142,7 @@ TEST(JointArmature, TwoFormulationsAgreeAndTheEnergyIncludesTheRotors) {
             EXPECT_LT(length(Vector3<double>(run.samples[i].position_W - truth.samples[i].rounded().position_W)), limit)
                 << name << " " << i;
     }
-    for (const char* name : {"ida_index2", "variational_tree", "sequential_impulses_10", "xpbd_rigid"})
+    for (const char* name : {"ida_index2", "variational_tree", "sequential_impulses_10"})
         if (const Method* method = find_method(name)) {
             EXPECT_NE(refusal(*method, problem).find("armature"), std::string::npos) << name;
         }

@@ -21,6 +21,7 @@
 #include <stdexcept>
 
 #include "integrators/analysis/conditioning.h"
+#include "integrators/contact/joint_events.h"
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/balls/ball_decimal.h"
 #include "integrators/truth/balls/certify.h"
@@ -295,6 +296,9 @@ std::string certification_refusal(const Scene& scene) {
         if (std::holds_alternative<UserTorque>(load))
             return "no certified truth: user-defined torques are not supported";
     if (has_formula_loads(scene)) return "no certified truth: loads given by formulas are not supported";
+    if (!scene.couplings.empty()) return "no certified truth: couplings are not supported; remove --certified";
+    if (contact::has_joint_events(scene))
+        return "no certified truth: friction and limits of joints are not supported; remove --certified";
     if (!scene.loops.empty()) return "no certified truth: loops are not supported; remove --certified";
     if (!scene.planes.empty()) return "no certified truth: impacts on planes are not supported; remove --certified";
     return "";

@@ -96,6 +96,11 @@ if TYPE_CHECKING:
     motor: Builder
     point_spring: Builder
     revolute: Builder
+    compound: Builder
+    cylindrical: Builder
+    screw: Builder
+    planar: Builder
+    free: Builder
     prismatic: Builder
     spherical: Builder
     universal: Builder

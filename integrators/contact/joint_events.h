@@ -1,0 +1,83 @@
+// Joints with limits and Coulomb friction: their data, modes and events, over any scalar.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "body/body_motion.h"
+#include "motion/trajectory.h"
+#include "scene/scene.h"
+
+namespace polhode::contact {
+
+/// A joint of one coordinate with friction or limits.
+template <class P>
+struct EventJoint {
+    std::size_t joint = 0;  ///< index in scene.joints
+    P friction{0};          ///< N m or N
+    bool has_lower = false, has_upper = false;
+    P lower{0}, upper{0};  ///< rad or m
+    P restitution{0};
+};
+
+/// The joints of a scene with friction or limits.
+template <class P>
+std::vector<EventJoint<P>> event_joints(const Scene& scene) {
+    std::vector<EventJoint<P>> all;
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+        const Joint& joint = scene.joints[j];
+        const JointLimits &limits = joint.limits, none;
+        if (joint.friction == 0 && !limits.any()) continue;
+        EventJoint<P> one{j,    P(joint.friction),    limits.lower > none.lower, limits.upper < none.upper, P(0),
+                          P(0), P(limits.restitution)};
+        if (one.has_lower) one.lower = P(limits.lower);
+        if (one.has_upper) one.upper = P(limits.upper);
+        all.push_back(one);
+    }
+    return all;
+}
+
+/// Whether a joint of the scene has friction or limits.
+inline bool has_joint_events(const Scene& scene) {
+    for (const Joint& joint : scene.joints)
+        if (joint.friction != 0 || joint.limits.any()) return true;
+    return false;
+}
+
+/// How a joint with friction or limits moves. Friction F acts with -F, +F, or as a part of the force that holds it.
+enum class JointMode { free, forward, backward, held };
+/// The limit that a joint is at.
+enum class AtLimit { none, lower, upper };
+
+/// A change of mode or an impact.
+enum class JointEventKind {
+    impact,  ///< an impact on a limit after which the joint moves away
+    rests,   ///< an arrival at a limit where the joint then rests
+    leaves,  ///< motion away from a limit without impact
+    sticks,  ///< friction holds the joint
+    slips,   ///< friction does not hold the joint any longer
+};
+inline constexpr std::array<const char*, 5> joint_event_names{"impact", "rests", "leaves", "sticks", "slips"};
+
+template <class P>
+struct JointEvent {
+    P t{0};                 ///< s
+    std::size_t joint = 0;  ///< index in scene.joints
+    JointEventKind kind = JointEventKind::impact;
+    P impulse{0};  ///< on the coordinate, N m s or N s
+};
+
+/// Result of a run with limits and friction of joints.
+template <class P>
+struct JointRun {
+    std::string fault;                                            ///< why the run stopped early; empty if it did not
+    std::vector<std::vector<BodyMotion<P>>> motions;              ///< one per sample
+    std::vector<std::vector<Reaction<P>>> reactions;              ///< one per sample
+    std::vector<std::vector<std::array<double, 2>>> coordinates;  ///< one per sample; empty if not available
+    std::vector<JointEvent<P>> events;
+    long steps = 0;
+};
+
+}  // namespace polhode::contact

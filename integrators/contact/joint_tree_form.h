@@ -1,0 +1,125 @@
+// A mechanism in joint coordinates with limits and friction of joints, for JointDriver (follow_joints.h). Friction of a
+// moving joint is a constant force on its coordinate. A joint that is held is locked; the multiplier of the lock is the
+// force that holds it.
+//
+// State: coordinates and rates of the tree, then the time integrals of the forces that hold joints.
+#pragma once
+
+#include <vector>
+
+#include "integrators/contact/contact_state.h"
+#include "integrators/contact/joint_events.h"
+#include "motion/mechanism_motion_of.h"
+#include "motion/tree.h"
+
+namespace polhode::contact {
+
+template <class P>
+class JointTreeForm {
+  public:
+    static constexpr const char* name = "joint coordinates";
+
+    /// The scene must outlive the form.
+    explicit JointTreeForm(const Scene& scene)
+        : scene_(&scene), tree_(scene, bodies_mass_properties<P>(scene)), joints_(event_joints<P>(scene)) {
+        for (const EventJoint<P>& one : joints_) links_.push_back(tree_.links().link_of_joint[one.joint]);
+    }
+
+    const std::vector<EventJoint<P>>& joints() const { return joints_; }
+    std::vector<P> initial() const {
+        std::vector<P> y(static_cast<std::size_t>(tree_.dimension()));
+        tree_.initial(y.data());
+        return y;
+    }
+    /// Selects the loads from `begin` (s) on and applies the impulses there. All joints are free then.
+    void enter(double begin, P* y) {
+        begin_ = begin;
+        tree_.lock({});
+        tree_.set_loads(*scene_, begin);
+        tree_.apply_impulses(*scene_, begin, y);
+    }
+    /// Sets a constant force on each joint, and the joints that are held.
+    void select(const std::vector<P>& forces, const std::vector<std::size_t>& held) {
+        tree_.set_loads(*scene_, begin_);
+        for (std::size_t e = 0; e < links_.size(); ++e)
+            if (!(forces[e] == P(0))) tree_.add_motor(links_[e], forces[e]);
+        std::vector<int> locked;
+        for (const std::size_t e : held) locked.push_back(links_[e]);
+        tree_.lock(locked);
+        held_ = held.size();
+    }
+
+    int dimension() const { return tree_.dimension() + static_cast<int>(held_); }
+    /// Index of a joint's coordinate, and of the integral of the k-th force that holds a joint.
+    int coordinate(std::size_t e) const { return link(e).coordinate; }
+    int holding_force(std::size_t k) const { return tree_.dimension() + static_cast<int>(k); }
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        tree_.derivative(y, dy);
+        const TreeWork<S>& at = tree_.template work<S>();
+        for (std::size_t k = 0; k < held_; ++k) dy[tree_.dimension() + static_cast<int>(k)] = at.multipliers[k];
+    }
+
+    std::vector<P> rates(const P* y) const {
+        std::vector<P> all;
+        for (std::size_t e = 0; e < links_.size(); ++e) all.push_back(y[link(e).rate]);
+        return all;
+    }
+    /// The rates of all joints after a unit impulse on each joint, minus those before: row i, joint j.
+    std::vector<P> response(const P* y) const {
+        const std::size_t n = links_.size();
+        std::vector<P> matrix(n * n);
+        for (std::size_t j = 0; j < n; ++j) {
+            const std::vector<P> change = tree_.unit_response(links_[j], y);
+            for (std::size_t i = 0; i < n; ++i)
+                matrix[i * n + j] = change[static_cast<std::size_t>(link(i).rate - tree_.links().coordinates)];
+        }
+        return matrix;
+    }
+    /// Applies an impulse on a joint's coordinate.
+    void push(std::size_t e, const P& impulse, P* y) const {
+        const std::vector<P> change = tree_.unit_response(links_[e], y);
+        for (std::size_t k = 0; k < change.size(); ++k) {
+            P& rate = y[static_cast<std::size_t>(tree_.links().coordinates) + k];
+            rate = rate + impulse * change[k];
+        }
+    }
+    /// Sets the rate of a joint that is at rest up to rounding to zero.
+    void stop(std::size_t e, P* y) const { y[link(e).rate] = P(0); }
+
+    std::vector<BodyMotion<P>> motion(const P* y) const {
+        std::vector<BodyMotion<P>> all = tree_.motions(y);
+        for (BodyMotion<P>& body : all) body.q = normalized(body.q);
+        return all;
+    }
+    std::vector<Reaction<P>> reactions(const P* y) const { return tree_.reactions(*scene_, y); }
+    std::vector<std::array<P, 2>> joint_coordinates(const P* y) const { return tree_.joint_coordinates(y); }
+
+    std::vector<Block> blocks(const std::vector<double>& scales) const {
+        std::vector<Block> all;
+        const auto note = [&](int first, int size) {
+            all.push_back({first, size, scales[static_cast<std::size_t>(first)]});
+        };
+        for (const Link<P>& one : tree_.links().links) {
+            if (one.kind == LinkJoint::free) {
+                note(one.coordinate, 4), note(one.coordinate + 4, 3);
+                note(one.rate, 3), note(one.rate + 3, 3);
+            } else {
+                note(one.coordinate, one.coordinates()), note(one.rate, one.rates());
+            }
+        }
+        return all;
+    }
+
+  private:
+    const Scene* scene_;
+    Tree<P> tree_;
+    std::vector<EventJoint<P>> joints_;
+    std::vector<int> links_;  // by event joint
+    double begin_ = 0;
+    std::size_t held_ = 0;
+
+    const Link<P>& link(std::size_t e) const { return tree_.links().links[static_cast<std::size_t>(links_[e])]; }
+};
+
+}  // namespace polhode::contact

@@ -1,0 +1,17 @@
+// Mechanisms with limits and friction of joints in binary64.
+#pragma once
+
+#include <string>
+
+#include "integrators/contact/joint_events.h"
+#include "integrators/method.h"
+
+namespace polhode::contact {
+
+/// Follows a mechanism whose joints have limits or friction.
+JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings);
+
+/// The run as a trajectory.
+Trajectory solve_joints(const Problem& problem, const Settings& settings);
+
+}  // namespace polhode::contact

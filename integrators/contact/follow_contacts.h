@@ -265,7 +265,7 @@ class ContactDriver {
     // the force of the plane on a face, in the contact's axes
     Vector3<P> face_force() const {
         const ContactResponse<P> at = form_.response(*contact_, motion_);
-        const Vector3<P> held = -(mass_properties<P>(scene_->body).mass * at.acceleration);
+        Vector3<P> held = -(mass_properties<P>(scene_->body).mass * at.acceleration);
         if (mode_ == System::rolling) return held;
         const P slip = square_root(P(at.velocity[0] * at.velocity[0] + at.velocity[1] * at.velocity[1]));
         Vector3<P> direction;

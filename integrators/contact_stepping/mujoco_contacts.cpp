@@ -130,7 +130,7 @@ class MujocoContacts : public contact_stepping::ContactState<S> {
     static constexpr int most_iterations = 50;
 
     struct Row {
-        std::array<Six<S>, 3> J;
+        std::array<Six<S>, 3> J{};
         Vector3<S> reference;
         SoftCone<S> cone;
     };

@@ -106,8 +106,7 @@ class FormulaMomentumForm : public MomentumForm<P> {
     }
     std::vector<SwitchOf<P>> switching_points() const { return switches_of(terms_, time_index() + 1); }
     std::string cross_switch(std::size_t which, P* y) {
-        const std::string fault =
-            FormulaSwitches<FormulaMomentumForm>(*this, 0).cross(terms_.active_switches().at(which), y);
+        std::string fault = FormulaSwitches<FormulaMomentumForm>(*this, 0).cross(terms_.active_switches().at(which), y);
         refresh(y);
         return fault;
     }

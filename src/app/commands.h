@@ -39,6 +39,8 @@ void add_show(CLI::App& program, int& exit_code);
 void add_list(CLI::App& program, int& exit_code);
 /// Exports golden data for the unit tests of an engine (export.cpp).
 void add_export(CLI::App& program, int& exit_code);
+/// Fits numbers of a scene to measured motion (fit.cpp).
+void add_fit(CLI::App& program, int& exit_code);
 /// Solves a scene for many bodies or initial states (ensemble_command.cpp).
 void add_ensemble(CLI::App& program, int& exit_code);
 /// Writes a result directory as one HTML page (report.cpp).

@@ -166,7 +166,7 @@ void system_posed(Report& report, const Problem& problem) {
         report.line("axis e", text(problem.body.axis) + ", in these axes");
     for (const Segment& segment : problem.segments) {
         std::string acts = torque_terms(segment.forcing);
-        if (formulas) acts = acts == "no torque" ? "formulas" : "formulas, " + acts;
+        if (formulas) acts = acts == "no torque" ? "formulas" : fmt::format("formulas, {}", acts);
         if (!segment.impulses.empty())
             acts = fmt::format("{} impulse{}, then {}", segment.impulses.size(),
                                segment.impulses.size() == 1 ? "" : "s", acts);

@@ -102,7 +102,7 @@ class FormulaBody : public BodyState {
     /// Changes the sign of a switch at the state y at which its argument equals its threshold. Returns why the motion
     /// cannot be continued, or an empty string.
     std::string cross_switch(int which, P* y) {
-        const std::string fault = FormulaSwitches<FormulaBody>(*this, 0).cross(which, y);
+        std::string fault = FormulaSwitches<FormulaBody>(*this, 0).cross(which, y);
         refresh(y);
         return fault;
     }

@@ -5,6 +5,7 @@
 #include "app/describe.h"
 #include "motion/mechanism_motion.h"
 #include "python/bindings.h"
+#include "report/body_shape.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
 #include "scene/scene_keys.h"
@@ -97,6 +98,13 @@ void bind_scenes(py::module_& module) {
                  for (std::size_t b = 0; b < body_count(s.scene()); ++b)
                      for (const double x : scene_body(s.scene(), b).body.center_of_mass.component) centers.push_back(x);
                  return take(std::move(centers), {static_cast<py::ssize_t>(body_count(s.scene())), 3});
+             })
+        .def("shapes",
+             [](const ReadScene& s) {
+                 Json all = Json::array();
+                 for (std::size_t b = 0; b < body_count(s.scene()); ++b)
+                     all.push_back(body_shape_json(s.scene().name, scene_body(s.scene(), b).body));
+                 return all.dump();
              })
         .def_property_readonly("omitted", [](const ReadScene& s) { return s.scene().omitted; })
         .def_property_readonly("assumed", [](const ReadScene& s) { return s.scene().assumed; })

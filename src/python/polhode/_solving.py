@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode import _polhode
+from polhode._animation import animate, cell, save
 from polhode._attitudes import Attitudes, BodyMotion
 from polhode._checking import Report, check
 from polhode._errors import Errors, errors
@@ -244,6 +245,73 @@ class Trajectory(Attitudes):
         matplotlib.figure.Figure
         """
         return plot_trajectory(self, **options)
+
+    def animate(self, *, frames: int = 100, fps: float = 25, size: tuple[float, float] = (5.0, 5.0)) -> Any:
+        """Makes an animation for a notebook: an HTML cell that needs no network.
+
+        Parameters
+        ----------
+        frames : int, optional
+            Number of pictures, at equal times, each of the sample nearest to it.
+        fps : float, optional
+            Pictures per second.
+        size : (float, float), optional
+            Width and height, inches.
+
+        Returns
+        -------
+        IPython.display.HTML or str
+            The cell; its text if IPython is not installed.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than 2 samples or frames.
+        """
+        text = cell(animate(self, frames=frames, fps=fps, size=size), fps)
+        try:
+            from IPython.display import HTML
+        except ImportError:
+            return text
+        return HTML(text)
+
+    def animation(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        frames: int = 100,
+        fps: float = 25,
+        size: tuple[float, float] = (5.0, 5.0),
+        dpi: float = 80,
+    ) -> Path:
+        """Writes an animated picture of the bodies, without a browser.
+
+        Parameters
+        ----------
+        path : str or path
+            NAME.gif, NAME.png (animated) or, if ffmpeg is installed, NAME.mp4.
+        frames : int, optional
+            Number of pictures, at equal times, each of the sample nearest to it.
+        fps : float, optional
+            Pictures per second.
+        size : (float, float), optional
+            Width and height, inches.
+        dpi : float, optional
+            Pixels per inch.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If the ending is unknown, ffmpeg is missing, or there are fewer than 2 samples or frames.
+        """
+        file = Path(path)
+        save(animate(self, frames=frames, fps=fps, size=size), file, fps, dpi)
+        return file
 
     def __len__(self) -> int:
         return len(self.t)

@@ -1,0 +1,261 @@
+"""Animated pictures of motions, drawn by matplotlib."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode import _polhode
+from polhode._attitudes import matrices_of
+from polhode._types import Array
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
+
+    from polhode._solving import Trajectory
+
+#: Colours of bodies, light enough that shading shows.
+_COLORS = ["#5b8fd0", "#e0a13c", "#63b08a", "#c9708e", "#8f7fd0", "#7fb0c8"]
+
+#: Facets around an axis.
+_AROUND = 24
+
+#: Quadrilaterals and other polygons, shape (corners, 3).
+_Facets = list[Array]
+
+
+def _lathe(profile: npt.ArrayLike) -> _Facets:
+    """Returns the facets of a surface of revolution about z. `profile`: radius and z, shape (n, 2)."""
+    angles = np.linspace(0, 2 * np.pi, _AROUND + 1)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    facets: _Facets = []
+    rows = np.asarray(profile, dtype=np.float64)
+    for (r, z), (next_r, next_z) in zip(rows, rows[1:]):
+        for a, b in zip(circle, circle[1:]):
+            facets.append(np.array([[*(r * a), z], [*(r * b), z], [*(next_r * b), next_z], [*(next_r * a), next_z]]))
+    return facets
+
+
+def _arc(radius: float, center: float, first: float, last: float, count: int) -> Array:
+    """Returns an arc of a profile about (0, center): angles from the axis z, rad."""
+    angles = np.linspace(first, last, count)
+    return np.stack([radius * np.sin(angles), center + radius * np.cos(angles)], axis=-1)
+
+
+def _box(half: npt.ArrayLike) -> _Facets:
+    facets: _Facets = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            corners = np.zeros((4, 3))
+            corners[:, axis] = side
+            corners[:, (axis + 1) % 3] = [-1, 1, 1, -1]
+            corners[:, (axis + 2) % 3] = [-1, -1, 1, 1]
+            facets.append(corners * np.asarray(half, dtype=np.float64))
+    return facets
+
+
+def _tube(outer: float, inner: float, half: float) -> _Facets:
+    return _lathe([(inner, -half), (outer, -half), (outer, half), (inner, half), (inner, -half)])
+
+
+def _torus(major: float, minor: float) -> _Facets:
+    angles = np.linspace(0, 2 * np.pi, _AROUND // 2 + 1)
+    return _lathe(np.stack([major + minor * np.cos(angles), minor * np.sin(angles)], axis=-1))
+
+
+def _capsule(radius: float, half: float) -> _Facets:
+    return _lathe(np.concatenate([_arc(radius, half, 0, np.pi / 2, 7), _arc(radius, -half, np.pi / 2, np.pi, 7)]))
+
+
+def _ellipsoid(semi_axes: npt.ArrayLike) -> _Facets:
+    return [facet * np.asarray(semi_axes, dtype=np.float64) for facet in _lathe(_arc(1, 0, 0, np.pi, 13))]
+
+
+def _frustum(bottom: float, top: float, height: float) -> _Facets:
+    # the origin is the centre of mass
+    below = height * (bottom**2 + 2 * bottom * top + 3 * top**2) / (4 * (bottom**2 + bottom * top + top**2))
+    return _lathe([(0, -below), (bottom, -below), (top, height - below), (0, height - below)])
+
+
+def _tetrahedron(vertices: npt.ArrayLike) -> _Facets:
+    corners = np.asarray(vertices, dtype=np.float64).reshape(4, 3)
+    return [corners[[i for i in range(4) if i != left_out]] for left_out in range(4)]
+
+
+#: Facets of a shape of a scene file, in its own axes, by its type.
+_SHAPES: dict[str, Callable[[dict[str, Any]], _Facets]] = {
+    "box": lambda s: _box(s["half_extents"]),
+    "sphere": lambda s: _ellipsoid([s["radius"]] * 3),
+    "hollow_sphere": lambda s: _ellipsoid([s["outer_radius"]] * 3),
+    "cylinder": lambda s: _tube(s["radius"], 0, s["half_height"]),
+    "hollow_cylinder": lambda s: _tube(s["outer_radius"], s["inner_radius"], s["half_height"]),
+    "capsule": lambda s: _capsule(s["radius"], s["half_height"]),
+    "cone": lambda s: _frustum(s["radius"], 0, s["height"]),
+    "ellipsoid": lambda s: _ellipsoid(s["semi_axes"]),
+    "torus": lambda s: _torus(s["major_radius"], s["minor_radius"]),
+    "rod": lambda s: _tube(s["length"] / 50, 0, s["length"] / 2),
+    "disc": lambda s: _lathe([(0, 0), (s["radius"], 0)]),
+    "plate": lambda s: _box([*s["half_extents"], 0])[-1:],
+    "tetrahedron": lambda s: _tetrahedron(s["vertices"]),
+    "frustum": lambda s: _frustum(s["bottom_radius"], s["top_radius"], s["height"]),
+}
+
+
+def facets_of(shape: dict[str, Any]) -> _Facets:
+    """Returns the facets of a body in its axes, from its centre of mass; without a shape, of the box of its moments."""
+    facets: _Facets = []
+    for part in shape["parts"]:
+        if not part["hole"]:
+            turn = matrices_of(part["orientation"])
+            facets += [facet @ turn.T + part["position"] for facet in _SHAPES[part["type"]](part["sizes"])]
+    if shape["vertices"]:
+        vertices = np.reshape(shape["vertices"], (-1, 3))
+        facets += list(vertices[np.reshape(shape["faces"], (-1, 3))])
+    points = np.reshape(shape["points"] or [], (-1, 3))
+    size = 0.06 * float(np.abs(points).max(initial=0.0)) or 0.05
+    facets += [facet + point for point in points for facet in _ellipsoid([size] * 3)]
+    if not facets:
+        # a homogeneous box: a^2 = 3 (I_y + I_z - I_x) / (2 m)
+        moments = np.array(shape["moments"])
+        squares = 1.5 * (moments.sum() - 2 * moments) / shape["mass"]
+        half = np.sqrt(np.maximum(squares, 1e-4 * squares.max()))
+        facets = [facet @ matrices_of(shape["principal"]).T for facet in _box(half)]
+    return facets
+
+
+class _Stage:
+    """A body-fixed drawing of all bodies, and the frame of space that their motion needs."""
+
+    def __init__(self, motion: Trajectory) -> None:
+        shapes = json.loads(motion._native.scene.shapes())
+        self.bodies = [facets_of(shape) for shape in shapes]
+        count = len(shapes)
+        self.q = motion.q.reshape(len(motion.t), count, 4)
+        self.p = motion.p.reshape(len(motion.t), count, 3)
+        self.R = matrices_of(self.q)
+        reach = [max(float(np.linalg.norm(facet, axis=1).max()) for facet in facets) for facets in self.bodies]
+        spheres = np.array(reach)[None, :, None]
+        self.low = (self.p - spheres).min(axis=(0, 1))
+        self.high = (self.p + spheres).max(axis=(0, 1))
+        self.planes = motion.scene.get("planes", [])
+
+    def cube(self) -> tuple[Array, float]:
+        """Returns the centre and half the side of the cube that is drawn."""
+        return (self.low + self.high) / 2, 0.5 * float((self.high - self.low).max())
+
+    def polygons(self, row: int) -> Iterator[tuple[int, Array]]:
+        """Returns body and corners (world axes) of each facet at a sample."""
+        for body, facets in enumerate(self.bodies):
+            for facet in facets:
+                yield body, facet @ self.R[row, body].T + self.p[row, body]
+
+    def ground(self) -> list[Array]:
+        """Returns a square of each plane."""
+        center, half = self.cube()
+        squares = []
+        for plane in self.planes:
+            n = np.asarray(plane["normal"], dtype=np.float64)
+            size = np.linalg.norm(n)
+            n, offset = n / size, plane.get("offset", 0) / size
+            across = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
+            across /= np.linalg.norm(across)
+            along = np.cross(n, across)
+            foot = center - (n @ center - offset) * n
+            squares.append(np.array([foot + half * (a * across + b * along) for a, b in
+                                     ((-1, -1), (1, -1), (1, 1), (-1, 1))]))
+        return squares
+
+
+def _shaded(polygons: list[tuple[int, Array]]) -> list[tuple[float, float, float]]:
+    """Returns the colour of each facet: that of its body, lighter towards the lamp."""
+    from matplotlib.colors import to_rgb
+
+    lamp = np.array([0.4, -0.5, 0.77])
+    colors = []
+    for body, corners in polygons:
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        if not np.linalg.norm(normal) > 0:  # a triangle whose first two corners coincide
+            normal = np.cross(corners[2] - corners[0], corners[3] - corners[0]) if len(corners) > 3 else lamp
+        light = abs(float(normal @ lamp)) / max(float(np.linalg.norm(normal)), 1e-300)
+        red, green, blue = (min(1.0, part * (0.45 + 0.6 * light)) for part in to_rgb(_COLORS[body % len(_COLORS)]))
+        colors.append((red, green, blue))
+    return colors
+
+
+def animate(motion: Trajectory, *, frames: int, fps: float, size: tuple[float, float]) -> FuncAnimation:
+    """Makes the animation of a trajectory: every frame shows the bodies at one sample."""
+    import matplotlib.pyplot as plt
+    from matplotlib.animation import FuncAnimation
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    if len(motion.t) < 2:
+        raise _polhode.InputError("the motion has fewer than 2 samples; there is nothing to animate")
+    if frames < 2 or not fps > 0:
+        raise _polhode.InputError(f"{frames} frames at {fps} per second; give at least 2 frames and a rate > 0")
+    stage = _Stage(motion)
+    figure = plt.figure(figsize=size)
+    space = figure.add_subplot(projection="3d")
+    center, half = stage.cube()
+    for axis, middle in zip("xyz", center):
+        getattr(space, f"set_{axis}lim")(middle - half, middle + half)
+        getattr(space, f"set_{axis}label")(f"{axis} (m)")
+    space.set_box_aspect((1, 1, 1))
+    for square in stage.ground():
+        space.add_collection3d(Poly3DCollection([square], facecolor="#999999", alpha=0.25, edgecolor="#777777"))
+    bodies = Poly3DCollection([], edgecolor="#00000030", linewidth=0.3)
+    space.add_collection3d(bodies)
+    heading = figure.suptitle("", fontsize="medium")
+    # frames at equal times, each the sample nearest to it
+    wanted = np.linspace(motion.t[0], motion.t[-1], frames)
+    rows = np.abs(motion.t[None, :] - wanted[:, None]).argmin(axis=1)
+
+    def draw(frame: int) -> list[Any]:
+        row = int(rows[frame])
+        polygons = list(stage.polygons(row))
+        bodies.set_verts([corners for _, corners in polygons])
+        bodies.set_facecolor(_shaded(polygons))
+        heading.set_text(f"{motion.scene.get('name', '')}, {motion.method}, t = {motion.t[row]:.2f} s")
+        return [bodies, heading]
+
+    animation = FuncAnimation(figure, draw, frames=frames, interval=1000 / fps)
+    # the figure belongs to the animation, not to the notebook
+    plt.close(figure)
+    return animation
+
+
+#: The buttons of matplotlib's player, whose icons would come from the network.
+_BUTTONS = {"minus": "\N{MINUS SIGN}", "fast-backward": "\N{LEFT-POINTING DOUBLE ANGLE QUOTATION MARK}",
+            "step-backward": "\N{SINGLE LEFT-POINTING ANGLE QUOTATION MARK}",
+            "play fa-flip-horizontal": "\N{BLACK LEFT-POINTING TRIANGLE}", "pause": "\N{DOUBLE VERTICAL LINE}",
+            "play": "\N{BLACK RIGHT-POINTING TRIANGLE}",
+            "step-forward": "\N{SINGLE RIGHT-POINTING ANGLE QUOTATION MARK}",
+            "fast-forward": "\N{RIGHT-POINTING DOUBLE ANGLE QUOTATION MARK}", "plus": "+"}
+
+
+def cell(animation: FuncAnimation, fps: float) -> str:
+    """Returns an animation as HTML with a player, without references to the network."""
+    text: str = animation.to_jshtml(fps=fps)
+    text = re.sub(r"<link\b[^>]*>", "", text)
+    for icon, sign in _BUTTONS.items():
+        text = text.replace(f'<i class="fa fa-{icon}"></i>', sign)
+    return text
+
+
+def save(animation: FuncAnimation, path: Path, fps: float, dpi: float) -> None:
+    """Writes an animation as GIF, animated PNG or MP4. Raises InputError."""
+    ending = path.suffix.lower()
+    if ending == ".mp4":
+        if not shutil.which("ffmpeg"):
+            raise _polhode.InputError(f"{path}: MP4 needs ffmpeg; install it, or give NAME.gif or NAME.png")
+        animation.save(str(path), writer="ffmpeg", fps=fps, dpi=dpi)
+    elif ending in (".gif", ".png"):
+        animation.save(str(path), writer="pillow", fps=fps, dpi=dpi)
+    else:
+        raise _polhode.InputError(f"{path}: unknown ending; give NAME.gif, NAME.png or NAME.mp4")

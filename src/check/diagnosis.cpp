@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "check/attitude_update.h"
+#include "check/contact_faults.h"
 #include "check/impact_faults.h"
 #include "check/known_update.h"
 #include "check/row_faults.h"
@@ -125,6 +126,7 @@ FileDiagnosis diagnose(const Scene& scene, const TrajectoryFile& file, bool all)
     };
     add(find_length_faults(file));
     add(impact_faults(scene, file));
+    add(contact_faults(scene, file));
     if (const std::vector<Diagnosis> between = rows_between_steps(file); !between.empty()) {
         add(between);
         return result;

@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <optional>
-#include <unsupported/Eigen/LevenbergMarquardt>
 #include <utility>
 
 #include "body/algebra.h"
 #include "integrators/analysis/sensitivity.h"
+#include "integrators/series/levenberg_marquardt.h"
 #include "text/message.h"
 
 namespace polhode {

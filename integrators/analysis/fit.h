@@ -49,7 +49,7 @@ FitData parse_fit_data(std::string_view text, const std::string& file, const std
 struct FitSettings {
     std::vector<double> deviations;  ///< standard deviation of the noise by column; if empty, estimated as one number
     double tolerance = 1e-11;        ///< relative, of the motion and of its derivatives
-    int max_evaluations = 100;       ///< of the motion and its derivatives
+    int max_evaluations = 100;       ///< of motion and derivatives
     double seconds_limit = std::numeric_limits<double>::infinity();  ///< processor time of the thread, s
 };
 
@@ -59,9 +59,9 @@ struct Fit {
     std::string message;             ///< why the status is not ok
     std::vector<double> values;      ///< the fitted numbers
     std::vector<double> errors;      ///< their standard errors
-    std::vector<double> covariance;  ///< of the numbers, row by row
+    std::vector<double> covariance;  ///< covariance of the fitted numbers, row by row
     std::vector<double> residuals;   ///< root mean square of motion minus data by column, in units of the column
-    int evaluations = 0;             ///< of the motion and its derivatives
+    int evaluations = 0;             ///< number of evaluations: motion and derivatives
 };
 
 /// Fits the numbers at the JSON pointers to the data; the scene's numbers are the first guess. The status is failed

@@ -196,7 +196,7 @@ def animate(motion: Trajectory, *, frames: int, fps: float, size: tuple[float, f
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     if len(motion.t) < 2:
-        raise _polhode.InputError("the motion has fewer than 2 samples; there is nothing to animate")
+        raise _polhode.InputError("the motion has fewer than 2 samples; solve it with more")
     if frames < 2 or not fps > 0:
         raise _polhode.InputError(f"{frames} frames at {fps} per second; give at least 2 frames and a rate > 0")
     stage = _Stage(motion)

@@ -19,8 +19,6 @@ from polhode._types import Array
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
 
-    from polhode._solving import Trajectory
-
 #: Colours of bodies, light enough that shading shows.
 _COLORS = ["#5b8fd0", "#e0a13c", "#63b08a", "#c9708e", "#8f7fd0", "#7fb0c8"]
 
@@ -131,9 +129,9 @@ def facets_of(shape: dict[str, Any]) -> _Facets:
 
 
 class _Stage:
-    """A body-fixed drawing of all bodies, and the frame of space that their motion needs."""
+    """A body-fixed drawing of all bodies, and the frame of space that their motion (a Trajectory) needs."""
 
-    def __init__(self, motion: Trajectory) -> None:
+    def __init__(self, motion: Any) -> None:
         shapes = json.loads(motion._native.scene.shapes())
         self.bodies = [facets_of(shape) for shape in shapes]
         count = len(shapes)
@@ -189,8 +187,8 @@ def _shaded(polygons: list[tuple[int, Array]]) -> list[tuple[float, float, float
     return colors
 
 
-def animate(motion: Trajectory, *, frames: int, fps: float, size: tuple[float, float]) -> FuncAnimation:
-    """Makes the animation of a trajectory: every frame shows the bodies at one sample."""
+def animate(motion: Any, *, frames: int, fps: float, size: tuple[float, float]) -> FuncAnimation:
+    """Makes the animation of a Trajectory: every frame shows the bodies at one sample."""
     import matplotlib.pyplot as plt
     from matplotlib.animation import FuncAnimation
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection

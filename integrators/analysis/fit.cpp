@@ -235,7 +235,7 @@ class FitProblem : public Eigen::DenseFunctor<double> {
     double largest_ = 0;
 };
 
-// Returns the relative change of the numbers that the data do not determine; empty if there is none.
+// Returns the relative change of the numbers that the data do not determine; empty if they determine all.
 std::string undetermined(const Eigen::MatrixXd& slopes, const std::vector<std::string>& pointers) {
     const Eigen::VectorXd lengths = slopes.colwise().norm();
     for (Eigen::Index k = 0; k < lengths.size(); ++k)

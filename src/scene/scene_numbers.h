@@ -16,7 +16,7 @@ class SceneNumbers {
     /// `file` is named in errors.
     SceneNumbers(const Scene& scene, std::string file);
 
-    /// Returns the number at a JSON pointer. Throws InputError if there is none.
+    /// Returns the number at a JSON pointer. Throws InputError if it points to no number.
     double number(const std::string& pointer) const;
 
     /// Returns the largest magnitude of the number and of those beside it in a list, or 1 if it is 0.

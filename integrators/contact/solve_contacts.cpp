@@ -2,33 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "integrators/contact/follow_contacts.h"
 #include "integrators/contact/reduced_form.h"
-#include "integrators/run/processor_time.h"
-#include "text/interruption.h"
 
 namespace polhode::contact {
-namespace {
-
-constexpr const char* time_limit = "the time limit is reached";
-
-ContactSettings settings_for(const Settings& settings) {
-    ContactSettings result;
-    // below 13.5 digits only rounding remains
-    result.digits = std::clamp(-std::log10(settings.tolerance.value_or(default_tolerance)) + 0.5, 3.0, 13.5);
-    result.event_digits = std::min(result.digits + 1, 12.5);
-    result.order = static_cast<int>(std::ceil(1.15 * result.digits)) + 6;
-    result.max_steps = std::min(settings.max_steps, settings.max_evaluations);
-    const double end = processor_time() + settings.seconds_limit;
-    result.stop = [end]() -> const char* {
-        return processor_time() > end || Interruption::is_requested() ? time_limit : nullptr;
-    };
-    return result;
-}
-
-}  // namespace
 
 std::string rotation_friction_refusal(const Scene& scene) {
     const auto rubs = [](const Plane& plane) { return plane.torsional_friction > 0 || plane.rolling_friction > 0; };
@@ -56,7 +34,8 @@ std::string contact_refusal(const Scene& scene) {
 Run<double> follow_in_binary64(const Problem& problem, const Settings& settings) {
     const std::vector<double> times =
         settings.times.empty() ? sample_times(problem.scene.duration, settings.samples) : settings.times;
-    return ContactDriver<double, ReducedForm<double>>(problem.scene, times, settings_for(settings)).run();
+    return ContactDriver<double, ReducedForm<double>>(problem.scene, times, driver_settings<ContactSettings>(settings))
+        .run();
 }
 
 Trajectory solve_contacts(const Problem& problem, const Settings& settings) {
@@ -76,9 +55,7 @@ Trajectory solve_contacts(const Problem& problem, const Settings& settings) {
     for (const Event<double>& event : run.record.events)
         if (event.kind == EventKind::impact || event.kind == EventKind::lands)
             trajectory.impact_times.push_back(event.t);
-    if (run.fault.empty()) return trajectory;
-    trajectory.status = Status::failed, trajectory.message = run.fault;
-    trajectory.limit_reached = run.fault == time_limit || run.fault.starts_with("the step limit");
+    set_status(trajectory, run.fault);
     return trajectory;
 }
 

@@ -1,35 +1,13 @@
 #include "integrators/contact/solve_joints.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "integrators/contact/follow_joints.h"
 #include "integrators/contact/joint_tree_form.h"
-#include "integrators/run/processor_time.h"
+#include "integrators/contact/solve_contacts.h"
 #include "motion/mechanism.h"
-#include "text/interruption.h"
 
 namespace polhode::contact {
-namespace {
-
-constexpr const char* joint_time_limit = "the time limit is reached";
-
-JointSettings joint_settings_for(const Settings& settings) {
-    JointSettings result;
-    // below 13.5 digits only rounding remains
-    result.digits = std::clamp(-std::log10(settings.tolerance.value_or(default_tolerance)) + 0.5, 3.0, 13.5);
-    result.event_digits = std::min(result.digits + 1, 12.5);
-    result.order = static_cast<int>(std::ceil(1.15 * result.digits)) + 6;
-    result.max_steps = std::min(settings.max_steps, settings.max_evaluations);
-    const double end = processor_time() + settings.seconds_limit;
-    result.stop = [end]() -> const char* {
-        return processor_time() > end || Interruption::is_requested() ? joint_time_limit : nullptr;
-    };
-    return result;
-}
-
-}  // namespace
 
 JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings) {
     const std::vector<double> times =
@@ -37,7 +15,7 @@ JointRun<double> follow_joints_in_binary64(const Problem& problem, const Setting
     JointTreeForm<double> form(problem.scene);
     std::vector<Block> blocks = form.blocks(mechanism_of(problem).scales());
     return JointDriver<double, JointTreeForm<double>>(problem.scene, problem.scales, std::move(form), std::move(blocks),
-                                                      times, joint_settings_for(settings))
+                                                      times, driver_settings<JointSettings>(settings))
         .run();
 }
 
@@ -57,9 +35,7 @@ Trajectory solve_joints(const Problem& problem, const Settings& settings) {
         if (problem.reactions) moment.reactions = run.reactions[i];
         trajectory.append(moment);
     }
-    if (run.fault.empty()) return trajectory;
-    trajectory.status = Status::failed, trajectory.message = run.fault;
-    trajectory.limit_reached = run.fault == joint_time_limit || run.fault.starts_with("the step limit");
+    set_status(trajectory, run.fault);
     return trajectory;
 }
 

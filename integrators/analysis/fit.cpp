@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "body/algebra.h"
+#include "body/mass_properties.h"
 #include "integrators/analysis/sensitivity.h"
 #include "integrators/series/levenberg_marquardt.h"
 #include "text/message.h"

@@ -90,7 +90,7 @@ TEST(TreeInertia, NamesTheInnerJointOfTwoParallelHinges) {
 
 // A message about an imported robot names the place in the robot's file.
 TEST(TreeInertia, NamesTheLineOfAnImportedRobot) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "polhode_tree_inertia";
+    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "polhode_tree_inertia";
     std::filesystem::create_directories(folder);
     const std::string inertial =
         "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";

@@ -21,7 +21,7 @@ constexpr double pi = std::numbers::pi;
 class Folder {
   public:
     Folder() {
-        path_ = std::filesystem::temp_directory_path() /
+        path_ = std::filesystem::path(::testing::TempDir()) /
                 ("polhode_mjcf_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
         std::filesystem::create_directories(path_);
     }

@@ -650,7 +650,7 @@ TEST(RobotImport, TheBuiltInArmIsReadFromTheProgramAndFromItsFile) {
 
 // When a robot violates a rule of scenes, the message contains the robot's names instead of indices.
 TEST(RobotImport, FaultsOfTheSceneNameTheLink) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "polhode_robot_names";
+    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "polhode_robot_names";
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "r.urdf") << urdf(link("base, with comma") + link("b") +
                                              joint("j", "revolute", "base, with comma", "b"));

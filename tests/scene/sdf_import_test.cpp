@@ -353,7 +353,7 @@ TEST(SdfImport, JointsAreDirectedFromTheRoot) {
 
 class SdfFolder {
   public:
-    SdfFolder() : path_(std::filesystem::temp_directory_path() / "polhode_sdf_import_test") {
+    SdfFolder() : path_(std::filesystem::path(::testing::TempDir()) / "polhode_sdf_import_test") {
         std::filesystem::remove_all(path_);
         std::filesystem::create_directories(path_);
     }

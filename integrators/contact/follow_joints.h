@@ -56,7 +56,8 @@ class JointDriver {
           blocks_(std::move(blocks)),
           settings_(settings),
           samples_(sample_times),
-          states_(form_.joints().size()) {
+          states_(form_.joints().size()),
+          time_error_(scene.duration * std::pow(10.0, -settings.event_digits)) {
         for (const EventJoint<P>& one : form_.joints())
             rate_scales_.push_back(scene.joints[one.joint].type == JointType::prismatic ? scales.velocity
                                                                                         : scales.angular_velocity);
@@ -104,6 +105,7 @@ class JointDriver {
     JointSettings settings_;
     SampleQueue samples_;
     std::vector<State> states_;
+    double time_error_;                // s: times closer than this are equal
     std::vector<double> rate_scales_;  // rad/s or m/s
     std::vector<std::size_t> held_;
     std::vector<P> y_;
@@ -317,14 +319,16 @@ class JointDriver {
         const bool to_end = remaining <= P(step);
         P h = to_end ? remaining : P(step);
         P reached = to_end ? P(leg.end) : t_ + h;
-        const std::optional<Found> found = first_event(h);
-        if (found) h = found->after, reached = t_ + h;
+        // an event at the end of a leg may be found shortly after it
+        const std::optional<Found> found = first_event(to_end ? P(h + P(time_error_)) : h);
+        if (found) h = found->after, reached = std::min(P(t_ + h), P(leg.end));
         if (!to_end && !found && !(reached > t_)) return fail("step size below the spacing of numbers");
         stalled_ = found && !(h > P(0)) ? stalled_ + 1 : 0;
         if (stalled_ > 100) return fail("too many events of joints");
         std::vector<P> at_sample(y_.size());
         // a sample at an event shows the motion after it
-        for (; samples_.due(leg, reached) && !(found && P(samples_.front()) == reached); samples_.pop()) {
+        const auto is_at_event = [&] { return found && P(samples_.front()) >= reached - P(time_error_); };
+        for (; samples_.due(leg, reached) && !is_at_event(); samples_.pop()) {
             series_->evaluate(P(P(samples_.front()) - t_), at_sample.data());
             show(at_sample.data());
         }
@@ -345,6 +349,7 @@ class JointDriver {
                 y_.resize(base_);
                 collide();
                 if (!fails()) choose_modes();
+                if (!fails()) record_rest(e);
                 return;
             case Cause::stops:
                 form_.stop(e, y_.data());
@@ -357,6 +362,15 @@ class JointDriver {
                 return select();
             }
         }
+    }
+
+    /// Records the arrival of a joint that now rests on a limit, unless an impact there did. A joint that turns at a
+    /// distance from the limit below the rounding of its coordinate arrives without an impact.
+    void record_rest(std::size_t e) {
+        if (states_[e].mode != JointMode::held) return;
+        for (auto event = run_.events.rbegin(); event != run_.events.rend() && event->t == t_; ++event)
+            if (event->joint == joint(e).joint && event->kind == JointEventKind::rests) return;
+        record(e, JointEventKind::rests);
     }
 
     /// The first event in a step of length h. Rates that fall to the error of the steps count as zero.

@@ -2,11 +2,12 @@
 // own file.
 //
 // Both runs pass through the same events, except that a series of impacts with a limit may end a few impacts earlier in
-// one of them. match_joint_events() pairs the events and measures the differences of their times and impulses, which
-// count in the bound.
+// one of them, as may the changes of friction that these impacts cause. match_joint_events() removes the ends of such
+// series, pairs the other events and measures the differences of their times and impulses, which count in the bound.
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,27 +28,50 @@ struct JointEventDifference {
     std::string fault;  ///< why the events do not match; empty if they do
 };
 
+/// Removes what depends on how late a run ends a series of impacts: of the events closer in time to an arrival at rest
+/// on a limit than `tolerance` (s), one arrival remains for each joint, in the order of joints. An impact that moves a
+/// held joint by less than the error of the steps does not count as a change of its mode, so friction is included.
 template <class P>
-JointEventDifference<P> match_joint_events(const std::vector<contact::JointEvent<P>>& a,
-                                           const std::vector<contact::JointEvent<P>>& b) {
+std::vector<contact::JointEvent<P>> remove_ends_of_series(const std::vector<contact::JointEvent<P>>& events,
+                                                          const P& tolerance) {
     using Kind = contact::JointEventKind;
+    std::vector<contact::JointEvent<P>> left;
+    for (std::size_t i = 0; i < events.size();) {
+        std::size_t rest = i;
+        while (rest < events.size() && events[rest].kind != Kind::rests && events[rest].t - events[i].t <= tolerance)
+            ++rest;
+        if (rest == events.size() || events[rest].t - events[i].t > tolerance) {
+            left.push_back(events[i++]);
+            continue;
+        }
+        // from an event shortly before an arrival to the last one shortly after it
+        std::size_t end = rest + 1;
+        for (; end < events.size() && events[end].t - events[rest].t <= tolerance; ++end)
+            if (events[end].kind == Kind::rests) rest = end;
+        std::map<std::size_t, contact::JointEvent<P>> arrivals;
+        for (; i < end; ++i)
+            if (events[i].kind == Kind::rests) arrivals.insert_or_assign(events[i].joint, events[i]);
+        for (const auto& [joint, event] : arrivals) left.push_back(event);
+    }
+    return left;
+}
+
+template <class P>
+JointEventDifference<P> match_joint_events(const std::vector<contact::JointEvent<P>>& all_a,
+                                           const std::vector<contact::JointEvent<P>>& all_b, const P& tolerance) {
+    const std::vector<contact::JointEvent<P>> a = remove_ends_of_series(all_a, tolerance),
+                                              b = remove_ends_of_series(all_b, tolerance);
     JointEventDifference<P> result;
     P largest(0);
-    std::size_t i = 0, j = 0;
-    for (; i < a.size() && j < b.size(); ++i, ++j) {
-        // one run may count a few more impacts before their limit
-        while (i + 1 < a.size() && a[i].kind == Kind::impact && b[j].kind == Kind::rests && a[i].joint == b[j].joint)
-            ++i;
-        while (j + 1 < b.size() && b[j].kind == Kind::impact && a[i].kind == Kind::rests && a[i].joint == b[j].joint)
-            ++j;
-        if (a[i].kind != b[j].kind || a[i].joint != b[j].joint) break;
-        result.time = std::max(result.time, P(abs(a[i].t - b[j].t)));
-        result.impulse = std::max(result.impulse, P(abs(a[i].impulse - b[j].impulse)));
+    std::size_t i = 0;
+    for (; i < a.size() && i < b.size() && a[i].kind == b[i].kind && a[i].joint == b[i].joint; ++i) {
+        result.time = std::max(result.time, P(abs(a[i].t - b[i].t)));
+        result.impulse = std::max(result.impulse, P(abs(a[i].impulse - b[i].impulse)));
         largest = std::max(largest, P(abs(a[i].impulse)));
     }
     if (largest > P(0)) result.impulse = result.impulse / largest;
-    if (i == a.size() && j == b.size()) return result;
-    const contact::JointEvent<P>& next = i < a.size() ? a[i] : b[j];
+    if (i == a.size() && i == b.size()) return result;
+    const contact::JointEvent<P>& next = i < a.size() ? a[i] : b[i];
     result.fault = fmt::format("the two formulations disagree about the joint event at t = {:.10g} s",
                                next.t.template convert_to<double>());
     return result;
@@ -96,7 +120,10 @@ Attempt attempt_by_joint_events(const Problem& problem, const std::vector<double
     const auto parts = split_joint_run(first);
     const auto other_parts = split_joint_run(other);
     const bool ended = parts.first.fault.empty() && other_parts.first.fault.empty();
-    const JointEventDifference<P> events = match_joint_events(first.events, other.events);
+    // both runs end a series of impacts where the speed is below 10^-event_digits of the largest
+    const P series_end =
+        P(scene.duration) * pow(P(10), P(3 - static_cast<int>(joint_settings(runs.coarse).event_digits)));
+    const JointEventDifference<P> events = match_joint_events(first.events, other.events, series_end);
     if (ended && !events.fault.empty()) return failed_attempt(events.fault);
     const double time = events.time.template convert_to<double>();
     Attempt attempt = compare_runs(

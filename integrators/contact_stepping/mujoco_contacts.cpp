@@ -182,7 +182,7 @@ class MujocoContacts : public contact_stepping::ContactState<S> {
         Six<S> x = x0;
         S smallest = Elementary<S>::infinity();
         for (int i = 0; i < most_iterations; ++i) {
-            std::array<Six<S>, 6> H;
+            std::array<Six<S>, 6> H{};
             const Six<S> gradient = differentiate(x, x0, &H);
             Six<S> direction = solve_six(H, gradient);
             for (S& entry : direction) entry = -entry;

@@ -33,6 +33,8 @@ void add_truth(CLI::App& program, int& exit_code);
 void add_check(CLI::App& program, int& exit_code);
 /// Plots trajectories (plot.cpp).
 void add_plot(CLI::App& program, int& exit_code);
+/// Writes an animated picture of a motion (animate.cpp).
+void add_animate(CLI::App& program, int& exit_code);
 /// Prints the JSON of a scene (show.cpp).
 void add_show(CLI::App& program, int& exit_code);
 /// Lists scenes, methods, experiments and other names (list.cpp).

@@ -72,8 +72,8 @@ int run_laboratory(int argc, const char* const* argv, std::span<const Method> ow
         end_without_memory();
     }
     const std::array commands{
-        add_solve, add_truth,  add_check, add_plot,   add_describe, add_show,   add_run,
-        add_merge, add_submit, add_list,  add_export, add_ensemble, add_report, add_fit,
+        add_solve,  add_truth, add_check,  add_plot,     add_describe, add_show, add_run,     add_merge,
+        add_submit, add_list,  add_export, add_ensemble, add_report,   add_fit,  add_animate,
     };
     return run_program(argc, argv, commands);
 }

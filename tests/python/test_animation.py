@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import polhode
 import pytest
+from conftest import PROGRAM
 from polhode._animation import facets_of
 
 PIL = pytest.importorskip("PIL.Image")
@@ -83,3 +86,23 @@ def test_bad_requests_are_refused(tmp_path: Path) -> None:
     with pytest.raises(polhode.InputError, match="at least 2 frames"):
         motion.animation(tmp_path / "turn.gif", frames=1)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_an_animated_picture(tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(Path(polhode.__file__).parents[1])}
+    command = [PROGRAM, "animate", "t_handle", "--duration", "2", "--frames", "3", "--output"]
+    done = subprocess.run([*command, str(tmp_path / "turn.gif")], check=False, capture_output=True, text=True,
+                          env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    with PIL.open(tmp_path / "turn.gif") as picture:
+        assert picture.n_frames == 3
+    refused = subprocess.run([*command, str(tmp_path / "turn.avi")], check=False, capture_output=True, text=True,
+                             env=environment)
+    assert refused.returncode == 2
+    assert "turn.avi: unknown ending; give NAME.gif, NAME.png or NAME.mp4" in refused.stderr
+    assert [file.name for file in tmp_path.iterdir()] == ["turn.gif"]
+    missing = subprocess.run([*command, str(tmp_path / "other.gif")], check=False, capture_output=True, text=True,
+                             env={**environment, "PYTHONPATH": str(tmp_path), "PYTHONNOUSERSITE": "1"})
+    assert missing.returncode in (0, 2)  # 0 if the module is installed
+    if missing.returncode == 2:
+        assert "install python3-polhode" in missing.stderr

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from collections.abc import Callable, Iterator
@@ -247,13 +248,17 @@ def cell(animation: FuncAnimation, fps: float) -> str:
 
 
 def save(animation: FuncAnimation, path: Path, fps: float, dpi: float) -> None:
-    """Writes an animation as GIF, animated PNG or MP4. Raises InputError."""
+    """Writes an animation as GIF, animated PNG or MP4, under a temporary name first. Raises InputError."""
     ending = path.suffix.lower()
-    if ending == ".mp4":
-        if not shutil.which("ffmpeg"):
-            raise _polhode.InputError(f"{path}: MP4 needs ffmpeg; install it, or give NAME.gif or NAME.png")
-        animation.save(str(path), writer="ffmpeg", fps=fps, dpi=dpi)
-    elif ending in (".gif", ".png"):
-        animation.save(str(path), writer="pillow", fps=fps, dpi=dpi)
-    else:
+    if ending not in (".gif", ".png", ".mp4"):
         raise _polhode.InputError(f"{path}: unknown ending; give NAME.gif, NAME.png or NAME.mp4")
+    if ending == ".mp4" and not shutil.which("ffmpeg"):
+        raise _polhode.InputError(f"{path}: MP4 needs ffmpeg; install it, or give NAME.gif or NAME.png")
+    new = path.with_name(f".{path.stem}.{os.getpid()}{ending}")
+    try:
+        animation.save(str(new), writer="ffmpeg" if ending == ".mp4" else "pillow", fps=fps, dpi=dpi)
+        with new.open("rb+") as file:
+            os.fsync(file.fileno())
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)

@@ -13,6 +13,7 @@
 #include "integrators/contact/solve_contacts.h"
 #include "integrators/contact/solve_joints.h"
 #include "integrators/method.h"
+#include "measure/contact_errors.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
 #include "scene/scene_file.h"
@@ -81,6 +82,15 @@ std::string joint_errors(const Scene& scene, const Trajectory& trajectory) {
                        where(most.gap_joint), most.turn, where(most.turn_joint));
 }
 
+// Returns the errors at contacts that need no reference (planes). Those that need one are columns of result tables.
+std::string contact_summary(const Scene& scene, const Trajectory& trajectory) {
+    const ContactErrors errors = contact_errors(scene, trajectory, {});
+    if (!errors.penetration) return "";
+    std::string text = fmt::format("contacts penetration_max {:.3g} m", *errors.penetration);
+    if (errors.energy_gain) text += fmt::format(", contact_energy_gain {:.3g} J", *errors.energy_gain);
+    return text + '\n';
+}
+
 // Returns the summary of the run, one topic per line.
 std::string summary(const SolveOptions& options, const Problem& problem, const Choice& choice, const Settings& settings,
                     const Trajectory& trajectory) {
@@ -113,7 +123,7 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
     if (counts.order_reductions.value_or(0) > 0)
         text += fmt::format(", {} for stability", plural(*counts.order_reductions, "order reduction"));
     text += fmt::format(", {:.6f} s\n", trajectory.seconds);
-    return text + joint_errors(problem.scene, trajectory);
+    return text + joint_errors(problem.scene, trajectory) + contact_summary(problem.scene, trajectory);
 }
 
 // Writes the file of joint coordinates, if there is one. Returns whether that was possible.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "experiment/run/calibration.h"
+#include "experiment/run/contact_events.h"
 #include "measure/errors.h"
 
 namespace polhode {
@@ -98,6 +99,9 @@ Trajectory measure_errors(const Experiment& experiment, const Problem& problem, 
         result.counts = trajectory.counts;
         const ErrorSeries series = error_series(problem.scene, trajectory, reference);
         result.errors = errors(series, trajectory, reference);
+        if (!problem.scene.planes.empty())
+            result.contacts =
+                measure_contacts(*c.curve->method, problem, settings, trajectory, reference, result.message);
         if (experiment.kind->keeps_series) result.series = series, result.revolutions = revolutions(reference);
     }
     if (result.status == Status::ok && !reference.available)

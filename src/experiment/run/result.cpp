@@ -108,6 +108,24 @@ ResultColumn column(std::string name, At at, std::string meaning = "", std::stri
             page_digits};
 }
 
+// appends the columns of errors at contacts with planes
+void append_contact_errors(std::vector<ResultColumn>& all) {
+    const auto append = [&](const char* name, std::optional<double> ContactErrors::*value, const char* meaning) {
+        ResultColumn one = column(
+            name, [value](auto& r) -> auto& { return r.contacts.*value; }, meaning);
+        one.is_error = one.only_planes = true;
+        all.push_back(std::move(one));
+    };
+    append("event_time_error_max", &ContactErrors::event_time,
+           "Largest error of the times of contact events, matched with the truth's in order, s: all events of methods "
+           "that record them, impacts and landings of other methods that report them");
+    append("penetration_max", &ContactErrors::penetration, "Largest depth of the body in a plane, over all samples, m");
+    append("slip_error_max", &ContactErrors::slip,
+           "Largest speed of the contact point in the plane, over the samples where the truth rolls or sticks, m/s");
+    append("contact_energy_gain", &ContactErrors::energy_gain,
+           "Largest increase of the energy between two samples, J; empty if a load can increase the energy");
+}
+
 // appends the error columns of measures; the report's document has those that are in every table
 void append_errors(std::vector<ResultColumn>& all, const std::vector<std::size_t>& these) {
     for (const std::size_t m : these) {
@@ -176,6 +194,7 @@ std::vector<ResultColumn> make_columns() {
     all.push_back(column(
         "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }));
     for (std::size_t i = first_systems_only; i < all.size(); ++i) all[i].only_systems = true;
+    append_contact_errors(all);
     all.push_back(column("machine", &Result::machine));
     all.back().only_stored = true;
     for (std::size_t i = first_optional; i < all.size(); ++i) all[i].optional = true;
@@ -183,7 +202,11 @@ std::vector<ResultColumn> make_columns() {
 }
 
 bool includes_column(const ResultColumn& column, TableKind which) {
-    return which == TableKind::stored || (!column.only_stored && (which == TableKind::systems || !column.only_systems));
+    const bool all_scenes = which == TableKind::stored || which == TableKind::all_scenes;
+    if (column.only_stored) return which == TableKind::stored;
+    if (column.only_systems) return all_scenes || which == TableKind::systems;
+    if (column.only_planes) return all_scenes || which == TableKind::planes;
+    return true;
 }
 
 struct SeriesColumn {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "experiment/plan/experiment.h"
+#include "measure/contact_errors.h"
 #include "measure/errors.h"
 #include "motion/trajectory.h"
 #include "table/table.h"
@@ -32,6 +33,7 @@ struct Result {
     std::optional<long> steps, rhs_evaluations;
     SolverCounts counts;
     Errors errors;
+    ContactErrors contacts;  ///< scenes with planes only
     std::string message;
     std::string machine;               ///< processor name of the machine that measured the times
     std::optional<double> step_taken;  ///< s, of a fixed-step run
@@ -59,6 +61,7 @@ struct ResultColumn {
     bool is_error = false;
     bool optional = false;      ///< optional when a table is read, because older tables do not have it
     bool only_systems = false;  ///< only in tables of several bodies
+    bool only_planes = false;   ///< only in tables of scenes with planes
     bool only_stored = false;   ///< only in the table of a stored case
 };
 
@@ -75,6 +78,8 @@ std::size_t result_column_index(std::string_view name);
 enum class TableKind {
     single_bodies,  ///< the columns for scenes of one body
     systems,        ///< additionally, at the end, the columns for scenes of several bodies
+    planes,         ///< the columns for scenes of one body, and at the end those for scenes with planes
+    all_scenes,     ///< the columns for all scenes
     stored,         ///< additionally the machine: the table of a stored case
 };
 
@@ -82,7 +87,8 @@ enum class TableKind {
 /// revolutions, float64_floor, float32_floor, float64_floor_final, float32_floor_final, rejected_steps,
 /// newton_failures, order_reductions and error_over_tolerance (largest attitude error in rad over the tolerance, for
 /// runs by tolerance), then those of further tabled measures. Tables of several bodies also have position_error_max,
-/// linear_momentum_error_max, joint_gap_max, joint_turn_max, reaction_error_max and worst_body.
+/// linear_momentum_error_max, joint_gap_max, joint_turn_max, reaction_error_max and worst_body, tables of scenes with
+/// planes event_time_error_max, penetration_max, slip_error_max and contact_energy_gain.
 std::vector<std::string> result_columns(TableKind which = TableKind::single_bodies);
 std::vector<Cell> result_row(const std::string& experiment, const Result& result,
                              TableKind which = TableKind::single_bodies);

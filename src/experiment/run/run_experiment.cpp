@@ -36,6 +36,15 @@ bool has_systems(const Plan& plan) {
     return std::ranges::any_of(plan.scenes, [](const PlannedScene& s) { return is_mechanism(s.scene); });
 }
 
+bool has_planes(const Plan& plan) {
+    return std::ranges::any_of(plan.scenes, [](const PlannedScene& s) { return !s.scene.planes.empty(); });
+}
+
+TableKind table_kind(const Plan& plan) {
+    if (has_planes(plan)) return has_systems(plan) ? TableKind::all_scenes : TableKind::planes;
+    return has_systems(plan) ? TableKind::systems : TableKind::single_bodies;
+}
+
 // The columns that the page shows; the CSV file has all. If a method of the plan has a description in a source text, a
 // column "described as" follows the methods.
 Table page_of_rows(const Plan& plan, const Table& rows) {
@@ -59,6 +68,11 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
                                      {"joint_gap_max", "joint gap (m)"},
                                      {"joint_turn_max", "joint turn (rad)"},
                                      {"reaction_error_max", "reactions"}});
+    if (has_planes(plan))
+        choice.insert(choice.end(), {{"event_time_error_max", "event times (s)"},
+                                     {"penetration_max", "penetration (m)"},
+                                     {"slip_error_max", "slip (m/s)"},
+                                     {"contact_energy_gain", "energy gain (J)"}});
     choice.push_back({"message", "message"});
     Table page = select(rows, choice);
     if (!has_source_descriptions(plan)) return page;
@@ -171,7 +185,7 @@ bool run_cases(const Plan& plan, const RunOptions& options, const std::string& c
 }  // namespace
 
 Findings conclude(const Plan& plan, const std::vector<Result>& rows) {
-    const TableKind which = has_systems(plan) ? TableKind::systems : TableKind::single_bodies;
+    const TableKind which = table_kind(plan);
     Table table{result_columns(which), {}};
     std::set<std::string> machines;
     for (const Result& r : rows) {

@@ -1,0 +1,44 @@
+#include "experiment/run/contact_events.h"
+
+#include <vector>
+
+#include "integrators/contact/solve_contacts.h"
+#include "integrators/truth/reference.h"
+#include "text/decimal.h"
+
+namespace polhode {
+namespace {
+
+std::vector<ContactEvent> recorded_events(const contact::Record<double>& record) {
+    std::vector<ContactEvent> events;
+    for (const contact::Event<double>& e : record.events)
+        events.push_back({e.t, contact::event_names[static_cast<std::size_t>(e.kind)], e.plane});
+    return events;
+}
+
+// The events of the reference, which is in the cache.
+std::vector<ContactEvent> reference_events(const Scene& scene, long samples) {
+    std::vector<ContactEvent> events;
+    for (const DecimalContactEvent& e : decimal_reference(scene, samples).contact_events)
+        events.push_back({parse_decimal(e.t).value_or(0), e.event, e.plane});
+    return events;
+}
+
+}  // namespace
+
+ContactErrors measure_contacts(const Method& method, const Problem& problem, const Settings& settings,
+                               const Trajectory& trajectory, const Reference& reference, std::string& message) {
+    ContactErrors result = contact_errors(problem.scene, trajectory, reference);
+    // a method of this program, not a user-defined one
+    const bool follows_events = method.planes && method.family == Family::series && find_method(method.name) == &method;
+    if (!follows_events || !reference.available || trajectory.status != Status::ok) return result;
+    const std::vector<ContactEvent> events = reference_events(problem.scene, settings.samples);
+    if (events.empty()) return result;  // without contact modes
+    const EventComparison compared =
+        compare_events(recorded_events(contact::follow_in_binary64(problem, settings).record), events);
+    result.event_time = compared.time_error;
+    if (!compared.message.empty()) message += (message.empty() ? "" : "; ") + compared.message;
+    return result;
+}
+
+}  // namespace polhode

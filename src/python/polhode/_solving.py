@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,9 +12,10 @@ import numpy.typing as npt
 
 from polhode import _polhode
 from polhode._animation import animate, cell, save
-from polhode._attitudes import Attitudes, BodyMotion
+from polhode._attitudes import Attitudes, BodyMotion, matrices_of
 from polhode._checking import Report, check
 from polhode._errors import Errors, errors
+from polhode._events import check_times, first_terminal, locate_events
 from polhode._html import pairs_html
 from polhode._joints import Joints, Reactions, index_of
 from polhode._plot import plot_trajectory
@@ -37,6 +38,11 @@ class Motion(NamedTuple):
     w: Array  #: (.., 3): angular velocity, world axes, rad/s
     p: Array  #: (.., 3): position of the centre of mass, m
     v: Array  #: (.., 3): velocity of the centre of mass, m/s
+
+    @property
+    def w_B(self) -> Array:
+        """Angular velocity, body axes, rad/s."""
+        return np.asarray((matrices_of(self.q).swapaxes(-1, -2) @ self.w[..., None])[..., 0])
 
 
 class Trajectory(Attitudes):
@@ -78,7 +84,17 @@ class Trajectory(Attitudes):
         The part of ``rhs_evaluations`` that was caused by samples only.
     seconds : float
         Wall clock time of the integration alone, s.
+    t_events : list of ndarray
+        Times of each of the ``events`` passed to `solve`, s.
+    y_events : list of Motion or None
+        The motion at these times; None for an event that does not occur.
+    ended_by : int or None
+        Index of the terminal event that ended the motion.
     """
+
+    t_events: list[Array]
+    y_events: list[Motion | None]
+    ended_by: int | None
 
     def __init__(self, native: _polhode.SolvedScene, scene: Scene, limits: dict[str, Any] | None = None,
                  full: bool = False) -> None:
@@ -92,6 +108,7 @@ class Trajectory(Attitudes):
         self.rhs_evaluations: int = native.rhs_evaluations
         self.sample_evaluations: int = native.sample_evaluations
         self.seconds: float = native.seconds
+        self.t_events, self.y_events, self.ended_by = [], [], None
 
     def __getattr__(self, name: str) -> Any:
         # arrays are created on first access and stored
@@ -353,6 +370,7 @@ def solve(
     duration: float | None = None,
     full: bool = False,
     reactions: bool = False,
+    events: Sequence[Callable[[Motion], float]] = (),
     max_steps: int = 1_000_000_000,
     max_evaluations: int = 10_000_000_000,
     max_seconds: float = 3600,
@@ -380,6 +398,12 @@ def solve(
         Integrate all 13 variables instead of the reduced formulation (one body).
     reactions : bool, optional
         Compute the reactions of joints at the samples, if the method supports it.
+    events : sequence of callable, optional
+        Functions of the `Motion` at one time, such as ``lambda motion: motion.p[2] - 1``. Times at which a function
+        passes zero are located to the accuracy of the method, between its steps. As in SciPy, a function may have the
+        attributes ``terminal`` (True, or the number of the occurrence that ends the motion) and ``direction`` (> 0:
+        only upwards, < 0: only downwards). Signs are compared at the samples and about twice per step. Methods with a
+        fixed step are refused.
     max_steps, max_evaluations : int, optional
         The run ends as ``failed`` after this many steps or right-hand-side evaluations.
     max_seconds : float, optional
@@ -415,7 +439,37 @@ def solve(
     name = method if isinstance(method, str) else getattr(method, "__polhode_method__", str(method))
     native = _polhode.solve(posed._compiled(), name, settings, full, reactions)
     limits = {"max_steps": max_steps, "max_evaluations": max_evaluations, "max_seconds": max_seconds}
-    return Trajectory(native, posed, limits, full)
+    motion = Trajectory(native, posed, limits, full)
+    return _with_events(motion, tuple(events), reactions) if events else motion
+
+
+def _with_events(motion: Trajectory, events: tuple[Callable[[Motion], float], ...], reactions: bool) -> Trajectory:
+    """Returns the motion up to the first terminal event, with ``t_events`` and ``y_events``."""
+    if not all(callable(event) for event in events):
+        raise _polhode.InputError("events: give functions of the motion at one time")
+    if motion._native.step > 0:
+        raise _polhode.InputError(f"events lie between steps, and {motion.method} uses a fixed step; give a method "
+                                  "with a tolerance")
+    if len(motion.t) < 2:
+        return motion
+
+    def values(times: Array) -> Array:
+        found = motion.at(times)
+        return np.array([[float(event(Motion(*(block[i] for block in found)))) for event in events]
+                         for i in range(len(times))])
+
+    times = locate_events(values, check_times(motion.t[0], motion.t[-1], motion.t, motion.steps), events)
+    end = first_terminal(times, events)
+    if end is not None:
+        kept = np.append(motion.t[motion.t < end[0]], end[0])
+        settings = _polhode.Settings(tolerance=motion._native.tolerance, times=kept, **motion._limits)
+        native = _polhode.solve(motion._native.scene, motion.method, settings, motion._full, reactions)
+        cut = Trajectory(native, motion.scene, motion._limits, motion._full)
+        cut.ended_by = end[1]
+        motion, times = cut, [of_one[of_one <= end[0]] for of_one in times]
+    motion.t_events = times
+    motion.y_events = [motion.at(of_one) if len(of_one) else None for of_one in times]
+    return motion
 
 
 def rows_of(q: npt.ArrayLike, *others: npt.ArrayLike | None) -> Array:
@@ -475,8 +529,10 @@ class OdeResult:
         q, w (world axes), p, v of each body.
     sol : callable or None
         Function that returns the motion at other times, shape (13 bodies, m).
+    t_events, y_events : list of ndarray
+        Times and states of each event, shapes (k,) and (k, 13 bodies).
     status : int
-        0 if the run reached the end, -1 if it failed.
+        0 if the run reached the end, 1 if an event ended it, -1 if it failed.
     success : bool
         Whether the run reached the end.
     message : str
@@ -491,9 +547,14 @@ class OdeResult:
         self.trajectory = trajectory
         self.t = trajectory.t
         self.y = self._columns(trajectory)
-        self.status = 0 if trajectory.ok else -1
+        self.status = -1 if not trajectory.ok else 0 if trajectory.ended_by is None else 1
+        self.t_events = trajectory.t_events
+        self.y_events = [np.empty((0, len(self.y))) if motion is None else self._columns(motion).T
+                         for motion in trajectory.y_events]
         self.success = trajectory.ok
-        self.message = trajectory.message or "The solver successfully reached the end of the integration interval."
+        self.message = trajectory.message or (
+            "The solver successfully reached the end of the integration interval." if trajectory.ended_by is None
+            else "A termination event occurred.")
         self.nfev = trajectory.rhs_evaluations
         self.sol: Callable[[npt.ArrayLike], Array] | None = (
             (lambda times: self._columns(trajectory.at(times))) if dense else None
@@ -511,6 +572,7 @@ def solve_ivp(
     method: str | Callable[..., Any] = "auto",
     t_eval: npt.ArrayLike | None = None,
     dense_output: bool = False,
+    events: Callable[[float, Array], float] | Sequence[Callable[[float, Array], float]] = (),
     *,
     rtol: float | None = None,
 ) -> OdeResult:
@@ -528,6 +590,8 @@ def solve_ivp(
         Sample times, s. Default: 101 equally spaced times.
     dense_output : bool, optional
         Whether the result has ``sol``.
+    events : callable or sequence of callable, optional
+        Functions of t and y, with the attributes ``terminal`` and ``direction``.
     rtol : float, optional
         Relative tolerance. Default: 1e-10.
 
@@ -553,4 +617,17 @@ def solve_ivp(
         settings["tolerance"] = rtol
     if t_eval is not None:
         settings["times"], settings["duration"] = t_eval, posed.duration
+    if events:
+        settings["events"] = [_of_state(event) for event in ([events] if callable(events) else events)]
     return OdeResult(solve(posed, method, **settings), dense_output)
+
+
+def _of_state(event: Callable[[float, Array], float]) -> Callable[[Motion], float]:
+    """Returns an event of t and y as an event of the motion, with the same attributes."""
+
+    def of_motion(motion: Motion) -> float:
+        return event(float(motion.t), OdeResult._columns(motion))
+
+    for name in ("terminal", "direction"):
+        setattr(of_motion, name, getattr(event, name, False))
+    return of_motion

@@ -142,6 +142,8 @@ std::vector<Kind> trajectories(const Asked& asked) {
     std::vector<std::string> scenes = builtin_scene_names();
     // formulas call functions of the C library in every step, so that every method would depart without FMA
     std::erase_if(scenes, [](const std::string& name) { return name.starts_with("formulas/"); });
+    // joint_scenes() hashes these
+    std::erase_if(scenes, [](const std::string& name) { return name.starts_with("joints/"); });
     if (!asked.only_scene.empty()) scenes = {asked.only_scene};
     std::vector<std::vector<std::string>> hashes(scenes.size(), std::vector<std::string>(told.size()));
     parallel_for(scenes.size(), asked.threads, [&](std::size_t s) {
@@ -241,6 +243,21 @@ Kind mechanism_ensembles(const Asked& asked) {
     return kind;
 }
 
+/// The method taylor on the scenes of joints, most of which other methods do not support.
+Kind joint_scenes() {
+    Kind kind{"joint_scenes", {}};
+    for (const std::string& name : builtin_scene_names()) {
+        if (!name.starts_with("joints/")) continue;
+        const Problem problem = pose(find_scene(name));
+        Settings settings = bounded_settings(problem);
+        settings.tolerance = 1e-6;
+        Bytes bytes;
+        bytes.add(solve(problem, *find_method("taylor"), settings));
+        kind.hash_of_scene.emplace_back(name, bytes.hash());
+    }
+    return kind;
+}
+
 /// Values at random arguments of the C library functions that polhode calls in binary64.
 Kind libm() {
     using Function = double (*)(double);
@@ -327,6 +344,8 @@ int run(const Asked& asked) {
     std::vector<Kind> kinds = trajectories(asked);
     if (asked.only_scene.empty() && asked.only_method.empty())
         kinds.push_back(ensembles(asked)), kinds.push_back(mechanism_ensembles(asked));
+    if (asked.only_scene.empty() && (asked.only_method.empty() || asked.only_method == "joint_scenes"))
+        kinds.push_back(joint_scenes());
     if (asked.expected.empty()) {
         print(kinds, asked);
         fmt::print("libm 1 {}\n", libm().hash());
@@ -347,7 +366,7 @@ int main(int argc, char** argv) try {
     app.add_option("--expect", asked.expected, "Compare with a file of lines NAME HASH; exit 1 if they differ");
     app.add_flag("--each", asked.each, "Print one line per method and scene: NAME SCENE HASH");
     app.add_option("--scene", asked.only_scene, "Hash only this scene, without ensembles");
-    app.add_option("--method", asked.only_method, "Hash only this method, without ensembles");
+    app.add_option("--method", asked.only_method, "Hash only this method, or joint_scenes, without ensembles");
     CLI11_PARSE(app, argc, argv);
     return polhode::run(asked);
 } catch (const std::exception& error) {

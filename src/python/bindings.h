@@ -164,6 +164,7 @@ class RaisingHere {
 void bind_scenes(py::module_& module);
 void bind_solving(py::module_& module);
 void bind_truth(py::module_& module);
+void bind_contacts(py::module_& module);
 void bind_ensembles(py::module_& module);
 void bind_user_methods(py::module_& module);
 void bind_experiments(py::module_& module);

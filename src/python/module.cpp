@@ -37,6 +37,7 @@ PYBIND11_MODULE(_polhode, module) {
     bind_scenes(module);
     bind_solving(module);
     bind_truth(module);
+    bind_contacts(module);
     bind_ensembles(module);
     bind_user_methods(module);
     bind_experiments(module);

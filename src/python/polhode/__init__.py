@@ -23,6 +23,7 @@ from polhode import symbols
 from polhode._attitudes import BodyMotion
 from polhode._builders import BUILDERS, Builder
 from polhode._checking import Report, check
+from polhode._contacts import ContactEvent, ContactInterval
 from polhode._ensembles import Ensemble, ensemble
 from polhode._errors import Errors, errors
 from polhode._experiments import Results, run
@@ -36,6 +37,8 @@ from polhode._truth import Truth, truth
 
 __all__ = [
     "BodyMotion",
+    "ContactEvent",
+    "ContactInterval",
     "Derivative",
     "Ensemble",
     "Errors",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,6 +15,7 @@ from polhode import _polhode
 from polhode._animation import animate, cell, save
 from polhode._attitudes import Attitudes, BodyMotion, matrices_of
 from polhode._checking import Report, check
+from polhode._contacts import ContactEvent, ContactInterval, contact_events, contact_intervals
 from polhode._errors import Errors, errors
 from polhode._events import check_times, first_terminal, locate_events
 from polhode._html import pairs_html
@@ -180,6 +182,27 @@ class Trajectory(Attitudes):
     def _centers(self) -> Array:
         centers: Array = self._native.scene.centers_of_mass()
         return centers if self.q.ndim > 2 else centers[0]  # type: ignore[no-any-return]
+
+    @cached_property
+    def _contacts(self) -> tuple[list[ContactEvent], list[ContactInterval]]:
+        events, intervals = _polhode.events_of_run(self._native)
+        return contact_events(events), contact_intervals(intervals)
+
+    @property
+    def contact_events(self) -> list[ContactEvent]:
+        """Impacts and changes of contacts with planes, or of joints with friction or limits, by time (method taylor).
+
+        Raises
+        ------
+        InputError
+            If the scene has neither, or if the method does not record events.
+        """
+        return self._contacts[0]
+
+    @property
+    def modes(self) -> list[ContactInterval]:
+        """The modes of the contact with planes over time (method taylor)."""
+        return self._contacts[1]
 
     @property
     def ok(self) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode import _polhode
+from polhode._contacts import ContactEvent, ContactInterval, contact_events, contact_intervals
 from polhode._html import pairs_html
 from polhode._scenes import Scene, SceneLike, scene as make_scene
 from polhode._types import Array
@@ -53,6 +54,8 @@ class Truth:
         self.radii = self._by_column([[n.radius for n in row] for row in rows], bodies) if certified else None
         self.bound: float = float(native.radius) if certified else native.bound
         self.digits: int = native.digits if certified else digits
+        self._contacts: tuple[list[Any], list[Any]] = (
+            ([], []) if certified else _polhode.events_of_truth(native, scene._compiled()))
         numbers = np.array([[float(value) for value in row] for row in values])
         shape = (len(self.t),) if bodies == 1 else (len(self.t), bodies)
         self.q: Array
@@ -70,6 +73,19 @@ class Truth:
                 column if bodies == 1 else [column[k : k + bodies] for k in range(0, len(column), bodies)]
             )
         return by_column
+
+    @property
+    def contact_events(self) -> list[ContactEvent]:
+        """Impacts and changes of contacts with planes, or of joints with friction or limits, by time.
+
+        ``decimal_t`` of each has all digits. Empty if the motion was computed without contact modes.
+        """
+        return contact_events(self._contacts[0])
+
+    @property
+    def modes(self) -> list[ContactInterval]:
+        """The modes of the contact with planes over time."""
+        return contact_intervals(self._contacts[1])
 
     @cached_property
     def mpmath(self) -> dict[str, list[Any]]:

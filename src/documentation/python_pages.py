@@ -79,7 +79,7 @@ def comparison_outputs(pages: Pages, folder: Path, work: Path, program: Path) ->
 
 def notebook_pages(pages: Pages, top: Path, work: Path, program: Path) -> None:
     """Writes the pages of the notebooks; runs a notebook only if it or the module has changed."""
-    notebooks = sorted((top / "experiments/notebooks").glob("*.ipynb"))
+    notebooks = sorted((top / "experiments/notebooks").glob("*.ipynb"), key=lambda path: int(path.stem.split("_")[0]))
     text = ["# Notebooks\n\nThe notebooks of `experiments/notebooks`, run when these pages were built.\n"]
     if not notebooks:
         pages.write("notebooks.md", "# Notebooks\n\nNo notebooks are available.\n")

@@ -254,7 +254,8 @@ class Scene(Block):
     ) -> Scene:
         """Adds a user-defined torque, smooth in its arguments, to a scene of one body.
 
-        The truth is not available for such a scene, and methods that need derivatives report ``unsupported``.
+        The truth is not available for such a scene, and methods that need derivatives report ``unsupported``. The same
+        law as a formula (a load with the key ``formula``, or `polhode.symbols`) has both and is faster.
 
         Parameters
         ----------

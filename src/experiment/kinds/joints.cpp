@@ -11,6 +11,7 @@
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
+#include "experiment/kinds/step_rows.h"
 #include "measure/observed_order.h"
 #include "measure/statistics.h"
 #include "text/decimal.h"
@@ -25,30 +26,6 @@ const Variation* find_varied_parameter(const Plan& plan) {
     const auto many = [](const Variation& v) { return v.values.size() > 1; };
     const std::vector<Variation>& vary = plan.experiment.vary;
     return std::ranges::count_if(vary, many) == 1 ? &*std::ranges::find_if(vary, many) : nullptr;
-}
-
-std::vector<double> all_steps(const Plan& plan) {
-    for (const PlannedCurve& curve : plan.curves)
-        if (curve.kind == SettingKind::step) return curve.settings;
-    return {};
-}
-
-// The error of a run, or its status if it is not `ok`.
-Cell error_cell(const Result& row, const char* measure) {
-    if (row.status != Status::ok) return std::string(name_of(row.status));
-    return cell_of(row.errors[measure].max);
-}
-
-const Result* find_step(const std::vector<const Result*>& rows, double step) {
-    const auto found = std::ranges::find_if(rows, [&](const Result* row) { return row->setting == step; });
-    return found == rows.end() ? nullptr : *found;
-}
-
-std::optional<double> step_nanoseconds(const std::vector<const Result*>& rows) {
-    std::vector<double> all;
-    for (const Result* row : rows)
-        if (const auto seconds = step_seconds(*row)) all.push_back(1e9 * *seconds);
-    return optional_median(all);
 }
 
 // For each scene and method: attitude error, largest joint gap and energy error at each step. The page shows the energy

@@ -49,6 +49,8 @@ std::span<const ExperimentKind> kinds() {
          .keeps_series = true},
         // joint solvers of games and robotics: attitude, gaps and energy at each step
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
+        // one body on planes with friction, by time stepping: position, order, penetration, slip and energy gain
+        {.name = "contact", .reads = all_keys, .conclude = conclude_contact, .one_body = true},
         {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},
         {.name = "mechanism_cost", .reads = {"repeats"}, .make = run_mechanism_cost},
         {.name = "ensembles", .reads = {"repeats"}, .make = run_ensembles},

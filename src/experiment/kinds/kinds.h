@@ -20,6 +20,7 @@ Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows
 Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_engine_joints(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_contact(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows);
 
 /// The follow-up of `speed`: its motions with a closed form over T, 10 T and 100 T, by polhode's methods at their

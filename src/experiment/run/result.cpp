@@ -193,7 +193,10 @@ std::vector<ResultColumn> make_columns() {
     append_errors(all, system_measures());
     all.push_back(column(
         "worst_body", [](auto& r) -> auto& { return r.errors.worst_body; }));
-    for (std::size_t i = first_systems_only; i < all.size(); ++i) all[i].only_systems = true;
+    for (std::size_t i = first_systems_only; i < all.size(); ++i) {
+        all[i].only_systems = true;
+        all[i].only_planes = all[i].name == "position_error_max";
+    }
     append_contact_errors(all);
     all.push_back(column("machine", &Result::machine));
     all.back().only_stored = true;
@@ -202,11 +205,11 @@ std::vector<ResultColumn> make_columns() {
 }
 
 bool includes_column(const ResultColumn& column, TableKind which) {
-    const bool all_scenes = which == TableKind::stored || which == TableKind::all_scenes;
     if (column.only_stored) return which == TableKind::stored;
-    if (column.only_systems) return all_scenes || which == TableKind::systems;
-    if (column.only_planes) return all_scenes || which == TableKind::planes;
-    return true;
+    if (!column.only_systems && !column.only_planes) return true;
+    const bool all_scenes = which == TableKind::stored || which == TableKind::all_scenes;
+    return all_scenes || (column.only_systems && which == TableKind::systems) ||
+           (column.only_planes && which == TableKind::planes);
 }
 
 struct SeriesColumn {

@@ -60,8 +60,8 @@ struct ResultColumn {
     int page_digits = 0;         ///< significant digits there; <= 0: added to the digits of the whole document
     bool is_error = false;
     bool optional = false;      ///< optional when a table is read, because older tables do not have it
-    bool only_systems = false;  ///< only in tables of several bodies
-    bool only_planes = false;   ///< only in tables of scenes with planes
+    bool only_systems = false;  ///< only in tables of several bodies (or of scenes with planes, if only_planes is set)
+    bool only_planes = false;   ///< only in tables of scenes with planes (or of several bodies, if only_systems is set)
     bool only_stored = false;   ///< only in the table of a stored case
 };
 
@@ -88,7 +88,7 @@ enum class TableKind {
 /// newton_failures, order_reductions and error_over_tolerance (largest attitude error in rad over the tolerance, for
 /// runs by tolerance), then those of further tabled measures. Tables of several bodies also have position_error_max,
 /// linear_momentum_error_max, joint_gap_max, joint_turn_max, reaction_error_max and worst_body, tables of scenes with
-/// planes event_time_error_max, penetration_max, slip_error_max and contact_energy_gain.
+/// planes position_error_max, event_time_error_max, penetration_max, slip_error_max and contact_energy_gain.
 std::vector<std::string> result_columns(TableKind which = TableKind::single_bodies);
 std::vector<Cell> result_row(const std::string& experiment, const Result& result,
                              TableKind which = TableKind::single_bodies);

@@ -68,6 +68,7 @@ Table page_of_rows(const Plan& plan, const Table& rows) {
                                      {"joint_gap_max", "joint gap (m)"},
                                      {"joint_turn_max", "joint turn (rad)"},
                                      {"reaction_error_max", "reactions"}});
+    if (has_planes(plan) && !has_systems(plan)) choice.push_back({"position_error_max", "position (m)"});
     if (has_planes(plan))
         choice.insert(choice.end(), {{"event_time_error_max", "event times (s)"},
                                      {"penetration_max", "penetration (m)"},

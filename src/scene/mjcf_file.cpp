@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <set>
 
+#include "scene/mjcf_equality.h"
 #include "scene/mjcf_joints.h"
 #include "scene/mjcf_parts.h"
 #include "scene/robot_parts.h"
@@ -67,10 +68,15 @@ class MjcfReader {
         scale_masses();
         name_bodies();
         joints_.finish();
+        const bool constrains =
+            is_enabled(xml_, *model_.root, "constraint") && is_enabled(xml_, *model_.root, "equality");
+        if (constrains) add_mjcf_equalities(xml_, *model_.root, robot_);
         read_gravity();
         survey_robot(xml_, *model_.root, mjcf_constructs(), robot_.omitted);
-        for (const auto& [path, attached] : library_.attached_models())
+        for (const auto& [path, attached] : library_.attached_models()) {
             survey_robot(xml_, *attached->root, mjcf_constructs(), robot_.omitted);
+            if (constrains) omit_mjcf_equalities(xml_, *attached->root, robot_);
+        }
         return std::move(robot_);
     }
 

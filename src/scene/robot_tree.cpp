@@ -68,6 +68,7 @@ class RobotMerger {
         require_motion();
         if (options_.limits_and_friction) remove_modelled_laws();
         for (const Robot::Coupling& coupling : robot_.couplings) add_coupling(coupling, scene);
+        for (const Robot::Loop& loop : robot_.loops) add_loop(loop, scene);
         for (const Robot::FreeDamping& damping : robot_.free_damping) add_drag(damping, scene);
         if (robot_.gravity_W && !options_.scene_has_gravity) {
             const Vector3<double>& g = *robot_.gravity_W;
@@ -314,6 +315,26 @@ class RobotMerger {
             return note("mimic joints of a joint that has been merged or does not move", coupling.second);
         second->coordinate[0] = coupling.offset, second->dependent = true;
         scene.couplings.push_back({coupling.first, coupling.second, coupling.ratio, coupling.offset});
+    }
+
+    // Names of loops and joints are unique.
+    void add_loop(const Robot::Loop& from, Scene& scene) {
+        const auto is_gone = [&](std::size_t link) { return link != RobotJoint::world && removed_[link]; };
+        if (is_gone(from.first) || is_gone(from.second)) return note("loops of links that have been merged", from.name);
+        const auto name_of = [&](std::size_t link) {
+            return link == RobotJoint::world ? std::string("world") : robot_.links[link].name;
+        };
+        const auto is_taken = [&](const std::string& name) {
+            const auto has_name = [&](const auto& one) { return one.name == name; };
+            return std::ranges::any_of(scene.joints, has_name) || std::ranges::any_of(scene.loops, has_name);
+        };
+        Loop loop;
+        loop.name = from.name;
+        while (is_taken(loop.name)) loop.name += "_";
+        loop.type = LoopType::spherical;
+        loop.first = name_of(from.first), loop.second = name_of(from.second);
+        loop.first_point = round_to_double(from.first_point), loop.second_point = round_to_double(from.second_point);
+        scene.loops.push_back(std::move(loop));
     }
 
     static bool has_law(const RobotJoint& joint) { return joint.friction != 0 || joint.limits.any(); }

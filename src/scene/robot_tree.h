@@ -83,6 +83,13 @@ struct Robot {
         double ratio = 1, offset = 0;
     };
     std::vector<Coupling> couplings;
+    /// A spherical loop: a point of each of two links, in their frames; `second` may be the world.
+    struct Loop {
+        std::string name;
+        std::size_t first = 0, second = 0;
+        Vector3<Wide> first_point, second_point;
+    };
+    std::vector<Loop> loops;
 };
 
 /// Which robot to read from a file, and how.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "scene/robot_parts.h"
+#include "scene/sdf_gears.h"
 #include "scene/sdf_joints.h"
 #include "scene/sdf_tree.h"
 #include "text/message.h"
@@ -61,6 +62,7 @@ class SdfReader {
         for (const SdfEntity& entity : tree_.entities())
             if (entity.kind == SdfKind::joint) read_joint(entity);
         robot_.joints = direct_sdf_joints(xml_, std::move(joints_), robot_);
+        for (const auto& [gearbox, ratio] : gearboxes_) add_sdf_gearbox(gearbox, ratio, robot_);
         read_gravity();
         for (const auto& [what, names] : tree_.omitted()) append(robot_.omitted[what], names);
         for (const auto& [what, names] : tree_.assumed()) append(robot_.assumed[what], names);
@@ -167,6 +169,8 @@ class SdfReader {
             if (touches) robot_.omitted["joints to models that are not imported"].push_back(name);
             return;
         }
+        if (const char* type = entity.at->Attribute("type"); type && std::string_view(type) == "gearbox")
+            return read_gearbox(entity, name, parent, child);
         SdfJoint one{entity.at, read_sdf_joint(xml_, tree_, entity, name, parent, child, robot_)};
         if (parent != SdfTree::world) one.joint.parent = link_index_[parent];
         one.joint.child = child == SdfTree::world ? RobotJoint::world : link_index_[child];
@@ -174,6 +178,22 @@ class SdfReader {
         joints_.push_back(std::move(one));
     }
 
+    std::size_t robot_index(std::size_t link) const {
+        return link == SdfTree::world ? RobotJoint::world : link_index_[link];
+    }
+
+    void read_gearbox(const SdfEntity& entity, const std::string& name, std::size_t parent, std::size_t child) {
+        const std::size_t reference = end_of(entity, "gearbox_reference_body");
+        if (!is_imported(reference)) {
+            robot_.omitted["joints to models that are not imported"].push_back(name);
+            return;
+        }
+        SdfGearbox gearbox{name, robot_index(parent), robot_index(child), robot_index(reference), {}};
+        gearbox.axes_W = {sdf_axis_in_world(xml_, tree_, entity, "axis", robot_),
+                          sdf_axis_in_world(xml_, tree_, entity, "axis2", robot_)};
+        gearboxes_.emplace_back(std::move(gearbox), sdf_gearbox_ratio(xml_, *entity.at));
+        joint_names_.insert(name);
+    }
     // a joint of the world may have the same name as one of a model
     std::string unique_name(std::string name) const {
         while (joint_names_.contains(name)) name.insert(0, "world::");
@@ -209,6 +229,7 @@ class SdfReader {
     std::vector<std::size_t> link_index_;  // index in the robot of each entity
     std::set<std::string> joint_names_;
     std::vector<SdfJoint> joints_;
+    std::vector<std::pair<SdfGearbox, double>> gearboxes_;  // with their ratios
     Robot robot_;
 };
 

@@ -13,6 +13,7 @@
 #include <queue>
 #include <utility>
 
+#include "scene/sdf_gears.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -40,9 +41,7 @@ const SdfJointType& type_of(const RobotXml& xml, const XMLElement& at, const std
         xml.fail(at, fault + ", which is not supported",
                  "give a universal joint if its axes are perpendicular, else two revolute joints with a link with "
                  "mass between");
-    if (type == "screw" || type == "gearbox")
-        xml.fail(at, fault + ", which is not supported",
-                 type == "screw" ? "use a fixed, revolute or prismatic joint" : "use revolute joints without the gear");
+    if (type == "screw") xml.fail(at, fault + ", which is not supported", "use a fixed, revolute or prismatic joint");
     xml.fail(at, fault, fmt::format("give {}", known_types));
 }
 
@@ -83,18 +82,23 @@ void read_laws(const RobotXml& xml, const XMLElement& axis, RobotJoint& joint) {
     if (const std::optional<double> upper = bound("upper"); upper && *upper < none) joint.limits.upper = *upper;
 }
 
-void read_axis(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const XMLElement& at, std::size_t i,
-               const JointFrames& frames, RobotJoint& joint, Robot& robot) {
+// The direction of an <axis> in the world.
+Vector3<Wide> direction_of(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const XMLElement& at,
+                           const JointFrames& frames, const std::string& name, Robot& robot) {
     Vector3<Wide> axis(Wide(0), Wide(0), Wide(1));
     const XMLElement* xyz = xml.optional_child(at, "xyz");
     if (xyz && !sdf_text(*xyz).empty()) {
         axis = cast<Wide>(three_of(xml.content(*xyz, 3)));
         if (axis == Vector3<Wide>()) xml.fail(*xyz, "is zero", "give a direction");
     } else {
-        robot.assumed["axes 0 0 1, SDFormat's default"].push_back(joint.name);
+        robot.assumed["axes 0 0 1, SDFormat's default"].push_back(name);
     }
-    const Quaternion<Wide> turn = axis_frame(xml, tree, entity, at, xyz, frames, robot);
-    joint.axes[i] = rotate_back(frames.child.turn, rotate(turn, axis));
+    return rotate(axis_frame(xml, tree, entity, at, xyz, frames, robot), axis);
+}
+
+void read_axis(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const XMLElement& at, std::size_t i,
+               const JointFrames& frames, RobotJoint& joint, Robot& robot) {
+    joint.axes[i] = rotate_back(frames.child.turn, direction_of(xml, tree, entity, at, frames, joint.name, robot));
     if (i == 0) read_laws(xml, at, joint);
     const XMLElement* dynamics = xml.optional_child(at, "dynamics");
     if (!dynamics) return;
@@ -228,7 +232,15 @@ RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& e
     for (std::size_t i = 0; i < type.axes; ++i)
         read_axis(xml, tree, entity, xml.child(at, i == 0 ? "axis" : "axis2"), i, frames, joint, robot);
     note_unused_axes(xml, at, type, name, robot);
+    add_sdf_mimic(xml, at, name, type.motion, robot);
     return joint;
+}
+
+Vector3<Wide> sdf_axis_in_world(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const char* tag,
+                                Robot& robot) {
+    const auto index = static_cast<std::size_t>(&entity - tree.entities().data());
+    const JointFrames frames{{}, tree.pose_in_world(index)};
+    return direction_of(xml, tree, entity, xml.child(*entity.at, tag), frames, entity.name, robot);
 }
 
 std::vector<RobotJoint> direct_sdf_joints(const RobotXml& xml, std::vector<SdfJoint> joints, Robot& robot) {

@@ -1,4 +1,5 @@
 // The table of MJCF constructs: complete for all versions, and each row's verdict is verified with a document.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
@@ -141,6 +142,17 @@ std::string document_of(const std::string& parent, const std::string& element, c
     const auto lone = [](const std::string& body, const std::string& sections = "") {
         return "<mujoco>" + sections + "<worldbody>" + body + "</worldbody></mujoco>";
     };
+    if (parent == "equality") {
+        const auto missing = [&](const char* name, const char* value) {
+            return attributes.starts_with(name) ? std::string() : fmt::format(" {}='{}'", name, value);
+        };
+        const std::string given = element == "joint"  ? missing("joint1", "h") + missing("joint2", "k")
+                                  : element == "weld" ? missing("body1", "q") + missing("body2", "r")
+                                                      : missing("body1", "q") + missing("anchor", "0 0 0.5");
+        const std::string other = element == "joint" ? "<joint name='k'/>" : "<freejoint/>";
+        return "<mujoco><worldbody><body name='q'><joint name='h'/>" + unit_inertial + "</body><body name='r'>" +
+               other + unit_inertial + "</body></worldbody><equality>" + open + given + "/></equality></mujoco>";
+    }
     if (element == "body") return lone(open + "><joint damping='1'/>" + unit_inertial + "</body>");
     if (element == "frame")
         return lone(open + "><body name='q'><joint/>" + unit_inertial + "</body></frame>",

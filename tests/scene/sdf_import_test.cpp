@@ -455,7 +455,7 @@ TEST(SdfImport, RefusesWhatItCannotMake) {
     const std::pair<std::string, const char*> faults[] = {
         {"<sdf version='1.9'/>", "has no <model> with a link"},
         {typed("screw"), "joint \"j\" has the type \"screw\", which is not supported"},
-        {typed("gearbox"), "joint \"j\" has the type \"gearbox\", which is not supported"},
+        {typed("gearbox"), "has no <gearbox_reference_body>"},
         {typed("revolute2"), "joint \"j\" has the type \"revolute2\", which is not supported"},
         {typed("magic"), "joint \"j\" has the type \"magic\"; give revolute, continuous"},
         {typed("revolute"), "has no <axis>"},

@@ -11,7 +11,7 @@ namespace {
 
 struct Hinge {
     const RobotJoint* joint;
-    double sign;  // of the rotation of the link relative to the reference about the axis, per coordinate
+    double sign;  // -1 if the link rotates backward about the axis for positive rates
 };
 
 // The revolute joint between the reference and a link about an axis.

@@ -122,7 +122,7 @@ TEST(MjcfEquality, WeldFixesAFreeBody) {
     EXPECT_NEAR(weld.parent_orientation.w, 0.8, 1e-16);
     EXPECT_NEAR(weld.parent_orientation.z, 0.6, 1e-16);
     const BodyMotion<double> box = mechanism_initial_motions(scene)[body_named(scene, "box")];
-    // centre of mass (0.1, 0, -0.2) turned by the angle of (0.8, 0, 0, 0.6)
+    // centre of mass (0.1, 0, -0.2) rotated by (0.8, 0, 0, 0.6)
     EXPECT_NEAR(box.position_W[0], 1 + 0.1 * 0.28, 1e-15);
     EXPECT_NEAR(box.position_W[1], 0.1 * 0.96, 1e-15);
     EXPECT_NEAR(box.position_W[2], 1.3, 1e-15);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "body/orientation.h"
 #include "check/error_picture.h"
 #include "check/foreign_table.h"
+#include "check/joint_event_faults.h"
 #include "check/sample_clock.h"
 #include "check/system_search.h"
 #include "integrators/analysis/conditioning.h"
@@ -26,6 +28,10 @@
 
 namespace polhode {
 namespace {
+
+bool has_armature(const Scene& scene) {
+    return std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.armature != std::array{0.0, 0.0}; });
+}
 
 // Lists the columns and blocks that a file of this scene could have but lacks.
 std::string list_missing_blocks(const Scene& scene, const TrajectoryFile& file) {
@@ -196,13 +202,20 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
             return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
         };
         if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
-            if (fails([](std::string_view) { return true; }))
-                checked.remarks.push_back("no diagnosis: friction, limits and couplings of joints are not varied");
+            if (fails([](std::string_view) { return true; })) {
+                checked.diagnosis.faults = joint_event_faults(scene, files[i]);
+                if (checked.diagnosis.faults.empty())
+                    checked.remarks.push_back(
+                        "no diagnosis: no change of friction, limits, couplings and armatures of joints explains the "
+                        "file; other faults are not varied in such a scene");
+            }
         } else if (is_mechanism(scene)) {
             checked.diagnosis = diagnose_system(scene, files[i], explain);
             // in a sound engine that steps bodies separately, joints drift within the limit
             if (!fails([](std::string_view name) { return is_of_joints(name); }))
                 std::erase_if(checked.diagnosis.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
+            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty() && has_armature(scene))
+                checked.diagnosis.faults = joint_event_faults(scene, files[i]);
             if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty())
                 checked.remarks.push_back(explain_missing_system_diagnosis(scene, files[i]));
         } else if (has_formula_loads(scene)) {

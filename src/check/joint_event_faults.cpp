@@ -92,8 +92,8 @@ void add_friction_faults(std::vector<SceneFault>& all, const Scene& scene, std::
     all.push_back({"joint_friction_scaled", of + " is {} times the scene's", "give the engine the joint's friction",
                    [j](Scene& s, double x) { s.joints[j].friction *= x; }, factors()});
     std::vector<double> coefficients;
-    // the damping whose force equals the friction at a rate between 0.01 and 100 rad/s or m/s
-    for (double x = 0.01; x < 200; x *= 4) coefficients.push_back(x * joint.friction);
+    // the damping whose force equals the friction at a speed between 0.01 and 100 rad/s or m/s
+    for (const double x : {0.01, 0.04, 0.16, 0.64, 2.5, 10.0, 40.0, 160.0}) coefficients.push_back(x * joint.friction);
     all.push_back({"joint_friction_viscous",
                    of + " is viscous: {} " + (joint.type == JointType::prismatic ? "N s/m" : "N m s"),
                    "use dry friction, whose force does not depend on the speed",

@@ -110,7 +110,7 @@ Scene gears() {
     return scene;
 }
 
-// The rotors turn by a t^2/2 and k times that, with a = torque / (I_1 + k^2 I_2).
+// The angles are a t^2/2 and k times that, with a = torque / (I_1 + k^2 I_2).
 TrajectoryFile turn(double k) {
     TrajectoryFile file;
     file.bodies = {"rotor", "driven"};

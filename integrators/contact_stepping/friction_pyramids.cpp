@@ -197,7 +197,8 @@ Trajectory solve_friction_pyramids(const Problem& problem, const Settings& setti
 }
 
 constexpr PyramidOptions potra_4{.sides = 4}, potra_8{.sides = 8}, potra_cone{.sides = 0},
-    trinkle_4{.sides = 4, .looks_ahead = true}, trinkle_8{.sides = 8, .looks_ahead = true};
+    trinkle_4{.sides = 4, .looks_ahead = true}, trinkle_8{.sides = 8, .looks_ahead = true},
+    trinkle_cone{.sides = 0, .looks_ahead = true};
 
 std::string stewart_trinkle_refusal(const Problem& problem) {
     for (const Plane& plane : problem.scene.planes)
@@ -247,6 +248,13 @@ constexpr Method friction_pyramids_variants[] = {
      .source = trinkle_source,
      .solve = solve_friction_pyramids<double, trinkle_8>,
      .refusal = stewart_trinkle_refusal},
+    {.name = "stewart_trinkle_cone",
+     .documentation =
+         "`stewart_trinkle_4` with the circular cone: the contacts are solved exactly one by one and iterated "
+         "(Gauss-Seidel) instead of Lemke's method.",
+     .source = trinkle_source,
+     .solve = solve_friction_pyramids<double, trinkle_cone>,
+     .refusal = stewart_trinkle_refusal},
 };
 
 constexpr auto friction_pyramids_binary64_family =
@@ -263,7 +271,8 @@ constexpr auto friction_pyramids_binary64_family =
 constexpr auto friction_pyramids_family =
     with_binary32<friction_pyramids_binary64_family, binary32_refusal, solve_friction_pyramids<float, potra_4>,
                   solve_friction_pyramids<float, potra_8>, solve_friction_pyramids<float, potra_cone>,
-                  solve_friction_pyramids<float, trinkle_4>, solve_friction_pyramids<float, trinkle_8>>();
+                  solve_friction_pyramids<float, trinkle_4>, solve_friction_pyramids<float, trinkle_8>,
+                  solve_friction_pyramids<float, trinkle_cone>>();
 
 }  // namespace
 

@@ -17,6 +17,7 @@
 #include "body/mass_properties.h"
 #include "scene/body_source.h"
 #include "scene/scene.h"
+#include "scene/scene_formulas.h"
 
 namespace polhode::maximal {
 
@@ -191,7 +192,9 @@ class Mechanism {
             link.coordinate[i] = P(joint.coordinate[i]);
         }
         link.rest_orientation = normalized(cast<P>(joint.rest_orientation));
-        if ((link.kind == Kind::revolute || link.kind == Kind::universal) && link.has_spring()) {
+        // formulas may read any angle
+        if ((link.kind == Kind::revolute || link.kind == Kind::universal) &&
+            (link.has_spring() || has_formula_loads(*scene_))) {
             link.angles = turns;
             turns += link.coordinates();
         }

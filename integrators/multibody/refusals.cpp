@@ -12,6 +12,7 @@ namespace polhode::multibody {
 
 std::string mechanism_refusal(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return "";
+    if (is_mechanism(problem.scene)) return "this method does not support loads given by formulas";
     return std::holds_alternative<UserSystem>(problem.system)
                ? "this method supports only scenes of several bodies, not user-defined systems"
                : "this method supports only scenes of several bodies with joints";

@@ -12,6 +12,7 @@
 #include "integrators/run/stiffness.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
+#include "scene/scene_formulas.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -142,8 +143,8 @@ MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_s
     require_in_range(settings);
     if (samples < 1) throw std::invalid_argument("samples must be at least 1");
     constexpr double min_lane_tolerance = 1e-13;
-    if (!scene.loops.empty() || !scene.couplings.empty() || contact::has_joint_events(scene) || !only_starts ||
-        settings.tolerance < min_lane_tolerance)
+    if (!scene.loops.empty() || !scene.couplings.empty() || contact::has_joint_events(scene) ||
+        has_formula_loads(scene) || !only_starts || settings.tolerance < min_lane_tolerance)
         return;
     common_problem_ = pose(scene);
     if (is_stiff(*common_problem_)) common_problem_.reset();

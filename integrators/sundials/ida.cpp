@@ -11,6 +11,8 @@ Trajectory solve_ida(const Problem& problem, const Settings& settings, maximal::
 }
 
 std::string ida_refusal(const Problem& problem) {
+    if (!std::holds_alternative<MechanismSystem>(problem.system) && is_mechanism(problem.scene))
+        return "this method does not support loads given by formulas";
     if (!std::holds_alternative<MechanismSystem>(problem.system))
         return "this method supports only scenes of several bodies";
     for (const Load& load : problem.scene.loads)

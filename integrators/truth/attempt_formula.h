@@ -1,4 +1,4 @@
-// The attempt for one body with formula loads. Each working precision is instantiated in its own file.
+// The attempts for scenes with formula loads. Each working precision is instantiated in its own file.
 #pragma once
 
 #include <vector>
@@ -13,5 +13,12 @@ Attempt attempt_by_formula_series(const Problem& problem, const std::vector<doub
 
 extern template Attempt attempt_by_formula_series<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_formula_series<100>(const Problem&, const std::vector<double>&, double);
+
+/// Several bodies: joint coordinates and maximal coordinates.
+template <unsigned working>
+Attempt attempt_by_formula_mechanism(const Problem& problem, const std::vector<double>& sample_times,
+                                     double local_digits);
+
+extern template Attempt attempt_by_formula_mechanism<50>(const Problem&, const std::vector<double>&, double);
 
 }  // namespace polhode::truth

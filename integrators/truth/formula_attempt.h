@@ -25,19 +25,21 @@ namespace polhode::truth {
 template <class P, class Form>
 class FormulaRun {
     using T = typename SeriesScalar<P>::Type;
+    using Output = Run<P, decltype(std::declval<const Form&>().motion(static_cast<const P*>(nullptr)))>;
 
   public:
-    FormulaRun(const Scene& scene, const std::vector<double>& sample_times, const Scales& scales,
-               const Vector3<double>& moments, const TaylorSettings& settings)
+    /// `blocks`: of the form's state, without the time.
+    FormulaRun(const Scene& scene, const std::vector<double>& sample_times, Form form, std::vector<Block> blocks,
+               const TaylorSettings& settings)
         : scene_(scene),
           settings_(settings),
-          form_(scene),
-          blocks_(form_.blocks(scales, moments)),
+          form_(std::move(form)),
+          blocks_(std::move(blocks)),
           y_(static_cast<std::size_t>(form_.dimension())),
           at_sample_(y_.size()),
           samples_(sample_times) {}
 
-    Run<P> run() {
+    Output run() {
         form_.initial(y_.data());
         const auto enter = [&](const Leg& leg) {
             form_.enter(leg.begin, y_.data());
@@ -60,7 +62,7 @@ class FormulaRun {
     std::vector<Block> blocks_;
     std::vector<P> y_, at_sample_;
     SampleQueue samples_;
-    Run<P> run_;
+    Output run_;
     long switches_ = 0;
 
     bool fail(const std::string& fault, const P& t) {
@@ -134,11 +136,12 @@ Attempt attempt_by_formula_series(const Problem& problem, const std::vector<doub
     const TaylorRuns runs(local_digits, most_taylor_steps);
     const Scene& scene = problem.scene;
     const Vector3<double>& moments = problem.body.principal.moments;
-    auto second = in_thread([&] {
-        return FormulaRun<P, FormulaMomentumForm<P>>(scene, sample_times, problem.scales, moments, runs.coarse).run();
-    });
-    const Run<P> first =
-        FormulaRun<P, FormulaEulerForm<P>>(scene, sample_times, problem.scales, moments, runs.fine).run();
+    const auto run = [&]<class Form>(Form form, const TaylorSettings& settings) {
+        std::vector<Block> blocks = form.blocks(problem.scales, moments);
+        return FormulaRun<P, Form>(scene, sample_times, std::move(form), std::move(blocks), settings).run();
+    };
+    auto second = in_thread([&] { return run(FormulaMomentumForm<P>(scene), runs.coarse); });
+    const Run<P> first = run(FormulaEulerForm<P>(scene), runs.fine);
     const Run<P> other = second.get();
     Attempt attempt = compare_runs(
         problem, sample_times, first, other,

@@ -17,7 +17,7 @@ namespace polhode::truth {
 
 /// Appends a block for each auxiliary. Auxiliaries have any unit and size; their scale grows with their size.
 template <class P>
-void append_auxiliary_blocks(const FormulaTerms<P>& terms, int first, std::vector<Block>& blocks) {
+void append_auxiliary_blocks(const FormulaValues<P>& terms, int first, std::vector<Block>& blocks) {
     for (int k = 0; k < terms.auxiliaries(); ++k) blocks.push_back({first + k, 1, 1});
 }
 

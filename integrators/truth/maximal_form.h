@@ -16,6 +16,29 @@
 
 namespace polhode::truth {
 
+/// The blocks of the state of a mechanism in maximal coordinates. `scales`: estimates over all bodies.
+template <class P>
+std::vector<Block> maximal_blocks(const maximal::System<P>& system, const Scales& scales) {
+    std::vector<Block> all;
+    const maximal::Mechanism<P>& mechanism = system.mechanism();
+    for (int b = 0; b < mechanism.world(); ++b) {
+        const int first = system.place(b);
+        if (first < 0) continue;
+        // the error of w is the error of L divided by the smallest moment
+        const double moment = static_cast<double>(mechanism.bodies[b].least_moment());
+        const double mass = static_cast<double>(mechanism.bodies[b].mass);
+        // centres that do not move have no scale of their own
+        const double reach = static_cast<double>(mechanism.bodies[b].reach());
+        const double velocity = std::max(scales.velocity, scales.angular_velocity * reach);
+        all.push_back({first, 4, 1});
+        all.push_back({first + 4, 3, std::max(scales.position, reach)});
+        all.push_back({first + 7, 3, moment * scales.angular_velocity});
+        all.push_back({first + 10, 3, mass * velocity});
+    }
+    for (int i = system.angles(); i < system.dimension(); ++i) all.push_back({i, 1, 1});
+    return all;
+}
+
 template <class P>
 class MaximalForm : public maximal::System<P> {
     using Base = maximal::System<P>;
@@ -40,26 +63,7 @@ class MaximalForm : public maximal::System<P> {
     }
 
     /// `scales`: estimates over all bodies.
-    std::vector<Block> blocks(const Scales& scales) const {
-        std::vector<Block> all;
-        const maximal::Mechanism<P>& mechanism = this->mechanism();
-        for (int b = 0; b < mechanism.world(); ++b) {
-            const int first = this->place(b);
-            if (first < 0) continue;
-            // the error of w is the error of L divided by the smallest moment
-            const double moment = static_cast<double>(mechanism.bodies[b].least_moment());
-            const double mass = static_cast<double>(mechanism.bodies[b].mass);
-            // centres that do not move have no scale of their own
-            const double reach = static_cast<double>(mechanism.bodies[b].reach());
-            const double velocity = std::max(scales.velocity, scales.angular_velocity * reach);
-            all.push_back({first, 4, 1});
-            all.push_back({first + 4, 3, std::max(scales.position, reach)});
-            all.push_back({first + 7, 3, moment * scales.angular_velocity});
-            all.push_back({first + 10, 3, mass * velocity});
-        }
-        for (int i = this->angles(); i < this->dimension(); ++i) all.push_back({i, 1, 1});
-        return all;
-    }
+    std::vector<Block> blocks(const Scales& scales) const { return maximal_blocks<P>(*this, scales); }
 
     /// The motion of every body, in the scene's order.
     std::vector<Motion<P>> motion(const P* y) const {

@@ -7,6 +7,7 @@
 //   Formulas::closed_form                 from both ends, start checked by a series (attempt_closed_form.cpp)
 //   attempt_contact()                     Taylor series, contact modes with friction (attempt_contact.h)
 //   Formulas::series_with_formula_loads   Taylor series, Euler's equations and world momenta (attempt_formula.h)
+//   Formulas::mechanism_with_formula_loads Taylor series, joint and maximal coordinates (formula_mechanism_attempt.h)
 //   Formulas::series_in_joint_coordinates Taylor series, joint and maximal coordinates (attempt_mechanism.h)
 // Both runs share rounding errors of the mass properties and the initial state, which their difference does not show.
 // SharedData adds these errors to the bound (shared.h).
@@ -66,14 +67,28 @@ bool fits_50_digits(double local_digits) { return local_digits <= 44; }
 constexpr double min_100_digits = 45;
 
 /// Method that computes the motion.
-enum class Formulas { closed_form, series_in_joint_coordinates, collocation, series_with_formula_loads, series };
+enum class Formulas {
+    closed_form,
+    series_in_joint_coordinates,
+    collocation,
+    series_with_formula_loads,
+    mechanism_with_formula_loads,
+    series
+};
 
 Formulas select_formulas(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return Formulas::series_in_joint_coordinates;
+    if (has_formula_loads(problem.scene) && is_mechanism(problem.scene)) return Formulas::mechanism_with_formula_loads;
     if (has_formula_loads(problem.scene)) return Formulas::series_with_formula_loads;
     return prefers_closed_form(problem)  ? Formulas::closed_form
            : is_strongly_damped(problem) ? Formulas::collocation
                                          : Formulas::series;
+}
+
+Attempt refused_attempt(const std::string& why) {
+    Attempt result;
+    result.fault = why;
+    return result;
 }
 
 Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
@@ -93,6 +108,10 @@ Attempt attempt(const Problem& problem, const std::vector<double>& times, double
         case Formulas::series_with_formula_loads:
             return use_50_digits ? truth::attempt_by_formula_series<50>(problem, times, local_digits)
                                  : truth::attempt_by_formula_series<100>(problem, times, local_digits);
+        case Formulas::mechanism_with_formula_loads:
+            if (use_50_digits) return truth::attempt_by_formula_mechanism<50>(problem, times, local_digits);
+            return refused_attempt(
+                "scenes of several bodies with formulas are computed in 50 digits, which do not suffice");
         case Formulas::series:
             break;
     }

@@ -12,6 +12,24 @@
 
 namespace polhode::truth {
 
+/// The blocks of the state of a tree. `scales`: one per component.
+template <class P>
+std::vector<Block> tree_blocks(const Tree<P>& tree, const std::vector<double>& scales) {
+    std::vector<Block> all;
+    for (const polhode::Link<P>& link : tree.links().links) {
+        const auto note = [&](int first, int size) {
+            all.push_back({first, size, scales[static_cast<std::size_t>(first)]});
+        };
+        if (link.kind == LinkJoint::free) {
+            note(link.coordinate, 4), note(link.coordinate + 4, 3);
+            note(link.rate, 3), note(link.rate + 3, 3);
+        } else {
+            note(link.coordinate, link.coordinates()), note(link.rate, link.rates());
+        }
+    }
+    return all;
+}
+
 template <class P>
 class TreeForm {
   public:
@@ -40,21 +58,7 @@ class TreeForm {
     std::vector<Reaction<P>> reactions(const P* y) const { return tree_.reactions(*scene_, y); }
 
     /// `scales`: one per component of y, as from MechanismModel::scales().
-    std::vector<Block> blocks(const std::vector<double>& scales) const {
-        std::vector<Block> all;
-        for (const polhode::Link<P>& link : tree_.links().links) {
-            const auto note = [&](int first, int size) {
-                all.push_back({first, size, scales[static_cast<std::size_t>(first)]});
-            };
-            if (link.kind == LinkJoint::free) {
-                note(link.coordinate, 4), note(link.coordinate + 4, 3);
-                note(link.rate, 3), note(link.rate + 3, 3);
-            } else {
-                note(link.coordinate, link.coordinates()), note(link.rate, link.rates());
-            }
-        }
-        return all;
-    }
+    std::vector<Block> blocks(const std::vector<double>& scales) const { return tree_blocks(tree_, scales); }
     /// The coordinates of each joint, as in Tree.
     std::vector<std::array<P, 2>> joint_coordinates(const P* y) const { return tree_.joint_coordinates(y); }
 

@@ -11,6 +11,7 @@
 #include "body/fast_principal_frame.h"
 #include "integrators/truth/reference.h"
 #include "motion/conserved_by_mechanism.h"
+#include "motion/formula_mechanism.h"
 #include "motion/mechanism.h"
 #include "motion/mechanism_motion.h"
 #include "scene/joint_file.h"
@@ -108,8 +109,7 @@ std::string axis_of(const Joint& joint) {
 // Prints the tree, each child below its parent. Long trees are truncated.
 class Drawing {
   public:
-    Drawing(Report& report, const Problem& problem)
-        : report_(report), scene_(problem.scene), tree_(mechanism_of(problem).tree()) {
+    Drawing(Report& report, const Problem& problem) : report_(report), scene_(problem.scene), tree_(tree_of(problem)) {
         start_.resize(static_cast<std::size_t>(tree_.dimension()));
         tree_.initial(start_.data());
         children_.resize(scene_.bodies.size() + 1);
@@ -178,7 +178,7 @@ std::size_t mobility(const Tree<double>& tree) {
 
 void overview(Report& report, const Problem& problem) {
     const Scene& scene = problem.scene;
-    const Tree<double>& tree = mechanism_of(problem).tree();
+    const Tree<double>& tree = tree_of(problem);
     double mass = 0;
     for (const NamedBody& body : scene.bodies) mass += body.body.mass;
     report.title("Mechanism");
@@ -197,7 +197,7 @@ void overview(Report& report, const Problem& problem) {
 void loops(Report& report, const Problem& problem) {
     const Scene& scene = problem.scene;
     if (scene.loops.empty()) return;
-    const Tree<double>& tree = mechanism_of(problem).tree();
+    const Tree<double>& tree = tree_of(problem);
     report.title("Loops");
     int begin = 0;
     for (std::size_t i = 0; i < scene.loops.size(); ++i) {
@@ -235,13 +235,19 @@ void start(Report& report, const Problem& problem) {
 }
 
 void system_of(Report& report, const Problem& problem) {
-    const Tree<double>& tree = mechanism_of(problem).tree();
+    const Tree<double>& tree = tree_of(problem);
     report.title("System posed");
     report.line("system",
                 fmt::format("{}, {} variables: {} and {}", name_of(problem.needs.system), tree.dimension(),
                             format_count(static_cast<std::size_t>(tree.links().coordinates), "joint coordinate"),
                             format_count(static_cast<std::size_t>(tree.links().rates), "rate")));
+    if (has_formula_loads(problem.scene))
+        report.line("",
+                    fmt::format("and the time, with {} for formulas",
+                                format_count(static_cast<std::size_t>(problem.needs.dimension - tree.dimension() - 1),
+                                             "auxiliary variable")));
     report.line("equations", "articulated-body recursion (Featherstone 2008) in joint coordinates");
+    if (has_formula_loads(problem.scene)) formulas(report, problem);
     if (tree.has_loops())
         report.line("", "loops: multipliers on accelerations; positions and rates are projected after each step");
     std::vector<std::string> events;
@@ -252,7 +258,7 @@ void system_of(Report& report, const Problem& problem) {
 
 void add_omissions(Report& report, const Problem& problem) {
     const Scene& scene = problem.scene;
-    const Links<double>& links = mechanism_of(problem).tree().links();
+    const Links<double>& links = tree_of(problem).links();
     report.title("Omitted, and why");
     const std::size_t full = 13 * scene.bodies.size(), taken = static_cast<std::size_t>(problem.needs.dimension);
     if (full > taken)
@@ -276,7 +282,7 @@ void add_omissions(Report& report, const Problem& problem) {
                     fmt::format("all bodies move in planes normal to {}: taylor's recorded right-hand side omits the "
                                 "terms that are zero",
                                 brief(*normal)));
-    const Tree<double>& tree = mechanism_of(problem).tree();
+    const Tree<double>& tree = tree_of(problem);
     const std::size_t redundant = tree.loop_rows() - tree.independent_loop_rows();
     if (redundant > 0) report.line(format_count(redundant, "loop condition"), "implied by the other conditions");
     const bool all_free = std::ranges::all_of(links.carrier, [](int joint) { return joint < 0; });
@@ -310,7 +316,9 @@ void description::mechanism(Report& report, const Problem& problem) {
     report.line("computed by", std::string(truth_method(problem)) +
                                    " in joint coordinates and, by independent code, in maximal coordinates with "
                                    "multipliers");
-    invariants(report, problem, "none known: loads or joints change energy and momenta");
+    invariants(report, problem,
+               has_formula_loads(problem.scene) ? "none known: symmetries of formulas are not searched"
+                                                : "none known: loads or joints change energy and momenta");
 }
 
 }  // namespace polhode

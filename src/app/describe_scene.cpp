@@ -130,33 +130,16 @@ std::string torque_terms(const Forcing<double>& f) {
     return terms.empty() ? "no torque" : join_with_commas(terms);
 }
 
-// Names, values and switches of formulas.
-void formula_lines(Report& report, const Problem& problem) {
-    std::string names;
-    for (const FormulaParameter& parameter : problem.scene.parameters)
-        names += fmt::format("{}{} = {}", names.empty() ? "" : ", ", parameter.name, number(parameter.value));
-    if (!names.empty()) report.line("parameters", names);
-    for (const FormulaDefinition& definition : problem.scene.let)
-        report.line("let " + definition.name, one_line(definition.formula, 2000));
-    const std::shared_ptr<const FormulaSet> set = compile_formulas(problem.scene, problem.scene.name);
-    std::string switches;
-    for (const formula::Switch& one : set->expression.switches())
-        if (switches.find(one.text) == std::string::npos) switches += (switches.empty() ? "" : "; ") + one.text;
-    report.line("formulas", fmt::format("{} operations, {} auxiliary variables, {}", set->expression.nodes().size(),
-                                        set->auxiliaries.size(), switches.empty() ? "analytic" : "piecewise analytic"));
-    if (!switches.empty()) report.line("switches", one_line(switches, 2000));
-}
-
 void system_posed(Report& report, const Problem& problem) {
     const Needs& needs = problem.needs;
     report.title("System posed");
-    const bool formulas = has_formula_loads(problem.scene);
+    const bool has_formulas = has_formula_loads(problem.scene);
     report.line("system",
-                fmt::format("{}, {} variables", formulas ? "one body with formula loads" : name_of(needs.system),
+                fmt::format("{}, {} variables", has_formulas ? "one body with formula loads" : name_of(needs.system),
                             needs.dimension));
     report.line("equations", equations(needs.system));
-    if (formulas) formula_lines(report, problem);
-    report.line("axes", formulas || problem.body.q_BP == Quaternion<double>{} ? "body axes" : "principal axes");
+    if (has_formulas) description::formulas(report, problem);
+    report.line("axes", has_formulas || problem.body.q_BP == Quaternion<double>{} ? "body axes" : "principal axes");
     report.line("about", problem.body.pivoted ? "the pivot" : "the centre of mass");
     const char* translation = needs.translation == Translation::fixed         ? "none"
                               : needs.translation == Translation::closed_form ? "closed form"
@@ -166,7 +149,7 @@ void system_posed(Report& report, const Problem& problem) {
         report.line("axis e", text(problem.body.axis) + ", in these axes");
     for (const Segment& segment : problem.segments) {
         std::string acts = torque_terms(segment.forcing);
-        if (formulas) acts = acts == "no torque" ? "formulas" : fmt::format("formulas, {}", acts);
+        if (has_formulas) acts = acts == "no torque" ? "formulas" : fmt::format("formulas, {}", acts);
         if (!segment.impulses.empty())
             acts = fmt::format("{} impulse{}, then {}", segment.impulses.size(),
                                segment.impulses.size() == 1 ? "" : "s", acts);

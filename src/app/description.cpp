@@ -10,6 +10,7 @@
 #include "integrators/method.h"
 #include "integrators/run/stiffness.h"
 #include "motion/conserved.h"
+#include "scene/scene_formulas.h"
 
 namespace polhode {
 namespace {
@@ -48,8 +49,9 @@ struct LoadText {
                                                              load.point_frame == Frame::body ? "body" : "world");
         return load.kind == FormulaKind::torque  ? fmt::format("torque {} N m, {}", load.formula, axes)
                : load.kind == FormulaKind::force ? fmt::format("force {} N, {}, {}", load.formula, axes, at)
-               : load.kind == FormulaKind::motor ? fmt::format("motor {}", load.formula)
-                                                 : fmt::format("potential {} J", load.formula);
+               : load.kind == FormulaKind::motor
+                   ? fmt::format("motor of joint \"{}\", {} N m (or N) along its axis", load.joint, load.formula)
+                   : fmt::format("potential {} J", load.formula);
     }
     std::string operator()(const PointSpring& load) const {
         return fmt::format("spring {} N/m from {} m in {} to {} m in {}, rest length {} m", number(load.stiffness),
@@ -87,6 +89,23 @@ void description::choice(Report& report, const Problem& problem) {
         report.line(found.stiff() ? "stiff" : "not stiff",
                     fmt::format("{:.3g} time constants of the fastest decay, {:.3g} rad of rotation", found.decay_times,
                                 found.rotation));
+}
+
+// Names, values and switches of formulas.
+void description::formulas(Report& report, const Problem& problem) {
+    std::string names;
+    for (const FormulaParameter& parameter : problem.scene.parameters)
+        names += fmt::format("{}{} = {}", names.empty() ? "" : ", ", parameter.name, number(parameter.value));
+    if (!names.empty()) report.line("parameters", names);
+    for (const FormulaDefinition& definition : problem.scene.let)
+        report.line("let " + definition.name, one_line(definition.formula, 2000));
+    const std::shared_ptr<const FormulaSet> set = compile_formulas(problem.scene, problem.scene.name);
+    std::string switches;
+    for (const formula::Switch& one : set->expression.switches())
+        if (switches.find(one.text) == std::string::npos) switches += (switches.empty() ? "" : "; ") + one.text;
+    report.line("formulas", fmt::format("{} operations, {} auxiliary variables, {}", set->expression.nodes().size(),
+                                        set->auxiliaries.size(), switches.empty() ? "analytic" : "piecewise analytic"));
+    if (!switches.empty()) report.line("switches", one_line(switches, 2000));
 }
 
 void description::invariants(Report& report, const Problem& problem, const char* without) {

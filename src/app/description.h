@@ -45,6 +45,8 @@ class Report {
 void loads(Report& report, const Scene& scene);
 /// Appends the block on the method that auto selects.
 void choice(Report& report, const Problem& problem);
+/// Appends the lines on parameters, definitions and switches of formulas.
+void formulas(Report& report, const Problem& problem);
 /// Appends the block on invariants of the motion. `without`: the text if no invariant is known.
 void invariants(Report& report, const Problem& problem, const char* without);
 /// How far the conditioning of a scene is computed.

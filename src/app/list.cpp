@@ -148,6 +148,9 @@ std::vector<Entry> formula_entries() {
     for (const formula::QuantityEntry& one : formula::formula_quantities())
         entries.push_back({std::string(one.name),
                            fmt::format("{}{}{}: {}", one.type, one.unit.empty() ? "" : ", ", one.unit, one.about)});
+    for (const formula::QuantityEntry& one : formula::formula_joint_quantities())
+        entries.push_back(
+            {fmt::format("JOINT.{}", one.name), fmt::format("{}, {}: {}", one.type, one.unit, one.about)});
     return entries;
 }
 

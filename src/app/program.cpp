@@ -13,6 +13,7 @@
 #include "experiment/run/versions.h"
 #include "motion/trajectory_columns.h"
 #include "scene/scene.h"
+#include "scene/scene_formulas.h"
 #include "text/atomic_file.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -102,6 +103,8 @@ void require_joint_files(const Scene& scene, const std::string& reactions, const
                          const std::string& output) {
     if (!reactions.empty() && scene.joints.empty() && scene.loops.empty() && scene.planes.empty())
         throw UsageError("--reactions: the scene has neither joints nor loops nor planes; remove the option");
+    if (!reactions.empty() && has_formula_loads(scene))
+        throw UsageError("--reactions: reactions are not available in scenes with formulas; remove the option");
     if (!joints.empty() && scene.joints.empty())
         throw UsageError("--joints: the scene has no joints; remove the option");
     const auto require_two = [](const std::string& first, const char* one, const std::string& second, const char* two) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "integrators/truth/reference.h"
+#include "motion/formula_mechanism.h"
 #include "motion/mechanism.h"
 #include "motion/problem.h"
 #include "scene/joint_file.h"
@@ -98,7 +99,7 @@ Table mechanism_rows_of(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         const Scene scene = find_scene(name);
         const Problem problem = pose(scene);
-        const Tree<double>& tree = mechanism_of(problem).tree();
+        const Tree<double>& tree = tree_of(problem);
         const long equations = long(tree.loop_rows()), independent = long(tree.independent_loop_rows());
         table.rows.push_back({name, scene.about, short_number(scene.duration), long(scene.bodies.size()),
                               types_of(scene.joints), types_of(scene.loops), long(tree.links().rates) - independent,
@@ -128,7 +129,10 @@ std::string scene_index() {
     }
     std::string page = markdown(make_scene_table(plain));
     for (const auto& [folder, names] : mechanisms)
-        page += fmt::format("\n## {}\n\n{}", folder.empty() ? "several bodies" : folder,
+        page += fmt::format("\n## {}\n\n{}",
+                            folder.empty()           ? "several bodies"
+                            : kinds.contains(folder) ? folder + " of several bodies"
+                                                     : folder,
                             markdown(mechanism_rows_of(names)));
     for (const auto& [folder, names] : kinds)
         page += fmt::format("\n## {}\n\n{}", folder, markdown(make_scene_table(names)));

@@ -201,7 +201,10 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
         const auto fails = [&](auto&& is) {
             return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
         };
-        if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
+        if (is_mechanism(scene) && has_formula_loads(scene)) {
+            if (fails([](std::string_view) { return true; }))
+                checked.remarks.push_back("no diagnosis: formulas in scenes with several bodies are not varied");
+        } else if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
             if (fails([](std::string_view) { return true; })) {
                 checked.diagnosis.faults = joint_event_faults(scene, files[i]);
                 if (checked.diagnosis.faults.empty())

@@ -34,6 +34,8 @@ constexpr FunctionEntry function_table[] = {
     {"to_body", "v", "a vector in world axes, converted to body axes"},
     {"to_world", "v", "a vector in body axes, converted to world axes"},
     {"inertia", "v", "I v with the inertia tensor about the centre of mass, body axes"},
+    {"at", "body, point", "position of a point of a body of several, given from its origin in its axes; world axes"},
+    {"velocity_at", "body, point", "velocity of a point of a body of several; world axes"},
     {"rotation_error", "q0", "2 sign(r_w) (r_x, r_y, r_z) of r = q0* q, body axes; switches at r_w = 0"},
     {"rotation_vector", "q0", "axis times angle of r = q0* q, rad, body axes; undefined at r = 1; switches at r_w = 0"},
 };
@@ -49,9 +51,17 @@ constexpr QuantityEntry quantity_table[] = {
     {"pi", "scalar", "", "ratio of a circle's circumference to its diameter"},
 };
 
+constexpr QuantityEntry joint_table[] = {
+    {"angle", "scalar", "rad", "angle of a revolute joint, including full revolutions"},
+    {"rate", "scalar", "rad/s", "rate of the angle"},
+    {"displacement", "scalar", "m", "displacement of a prismatic joint"},
+    {"speed", "scalar", "m/s", "rate of the displacement"},
+};
+
 }  // namespace
 
 std::span<const FunctionEntry> formula_functions() { return function_table; }
 std::span<const QuantityEntry> formula_quantities() { return quantity_table; }
+std::span<const QuantityEntry> formula_joint_quantities() { return joint_table; }
 
 }  // namespace polhode::formula

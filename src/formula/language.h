@@ -25,7 +25,10 @@ struct QuantityEntry {
 /// All functions, in the order of the reference page.
 std::span<const FunctionEntry> formula_functions();
 
-/// The quantities of a scene of one body.
+/// The quantities of a scene of one body. In a scene of several bodies, those of a body are written NAME.w, NAME.p, ..
 std::span<const QuantityEntry> formula_quantities();
+
+/// The quantities of a joint of one degree of freedom, written NAME.angle, NAME.rate, ..
+std::span<const QuantityEntry> formula_joint_quantities();
 
 }  // namespace polhode::formula

@@ -367,10 +367,23 @@ class Parser {
                 return {found->second, nullptr, token.begin, previous_end()};
             }
         }
+        if (is_symbol(".") && at_ + 1 < tokens_.size()) fail_unknown_member(token);
         if (token.text == "pi") return scalar_term(e_.pi(), token.begin);
         if (const auto found = scope_.names.find(token.text); found != scope_.names.end())
             return {found->second, nullptr, token.begin, token.end};
         fail_unknown(token);
+    }
+    // Fails if the scope knows members of the name, but not this one.
+    void fail_unknown_member(const Token& token) const {
+        const std::string prefix = fmt::format("{}.", token.text);
+        std::vector<std::string> members;
+        for (auto name = scope_.names.lower_bound(prefix); name != scope_.names.end(); ++name) {
+            if (!name->first.starts_with(prefix)) break;
+            members.push_back(name->first.substr(prefix.size()));
+        }
+        if (members.empty() || scope_.names.contains(token.text)) return;
+        fail(tokens_[at_ + 1], fmt::format("{} has no quantity {}", quote(token.text), quote(tokens_[at_ + 1].text)),
+             "give one of " + join_with_commas(members));
     }
     [[noreturn]] void fail_unknown(const Token& token) const {
         for (const FunctionEntry& function : formula_functions())
@@ -397,23 +410,29 @@ class Parser {
         if (entry == functions.end()) fail_unknown_function(name);
         take();
         Call call{name, {}, fmt::format("{}({})", entry->name, entry->arguments)};
-        std::string table;
-        if (name.text == "table") table = table_name(call);
+        std::string first;  // a name as the first argument
+        if (name.text == "table") first = table_name(call);
+        if (name.text == "at" || name.text == "velocity_at") first = body_name(call);
         if (!is_symbol(")")) do
                 call.arguments.push_back(disjunction());
             while (take_symbol(","));
         require_symbol(")", "close the bracket");
         const std::size_t expected =
-            static_cast<std::size_t>(std::ranges::count(entry->arguments, ',')) + (table.empty() ? 1 : 0);
+            static_cast<std::size_t>(std::ranges::count(entry->arguments, ',')) + (first.empty() ? 1 : 0);
         if (call.arguments.size() != expected)
             fail(name,
-                 fmt::format("\"{}\" has {} argument{}", name.text, call.arguments.size() + (table.empty() ? 0 : 1),
-                             call.arguments.size() + (table.empty() ? 0 : 1) == 1 ? "" : "s"),
+                 fmt::format("\"{}\" has {} argument{}", name.text, call.arguments.size() + (first.empty() ? 0 : 1),
+                             call.arguments.size() + (first.empty() ? 0 : 1) == 1 ? "" : "s"),
                  "write " + call.in);
-        if (!table.empty()) {
+        if (name.text == "table") {
             const int x = scalar(call.arguments[0], call.in);
             return scalar_term(
-                table_nodes(e_, scope_.tables.find(table)->second, x, text_of(name.begin, previous_end())), name.begin);
+                table_nodes(e_, scope_.tables.find(first)->second, x, text_of(name.begin, previous_end())), name.begin);
+        }
+        if (!first.empty()) {
+            const Value point = typed(call.arguments[0], Type::vector, call.in);
+            return {point_function(call, scope_.bodies.find(first)->second, point), nullptr, name.begin,
+                    previous_end()};
         }
         Term result = apply(call);
         result.begin = name.begin, result.end = previous_end();
@@ -443,6 +462,31 @@ class Parser {
         }
         require_symbol(",", "write table(name, x)");
         return std::string(token.text);
+    }
+    std::string body_name(const Call& call) {
+        const Token token = take();
+        if (token.kind != Token::Kind::name && token.kind != Token::Kind::quoted)
+            fail(token, fmt::format("{} needs the name of a body", call.name.text), "write " + call.in);
+        if (scope_.bodies.empty())
+            fail(call.name, fmt::format("{} is available in scenes of several bodies only", quote(call.name.text)),
+                 "use p, v and to_world");
+        if (scope_.bodies.find(token.text) == scope_.bodies.end()) {
+            std::vector<std::string> candidates;
+            for (const auto& [name, body] : scope_.bodies) candidates.push_back(name);
+            const std::string meant = did_you_mean(token.text, candidates);
+            fail(token, fmt::format("unknown body {}", quote(token.text)),
+                 !meant.empty() ? meant : "give the name of a body");
+        }
+        require_symbol(",", ("write " + call.in).c_str());
+        return std::string(token.text);
+    }
+    // The position p + R (x - c), or the velocity v + R (w x (x - c)), of the point x of a body with centre of mass c.
+    Value point_function(const Call& call, const BodyScope& body, const Value& point) {
+        const bool is_position = call.name.text == "at";
+        const Value arm = componentwise(point, body.center, &Expression::subtract);
+        const Value& start = is_position ? body.position : body.velocity;
+        const Value in_body = is_position ? arm : cross_product(e_, body.angular_velocity, arm);
+        return componentwise(start, multiply_matrix(e_, body.axes, in_body, false), &Expression::add);
     }
     Term apply(const Call& call) {
         const std::string_view name = call.name.text;

@@ -38,10 +38,21 @@ struct TableData {
     bool cubic = false;  ///< piecewise cubic, monotone between points, with a continuous derivative; else linear
 };
 
+/// The motion of one of several bodies, for the position and the velocity of a point of it.
+struct BodyScope {
+    Value position;             ///< centre of mass, world axes
+    Value velocity;             ///< centre of mass, world axes
+    Value angular_velocity;     ///< body axes
+    Value center;               ///< from the body's origin to the centre of mass, body axes
+    std::array<int, 9> axes{};  ///< body axes to world axes, row by row
+};
+
 /// What the names in a formula mean.
 struct Scope {
     std::map<std::string, Value, std::less<>> names;  ///< quantities, parameters and definitions
     std::map<std::string, TableData, std::less<>> tables;
+    /// For at and velocity_at: bodies by name. Empty: these functions are not available.
+    std::map<std::string, BodyScope, std::less<>> bodies;
     /// For to_body, to_world and the rotation functions: the attitude. Empty: these functions are not available.
     std::vector<int> attitude;
     /// For inertia(v): the tensor about the centre of mass, row by row, body axes. Empty: not available.

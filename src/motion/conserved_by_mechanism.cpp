@@ -254,6 +254,8 @@ std::optional<V3> plane_of_motion(const Problem& problem) {
     const Scene& scene = problem.scene;
     for (std::size_t b = 0; b < scene.bodies.size(); ++b)
         if (is_free_base(scene, b)) return std::nullopt;
+    // formulas may push the bodies out of the plane
+    if (!std::holds_alternative<MechanismSystem>(problem.system)) return std::nullopt;
     const MechanismModel& model = mechanism_of(problem);
     std::vector<double> y(static_cast<std::size_t>(model.dimension()));
     model.initial(y.data());

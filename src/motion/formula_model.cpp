@@ -135,7 +135,9 @@ const FormulaModel& formula_model_of(const Problem& problem) {
 }
 
 bool has_switches(const Problem& problem) {
-    return has_formula_loads(problem.scene) && formula_model_of(problem).has_switches();
+    if (!has_formula_loads(problem.scene)) return false;
+    return is_mechanism(problem.scene) ? formula_mechanism_of(problem).has_switches()
+                                       : formula_model_of(problem).has_switches();
 }
 
 template double formula_potential(const Scene&, double, const Quaternion<double>&, const Vector3<double>&);

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "motion/formula_body.h"
+#include "motion/formula_mechanism.h"
 #include "motion/problem.h"
 #include "motion/user_system.h"
 
@@ -61,10 +64,10 @@ class FormulaModel {
 /// Replaces the system of a posed problem of one body by the one with the scene's formula loads.
 void pose_formula_loads(Problem& problem);
 
-/// The model of a problem with formula loads (has_formula_loads(problem.scene)).
+/// The model of a problem of one body with formula loads (has_formula_loads(problem.scene)).
 const FormulaModel& formula_model_of(const Problem& problem);
 
-/// Whether the scene has formula loads that switch.
+/// Whether the scene, of one or several bodies, has formula loads that switch.
 bool has_switches(const Problem& problem);
 
 /// The System of a problem with formula loads for methods that use recorded equations or locate switching points. Its
@@ -75,34 +78,63 @@ class FormulaSystem {
     static constexpr int dimension = run_time;
     static constexpr bool about_axis = false, has_translation = false;
 
-    explicit FormulaSystem(const Problem& problem) : model_(formula_model_of(problem)) {}
+    explicit FormulaSystem(const Problem& problem) : model_(model_of(problem)) {}
 
-    int size() const { return model_.dimension(); }
-    void initial(double* y) const { model_.initial(y); }
+    int size() const {
+        return std::visit([](const auto& model) { return model.dimension(); }, model_);
+    }
+    void initial(double* y) const {
+        std::visit([&](const auto& model) { model.initial(y); }, model_);
+    }
     bool enter(const Segment& segment, double* y) {
-        model_.enter(segment.begin, y);
+        std::visit([&](auto& model) { model.enter(segment.begin, y); }, model_);
         return true;
     }
     template <class S>
     void derivative(double, const S* y, S* dy) const {
-        model_.derivative(y, dy);
+        std::visit([&](const auto& model) { model.derivative(y, dy); }, model_);
     }
     Moment motion(double t, const double* y) const {
-        Moment moment{model_.motion(y), {}};
+        Moment moment{std::visit([&](const auto& model) { return model.motion(y); }, model_), {}};
         for (Sample& body : moment.samples) body.t = t;
         return moment;
     }
-    bool projects() const { return model_.has_auxiliaries(); }
-    void project(double* y) const { model_.refresh(y); }
-    std::vector<SwitchOf<double>> switching_points() const { return model_.switching_points(); }
-    std::string cross_switch(std::size_t which, double* y) { return model_.cross_switch(which, y); }
+    bool projects() const {
+        return std::visit(
+            [](const auto& model) {
+                if constexpr (requires { model.projects(); }) return model.projects() || model.has_auxiliaries();
+                return model.has_auxiliaries();
+            },
+            model_);
+    }
+    void project(double* y) const {
+        std::visit(
+            [&](const auto& model) {
+                if constexpr (requires { model.project(y); })
+                    if (model.projects()) model.project(y);
+                model.refresh(y);
+            },
+            model_);
+    }
+    std::vector<SwitchOf<double>> switching_points() const {
+        return std::visit([](const auto& model) { return model.switching_points(); }, model_);
+    }
+    std::string cross_switch(std::size_t which, double* y) {
+        return std::visit([&](auto& model) { return model.cross_switch(which, y); }, model_);
+    }
     void scales(double* scales) const {
-        const std::vector<double> s = model_.scales();
+        const std::vector<double> s = std::visit([](const auto& model) { return model.scales(); }, model_);
         std::copy(s.begin(), s.end(), scales);
     }
 
   private:
-    FormulaModel model_;
+    using Model = std::variant<FormulaModel, FormulaMechanismModel>;
+    Model model_;
+
+    static Model model_of(const Problem& problem) {
+        if (is_mechanism(problem.scene)) return formula_mechanism_of(problem);
+        return formula_model_of(problem);
+    }
 };
 
 }  // namespace polhode

@@ -14,7 +14,7 @@ P formula_potential(const Scene& scene, double t, const Quaternion<P>& q, const 
     FormulaTerms<P> terms(compile_formulas(scene, scene.name), scene, exact_body<P>(scene),
                           mass_properties<P>(scene.body).inertia);
     terms.enter(t);
-    return terms.potential({P(t), Vector3<P>(), q, p_W, Vector3<P>()});
+    return terms.potential(FormulaState<P>(P(t), Vector3<P>(), q, p_W, Vector3<P>()));
 }
 
 extern template double formula_potential(const Scene&, double, const Quaternion<double>&, const Vector3<double>&);

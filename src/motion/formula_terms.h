@@ -1,6 +1,7 @@
-// The formula loads of one body over any scalar: force and torque from time and state.
+// The formula loads of a scene over any scalar: forces and torques from time and state.
 //
-// FormulaTerms<P> contains the constants in the scalar P. A system that uses it has, after its own state, the time and
+// FormulaValues<P> contains the constants in the scalar P, FormulaTerms<P> also the points of application on one body
+// (several bodies: formula_tree.h). A system that uses them has, after its own state, the time and
 // one variable per auxiliary node (formula/evaluate.h). Numbers compute transcendental functions directly and give the
 // auxiliaries the rate zero; only recorded equations read them. update_auxiliaries() sets them to their values: at the
 // start, at events, and after each step of methods that use recorded equations.
@@ -60,36 +61,26 @@ std::vector<P> formula_constants(const Scene& scene, const ExactBody<P>& body, c
     return constants;
 }
 
+/// The values of a scene's formulas, the loads that act, and the signs of the switches. A state is any type whose
+/// member `input` lists the inputs of the expression.
 template <class P>
-class FormulaTerms {
+class FormulaValues {
   public:
-    FormulaTerms(std::shared_ptr<const FormulaSet> set, const Scene& scene, const ExactBody<P>& body,
-                 const Matrix3<P>& center_inertia)
+    /// `constants`: those of the expression, in order.
+    FormulaValues(std::shared_ptr<const FormulaSet> set, const std::vector<P>& constants)
         : set_(std::move(set)),
-          uniform_(
-              formula::compute_uniform_values<P>(set_->expression, formula_constants<P>(scene, body, center_inertia))),
-          pivoted_(body.pivoted),
-          signs_(set_->expression.switches().size(), 0) {
-        for (const FormulaTerm& term : set_->terms) {
-            const FormulaLoad& load = term.load;
-            const Vector3<P> point = cast<P>(load.point);
-            arms_.push_back(!load.has_point                    ? body.arm
-                            : load.point_frame == Frame::world ? point
-                                                               : point - body.origin);
-        }
-    }
-    /// The same terms with constants rounded to P.
+          uniform_(formula::compute_uniform_values<P>(set_->expression, constants)),
+          signs_(set_->expression.switches().size(), 0) {}
+    /// The same values with constants rounded to P.
     template <class From>
-    explicit FormulaTerms(const FormulaTerms<From>& other)
+    explicit FormulaValues(const FormulaValues<From>& other)
         : set_(other.set_),
-          pivoted_(other.pivoted_),
           acting_(other.acting_),
           needed_(other.needed_),
           signs_(other.signs_),
           needed_by_signs_(other.needed_by_signs_),
           active_(other.active_) {
         for (const From& x : other.uniform_) uniform_.push_back(P(x));
-        for (const Vector3<From>& arm : other.arms_) arms_.push_back(cast<P>(arm));
     }
 
     const FormulaSet& set() const { return *set_; }
@@ -123,7 +114,8 @@ class FormulaTerms {
         find_active();
     }
     /// Sets the signs of all switches to those of the values at a state.
-    void set_signs(const FormulaState<P>& state) {
+    template <class State>
+    void set_signs(const State& state) {
         const formula::Evaluation<P, P> values = evaluate<P>(state, nullptr);
         for (std::size_t i = 0; i < signs_.size(); ++i) {
             const formula::Switch& one = set_->expression.switches()[i];
@@ -154,8 +146,8 @@ class FormulaTerms {
 
     /// All values at a state. `auxiliaries`: their values, read only if S has no value itself. The branches are those
     /// of the current signs if S has no value, or if `by_signs` is set.
-    template <class S>
-    formula::Evaluation<S, P> evaluate(const FormulaState<S>& state, [[maybe_unused]] const S* auxiliaries,
+    template <class S, class State>
+    formula::Evaluation<S, P> evaluate(const State& state, [[maybe_unused]] const S* auxiliaries,
                                        bool by_signs = formula::TracedScalar<S>) const {
         formula::Evaluation<S, P> values(set_->expression, uniform_, by_signs ? needed_by_signs_ : needed_,
                                          by_signs ? signs_.data() : nullptr);
@@ -170,6 +162,106 @@ class FormulaTerms {
         return values;
     }
 
+    /// The rates of the auxiliaries, from the values at a state and the rates of the state.
+    template <class S, class State>
+    void auxiliary_rates([[maybe_unused]] const State& rates, [[maybe_unused]] const formula::Evaluation<S, P>& values,
+                         S* to) const {
+        const std::size_t count = set_->auxiliaries.size();
+        if constexpr (formula::TracedScalar<S>) {
+            if (count == 0) return;
+            const std::vector<S> all = values.compute_rates(rates.input.data());
+            for (std::size_t k = 0; k < count; ++k) to[k] = all[static_cast<std::size_t>(set_->auxiliaries[k])];
+        } else {
+            for (std::size_t k = 0; k < count; ++k) to[k] = S(0);
+        }
+    }
+
+    /// The auxiliaries at a state; zero where no load that acts depends on them.
+    template <class State>
+    void update_auxiliaries(const State& state, P* to) const {
+        if (set_->auxiliaries.empty()) return;
+        const formula::Evaluation<P, P> values = evaluate<P>(state, nullptr, true);
+        for (std::size_t k = 0; k < set_->auxiliaries.size(); ++k) {
+            const int node = set_->auxiliaries[k];
+            to[k] = needed_by_signs_[static_cast<std::size_t>(node)] ? values.value(node) : P(0);
+        }
+    }
+
+    /// The sum of the potentials that act, J.
+    template <class State>
+    P potential(const State& state) const {
+        std::vector<int> outputs;
+        for (const std::size_t i : acting_)
+            if (set_->terms[i].potential != formula::no_node) outputs.push_back(set_->terms[i].potential);
+        P sum(0);
+        if (outputs.empty()) return sum;
+        const std::vector<char> needed = formula::find_needed(set_->expression, outputs);
+        formula::Evaluation<P, P> values(set_->expression, uniform_, needed, nullptr);
+        values.compute(state.input.data());
+        for (const int node : outputs) sum += values.value(node);
+        return sum;
+    }
+
+    /// By node: whether an acting load depends on it, on any branch.
+    const std::vector<char>& needed() const { return needed_; }
+
+  private:
+    template <class Other>
+    friend class FormulaValues;
+
+    std::shared_ptr<const FormulaSet> set_;
+    std::vector<P> uniform_;
+    std::vector<std::size_t> acting_;    ///< terms
+    std::vector<char> needed_;           ///< by node: whether an acting load depends on it, on any branch
+    std::vector<signed char> signs_;     ///< by switch
+    std::vector<char> needed_by_signs_;  ///< by node: whether an acting load depends on it, on the current branches
+    std::vector<int> active_;            ///< switches of the current branches
+
+    std::vector<int> outputs() const {
+        std::vector<int> all;
+        for (const std::size_t i : acting_) {
+            const FormulaTerm& term = set_->terms[i];
+            all.insert(all.end(), term.value.begin(), term.value.begin() + term.components());
+            if (term.load.kind == FormulaKind::potential)
+                all.insert(all.end(), term.torque_B.begin(), term.torque_B.end());
+        }
+        return all;
+    }
+    void find_active() {
+        const formula::Expression& e = set_->expression;
+        needed_by_signs_ = formula::find_needed(e, outputs(), signs_.data());
+        active_.clear();
+        for (std::size_t i = 0; i < needed_by_signs_.size(); ++i) {
+            const formula::Node& node = e.nodes()[i];
+            if (!needed_by_signs_[i] || node.operation != formula::Operation::choose) continue;
+            if (e.is_uniform(e.switches()[static_cast<std::size_t>(node.a)].argument)) continue;
+            if (std::ranges::find(active_, node.a) == active_.end()) active_.push_back(node.a);
+        }
+        std::ranges::sort(active_);
+    }
+};
+
+/// The formula loads of one body.
+template <class P>
+class FormulaTerms : public FormulaValues<P> {
+  public:
+    FormulaTerms(std::shared_ptr<const FormulaSet> set, const Scene& scene, const ExactBody<P>& body,
+                 const Matrix3<P>& center_inertia)
+        : FormulaValues<P>(std::move(set), formula_constants<P>(scene, body, center_inertia)), pivoted_(body.pivoted) {
+        for (const FormulaTerm& term : this->set().terms) {
+            const FormulaLoad& load = term.load;
+            const Vector3<P> point = cast<P>(load.point);
+            arms_.push_back(!load.has_point                    ? body.arm
+                            : load.point_frame == Frame::world ? point
+                                                               : point - body.origin);
+        }
+    }
+    /// The same terms with constants rounded to P.
+    template <class From>
+    explicit FormulaTerms(const FormulaTerms<From>& other) : FormulaValues<P>(other), pivoted_(other.pivoted_) {
+        for (const Vector3<From>& arm : other.arms_) arms_.push_back(cast<P>(arm));
+    }
+
     /// The sum of all loads that act.
     template <class S>
     FormulaWrench<S> wrench(const FormulaState<S>& state, const formula::Evaluation<S, P>& values) const {
@@ -178,8 +270,8 @@ class FormulaTerms {
         const auto vector = [&](const std::array<int, 3>& node) {
             return Vector3<S>(values.value(node[0]), values.value(node[1]), values.value(node[2]));
         };
-        for (const std::size_t i : acting_) {
-            const FormulaTerm& term = set_->terms[i];
+        for (const std::size_t i : this->acting()) {
+            const FormulaTerm& term = this->set().terms[i];
             const FormulaLoad& load = term.load;
             const Vector3<S> value = vector(term.value);
             if (load.kind == FormulaKind::torque) {
@@ -203,80 +295,12 @@ class FormulaTerms {
         return sum;
     }
 
-    /// The rates of the auxiliaries, from the values at a state and the rates of the state.
-    template <class S>
-    void auxiliary_rates([[maybe_unused]] const FormulaState<S>& rates,
-                         [[maybe_unused]] const formula::Evaluation<S, P>& values, S* to) const {
-        const std::size_t count = set_->auxiliaries.size();
-        if constexpr (formula::TracedScalar<S>) {
-            if (count == 0) return;
-            const std::vector<S> all = values.compute_rates(rates.input.data());
-            for (std::size_t k = 0; k < count; ++k) to[k] = all[static_cast<std::size_t>(set_->auxiliaries[k])];
-        } else {
-            for (std::size_t k = 0; k < count; ++k) to[k] = S(0);
-        }
-    }
-
-    /// The auxiliaries at a state; zero where no load that acts depends on them.
-    void update_auxiliaries(const FormulaState<P>& state, P* to) const {
-        if (set_->auxiliaries.empty()) return;
-        const formula::Evaluation<P, P> values = evaluate<P>(state, nullptr, true);
-        for (std::size_t k = 0; k < set_->auxiliaries.size(); ++k) {
-            const int node = set_->auxiliaries[k];
-            to[k] = needed_by_signs_[static_cast<std::size_t>(node)] ? values.value(node) : P(0);
-        }
-    }
-
-    /// The sum of the potentials that act, J.
-    P potential(const FormulaState<P>& state) const {
-        std::vector<int> outputs;
-        for (const std::size_t i : acting_)
-            if (set_->terms[i].potential != formula::no_node) outputs.push_back(set_->terms[i].potential);
-        P sum(0);
-        if (outputs.empty()) return sum;
-        const std::vector<char> needed = formula::find_needed(set_->expression, outputs);
-        formula::Evaluation<P, P> values(set_->expression, uniform_, needed, nullptr);
-        values.compute(state.input.data());
-        for (const int node : outputs) sum += values.value(node);
-        return sum;
-    }
-
   private:
     template <class Other>
     friend class FormulaTerms;
 
-    std::shared_ptr<const FormulaSet> set_;
-    std::vector<P> uniform_;
     std::vector<Vector3<P>> arms_;  ///< by term: from the pivot or the centre of mass, body axes, or a world point
     bool pivoted_ = false;
-    std::vector<std::size_t> acting_;    ///< terms
-    std::vector<char> needed_;           ///< by node: whether an acting load depends on it, on any branch
-    std::vector<signed char> signs_;     ///< by switch
-    std::vector<char> needed_by_signs_;  ///< by node: whether an acting load depends on it, on the current branches
-    std::vector<int> active_;            ///< switches of the current branches
-
-    std::vector<int> outputs() const {
-        std::vector<int> all;
-        for (const std::size_t i : acting_) {
-            const FormulaTerm& term = set_->terms[i];
-            all.insert(all.end(), term.value.begin(), term.value.end());
-            if (term.load.kind == FormulaKind::potential)
-                all.insert(all.end(), term.torque_B.begin(), term.torque_B.end());
-        }
-        return all;
-    }
-    void find_active() {
-        const formula::Expression& e = set_->expression;
-        needed_by_signs_ = formula::find_needed(e, outputs(), signs_.data());
-        active_.clear();
-        for (std::size_t i = 0; i < needed_by_signs_.size(); ++i) {
-            const formula::Node& node = e.nodes()[i];
-            if (!needed_by_signs_[i] || node.operation != formula::Operation::choose) continue;
-            if (e.is_uniform(e.switches()[static_cast<std::size_t>(node.a)].argument)) continue;
-            if (std::ranges::find(active_, node.a) == active_.end()) active_.push_back(node.a);
-        }
-        std::ranges::sort(active_);
-    }
 };
 
 /// A component of the state at whose threshold the equations switch, and its side: -1 or 1, or 0 if it stays there.
@@ -289,7 +313,7 @@ struct SwitchOf {
 
 /// The active switches. `first`: index of the first auxiliary.
 template <class P>
-std::vector<SwitchOf<P>> switches_of(const FormulaTerms<P>& terms, int first) {
+std::vector<SwitchOf<P>> switches_of(const FormulaValues<P>& terms, int first) {
     std::vector<SwitchOf<P>> all;
     for (const int which : terms.active_switches())
         all.push_back({first + terms.switch_auxiliary(which), terms.switch_threshold(which), terms.sign(which)});

@@ -152,7 +152,7 @@ void pose_translation(Problem& problem) {
 Problem pose(const Scene& scene, Formulation formulation) {
     if (is_mechanism(scene)) {
         refuse_parts_of_one_body(scene);
-        return pose_mechanism(scene);
+        return has_formula_loads(scene) ? pose_formula_mechanism(scene) : pose_mechanism(scene);
     }
     refuse_parts_of_several_bodies(scene);
     Problem problem;

@@ -165,6 +165,13 @@ class Tree {
     /// Computes the accelerations of all links into `at`, and the derivatives of the rates into dy.
     template <class S>
     void accelerate(const S* y, TreeWork<S>& at, S* dy) const;
+    /// dy/dt under further loads. `add_loads(at)` adds them to the forces of the links, after their world poses have
+    /// been computed. work<S>() then has the poses and the accelerations of the links; these do not include gravity.
+    template <class S, class AddLoads>
+    void derivative_with(const S* y, S* dy, const AddLoads& add_loads) const;
+    /// Adds a torque about the link's origin and a force, both in link axes, to those that act on a link.
+    template <class S>
+    static void add_load(TreeWork<S>& at, int link, const Pair6<S>& load);
     /// The motion of every body, in the scene's order. The quaternions are not normalised.
     template <class S>
     std::vector<BodyMotion<S>> motions(const S* y) const;
@@ -233,6 +240,8 @@ class Tree {
     void articulate_with_armature(TreeWork<S>& at) const;
     template <class S>
     void compute_accelerations(TreeWork<S>& at, S* rates) const;
+    template <class S>
+    void solve_accelerations(TreeWork<S>& at, S* dy) const;
     template <class S>
     void respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const;
     template <class S>

@@ -2,9 +2,9 @@
 //
 // accelerate() evaluates the articulated-body recursion (Featherstone 2008, ch. 7; motion/articulated.h): move()
 // computes relative poses, velocities and bias accelerations, see() world poses, load() applied forces, articulate()
-// runs from the leaves to the root, compute_accelerations() from the root to the leaves. With loops (tree_loops.h), the
-// multipliers lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the accelerations without loops, and then
-// correct them. coordinate_rates() computes the rates of the coordinates.
+// runs from the leaves to the root, compute_accelerations() from the root to the leaves (both: solve_accelerations()).
+// With loops (tree_loops.h), the multipliers lambda solve (G M^-1 G^T) lambda = -(G a + bias), where a are the
+// accelerations without loops, and then correct them. coordinate_rates() computes the rates of the coordinates.
 #pragma once
 
 #include "motion/tree.h"
@@ -336,6 +336,33 @@ void Tree<P>::accelerate(const S* y, TreeWork<S>& at, S* dy) const {
     move(y, at);
     if (uses_frames()) compute_frames(y, at);
     load(y, at);
+    solve_accelerations(at, dy);
+}
+
+template <class P>
+template <class S, class AddLoads>
+void Tree<P>::derivative_with(const S* y, S* dy, const AddLoads& add_loads) const {
+    TreeWork<S>& at = work<S>();
+    move(y, at);
+    compute_frames(y, at);
+    load(y, at);
+    add_loads(at);
+    solve_accelerations(at, dy);
+    coordinate_rates(y, at, dy);
+}
+
+template <class P>
+template <class S>
+void Tree<P>::add_load(TreeWork<S>& at, int link, const Pair6<S>& load) {
+    if (link < 0) return;
+    ArticulatedInertia<S>& own = at.links[static_cast<std::size_t>(link)].inertia;
+    own.n = own.n - load.turning;
+    own.f = own.f - load.linear;
+}
+
+template <class P>
+template <class S>
+void Tree<P>::solve_accelerations(TreeWork<S>& at, S* dy) const {
     articulate(at);
     compute_accelerations(at, dy + links_.coordinates);
     if (!has_loops()) return;

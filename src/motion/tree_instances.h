@@ -22,6 +22,7 @@ namespace polhode {
     EXTERN template void Tree<double>::articulate(TreeWork<S>&) const;                                         \
     EXTERN template void Tree<double>::articulate_with_armature(TreeWork<S>&) const;                           \
     EXTERN template void Tree<double>::compute_accelerations(TreeWork<S>&, S*) const;                          \
+    EXTERN template void Tree<double>::solve_accelerations(TreeWork<S>&, S*) const;                            \
     EXTERN template void Tree<double>::respond(TreeWork<S>&, Pair6<S>*, S*) const;                             \
     EXTERN template void Tree<double>::respond_to_rows(TreeWork<S>&) const;                                    \
     EXTERN template S Tree<double>::applied(std::size_t, const TreeWork<S>&, const Pair6<S>*, const S*) const; \

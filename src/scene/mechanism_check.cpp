@@ -238,22 +238,30 @@ struct NamesInLoad {
         check.fail(place, "is a user-defined torque, which scenes with several bodies do not support",
                    "give a load of type torque or force with \"body\", or a motor on a joint");
     }
-    void operator()(const Motor& load) const {
-        const Joint& joint = scene.joints[joints.find(place + "/joint", load.joint)];
-        const bool turns = joint.type == JointType::revolute, slides = joint.type == JointType::prismatic;
-        if (!turns && !slides)
-            check.fail(place + "/joint",
-                       fmt::format("is \"{}\", a {} joint", one_line(load.joint, 60), name_of(joint.type)),
+    JointType check_motor(const std::string& name) const {
+        const JointType type = scene.joints[joints.find(place + "/joint", name)].type;
+        if (type != JointType::revolute && type != JointType::prismatic)
+            check.fail(place + "/joint", fmt::format("is \"{}\", a {} joint", one_line(name, 60), name_of(type)),
                        "give a revolute or prismatic joint");
-        check.finite(place + (turns ? "/torque" : "/force"), load.force);
+        return type;
     }
-    void operator()(const FormulaLoad&) const {}  // refused by validate()
-    void operator()(const PointSpring& load) const { check_ends(check, place, bodies, load.first, load.second); }
-    void operator()(const auto& load) const {
-        if (load.body.empty())
+    void check_body(const std::string& name) const {
+        if (name.empty())
             check.fail(place, "does not name a body", "give \"body\": the name of the body that the load acts on");
-        bodies.find(place + "/body", load.body);
+        bodies.find(place + "/body", name);
     }
+    void operator()(const Motor& load) const {
+        const JointType type = check_motor(load.joint);
+        check.finite(place + (type == JointType::revolute ? "/torque" : "/force"), load.force);
+    }
+    void operator()(const FormulaLoad& load) const {
+        if (load.kind == FormulaKind::motor)
+            check_motor(load.joint);
+        else
+            check_body(load.body);
+    }
+    void operator()(const PointSpring& load) const { check_ends(check, place, bodies, load.first, load.second); }
+    void operator()(const auto& load) const { check_body(load.body); }
 };
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "formula/parser.h"
 #include "scene/scene_check.h"
@@ -35,7 +37,10 @@ class FormulaCompiler {
 
     std::shared_ptr<const FormulaSet> compile() {
         add_parameters();
-        add_state();
+        if (is_mechanism(scene_))
+            add_mechanism();
+        else
+            add_state();
         for (const FormulaTable& table : scene_.tables)
             scope_.tables[table.name] = {table.x, table.y, table.between == TableInterpolation::cubic};
         for (const FormulaDefinition& definition : scene_.let)
@@ -52,6 +57,17 @@ class FormulaCompiler {
     std::shared_ptr<FormulaSet> set_ = std::make_shared<FormulaSet>();
     Expression& e_ = set_->expression;
     Scope scope_;
+    /// What formulas read of one of several bodies.
+    struct BodyNodes {
+        std::map<std::string, Value> names;
+        std::vector<int> attitude, inertia;
+    };
+    std::map<int, BodyNodes> bodies_;
+
+    template <class Named>
+    static int index_of(const std::vector<Named>& all, const std::string& name) {
+        return static_cast<int>(std::ranges::find(all, name, &Named::name) - all.begin());
+    }
 
     void add_parameters() {
         for (std::size_t i = 0; i < scene_.parameters.size(); ++i)
@@ -83,6 +99,70 @@ class FormulaCompiler {
         }
     }
 
+    // Adds the quantities of all bodies and joints that formulas mention.
+    void add_mechanism() {
+        scope_.names["t"] = scalar_of(e_.input(FormulaInputs::time));
+        const int bodies = static_cast<int>(scene_.bodies.size());
+        try {
+            for (int b = 0; b < bodies; ++b) {
+                const std::string& name = scene_.bodies[static_cast<std::size_t>(b)].name;
+                if (is_mentioned(name)) add_body(name, b);
+            }
+        } catch (const formula::LimitError& error) {
+            fail("/loads", 1, error.what(), "name fewer bodies in formulas");
+        }
+        for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+            const Joint& joint = scene_.joints[j];
+            const bool turns = joint.type == JointType::revolute;
+            if ((!turns && joint.type != JointType::prismatic) || !is_mentioned(joint.name)) continue;
+            const int input = MechanismInputs::of_joint(bodies, static_cast<int>(j));
+            scope_.names[joint.name + (turns ? ".angle" : ".displacement")] = scalar_of(e_.input(input));
+            scope_.names[joint.name + (turns ? ".rate" : ".speed")] = scalar_of(e_.input(input + 1));
+        }
+    }
+    bool is_mentioned(const std::string& name) const {
+        for (const FormulaDefinition& definition : scene_.let)
+            if (definition.formula.find(name) != std::string::npos) return true;
+        return std::ranges::any_of(scene_.loads, [&](const Load& load) {
+            const auto* one = std::get_if<FormulaLoad>(&load);
+            return one && (one->body == name || one->formula.find(name) != std::string::npos);
+        });
+    }
+    void add_body(const std::string& name, int body) {
+        const int first = static_cast<int>(scene_.parameters.size()) + FormulaConstants::count * body;
+        const auto constant = [&](int which) { return e_.constant(first + which); };
+        const auto input = [&](int which) { return e_.input(MechanismInputs::of_body(body, which)); };
+        const auto vector = [&](int which) { return vector_of({input(which), input(which + 1), input(which + 2)}); };
+        BodyNodes nodes;
+        for (int i = 0; i < 4; ++i) nodes.attitude.push_back(input(FormulaInputs::attitude + i));
+        for (int i = 0; i < 9; ++i) nodes.inertia.push_back(constant(FormulaConstants::inertia + i));
+        formula::BodyScope& scope = scope_.bodies[name];
+        scope.position = vector(FormulaInputs::position), scope.velocity = vector(FormulaInputs::velocity);
+        scope.angular_velocity = vector(FormulaInputs::angular_velocity);
+        scope.axes = rotation_matrix_nodes(e_, nodes.attitude);
+        scope.center = vector_of({constant(FormulaConstants::arm), constant(FormulaConstants::arm + 1),
+                                  constant(FormulaConstants::arm + 2)});
+        Value q{formula::Type::quaternion, {}};
+        std::copy(nodes.attitude.begin(), nodes.attitude.end(), q.component.begin());
+        nodes.names = {{"mass", scalar_of(constant(FormulaConstants::mass))},
+                       {"p", scope.position},
+                       {"q", q},
+                       {"v", scope.velocity},
+                       {"w", scope.angular_velocity},
+                       {"w_W", multiply_matrix(e_, scope.axes, scope.angular_velocity, false)}};
+        for (const auto& [member, value] : nodes.names) scope_.names[name + "." + member] = value;
+        bodies_[body] = std::move(nodes);
+    }
+    // In a load on a body, its quantities can be written without its name.
+    void select_body(int body) {
+        scope_.attitude.clear(), scope_.inertia.clear();
+        for (const char* member : {"mass", "p", "q", "v", "w", "w_W"}) scope_.names.erase(member);
+        if (body < 0) return;
+        const BodyNodes& nodes = bodies_.at(body);
+        scope_.attitude = nodes.attitude, scope_.inertia = nodes.inertia;
+        for (const auto& [member, value] : nodes.names) scope_.names[member] = value;
+    }
+
     [[noreturn]] void fail(const std::string& place, std::size_t column, const std::string& fault,
                            const std::string& remedy) const {
         throw InputError(file_, place, fmt::format("column {}: {}", column, fault), remedy);
@@ -97,7 +177,13 @@ class FormulaCompiler {
 
     void add_term(const FormulaLoad& load, std::size_t index) {
         const std::string place = fmt::format("/loads/{}/formula", index);
-        FormulaTerm term{load, index, {}, {}, formula::no_node};
+        FormulaTerm term;
+        term.load = load, term.index = index;
+        if (is_mechanism(scene_)) {
+            term.body = load.kind == FormulaKind::motor ? -1 : index_of(scene_.bodies, load.body);
+            term.joint = load.kind == FormulaKind::motor ? index_of(scene_.joints, load.joint) : -1;
+            select_body(term.body);
+        }
         const Value value = parse(place, load.formula);
         const bool is_scalar = load.kind == FormulaKind::potential || load.kind == FormulaKind::motor;
         if (value.type != (is_scalar ? formula::Type::scalar : formula::Type::vector))
@@ -112,7 +198,7 @@ class FormulaCompiler {
         if (load.kind == FormulaKind::potential)
             add_potential(value.component[0], place, term);
         else
-            std::copy_n(value.component.begin(), 3, term.value.begin());
+            std::copy_n(value.component.begin(), static_cast<std::size_t>(term.components()), term.value.begin());
         set_->terms.push_back(term);
     }
 
@@ -153,8 +239,7 @@ class FormulaCompiler {
     void find_auxiliaries() {
         std::vector<int> outputs;
         for (const FormulaTerm& term : set_->terms) {
-            outputs.insert(outputs.end(), term.value.begin(),
-                           term.value.begin() + (term.load.kind == FormulaKind::motor ? 1 : 3));
+            outputs.insert(outputs.end(), term.value.begin(), term.value.begin() + term.components());
             if (term.load.kind != FormulaKind::potential) continue;
             outputs.insert(outputs.end(), term.torque_B.begin(), term.torque_B.end());
             outputs.push_back(term.potential);
@@ -205,6 +290,20 @@ void check_table(const SceneCheck& check, const std::string& place, const Formul
     }
 }
 
+void check_mechanism_formula(const SceneCheck& check, const Scene& scene, const FormulaLoad& load,
+                             const std::string& place) {
+    if (load.kind == FormulaKind::potential)
+        check.fail(place, "is a potential in a scene with several bodies, which is not supported",
+                   "give its force and torque");
+    for (const Joint& joint : scene.joints)
+        if (joint.friction != 0 || joint.limits.any())
+            check.fail(place + "/formula",
+                       fmt::format("is given in a scene in which the joint \"{}\" has friction or limits, which is not "
+                                   "supported",
+                                   one_line(joint.name, 60)),
+                       "remove them, or use a load with constant values");
+}
+
 }  // namespace
 
 bool has_formula_loads(const Scene& scene) {
@@ -242,9 +341,8 @@ void check_formulas(const Scene& scene, const std::string& file) {
         if (!load) continue;
         const std::string place = fmt::format("/loads/{}", i);
         if (is_mechanism(scene))
-            check.fail(place + "/formula", "is given in a scene with several bodies, which do not support formulas yet",
-                       "use a load with constant values");
-        if (load->kind == FormulaKind::motor)
+            check_mechanism_formula(check, scene, *load, place);
+        else if (load->kind == FormulaKind::motor)
             check.fail(place, "is a motor, but the scene has one body", "give a torque or a force");
         if (!scene.planes.empty())
             check.fail(place + "/formula", "is given in a scene with planes, which do not support formulas",
@@ -255,9 +353,6 @@ void check_formulas(const Scene& scene, const std::string& file) {
                 check.fail(place + "/formula", "is given together with a user-defined torque, which is not supported",
                            "give the torque as a formula, too");
     }
-    if (is_mechanism(scene) && scene.let.empty()) return;
-    if (is_mechanism(scene))
-        check.fail("/let", "is given in a scene with several bodies, which do not support formulas yet", "remove it");
     compile_formulas(scene, file);
 }
 

@@ -1,4 +1,4 @@
-// The formulas of a scene, compiled to one list of operations (formula/expression.h). Scenes of one body.
+// The formulas of a scene, compiled to one list of operations (formula/expression.h).
 #pragma once
 
 #include <array>
@@ -26,8 +26,19 @@ struct FormulaInputs {
 struct FormulaConstants {
     static constexpr int mass = 0;
     static constexpr int inertia = 1;  ///< about the centre of mass, body axes, row by row
-    static constexpr int arm = 10;     ///< pivot to centre of mass, body axes
+    static constexpr int arm = 10;     ///< one body: pivot to centre of mass; several bodies: origin to centre of mass
     static constexpr int count = 13;
+};
+
+/// Numbers of the inputs of a scene of several bodies: the time, the state of each body, then two numbers of each
+/// joint.
+struct MechanismInputs {
+    static constexpr int per_body = FormulaInputs::count - 1;
+    /// The input `which` (of FormulaInputs, not the time) of a body.
+    static int of_body(int body, int which) { return which + per_body * body; }
+    /// The coordinate of a revolute or prismatic joint; its rate follows.
+    static int of_joint(int bodies, int joint) { return 1 + per_body * bodies + 2 * joint; }
+    static int count(int bodies, int joints) { return of_joint(bodies, joints); }
 };
 
 /// The nodes of one load.
@@ -37,6 +48,11 @@ struct FormulaTerm {
     std::array<int, 3> value{};        ///< torque or force in the load's frame; potential: the force, world axes
     std::array<int, 3> torque_B{};     ///< potential: the torque, body axes, about the pivot or the centre of mass
     int potential = formula::no_node;  ///< potential: J
+    int body = -1;                     ///< several bodies: index of the body that it acts on
+    int joint = -1;                    ///< motor: index of the joint; value[0] is its generalized force
+
+    /// The number of components of `value`.
+    int components() const { return load.kind == FormulaKind::motor ? 1 : 3; }
 };
 
 /// All formulas of a scene.
@@ -53,7 +69,7 @@ bool has_formula_loads(const Scene& scene);
 /// Whether a potential of the scene is a formula.
 bool has_formula_potential(const Scene& scene);
 
-/// Compiles the formulas of a scene of one body. Throws InputError at the place in `file` of the first fault.
+/// Compiles the formulas of a scene. Throws InputError at the place in `file` of the first fault.
 std::shared_ptr<const FormulaSet> compile_formulas(const Scene& scene, const std::string& file);
 
 /// Checks the names and numbers of parameters, tables and definitions, and compiles all formulas.

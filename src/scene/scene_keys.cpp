@@ -112,7 +112,7 @@ std::span<const FileKey> scene_keys() {
          "a generalized force of a joint: on the child, and the opposite on the parent"},
         {"load motor", "joint", "text", "", "required", "\"shoulder\"", "name of a revolute or prismatic joint"},
         {"load motor", "formula", "text", "N m or N", "none", "\"-10*elbow.rate\"",
-         "torque or force as a formula of time and state, instead of torque or force; not supported yet"},
+         "torque or force as a formula of time and state, instead of torque or force"},
         {"load motor", "torque", "number", "N m", "required for a revolute joint", "1",
          "torque about the axis, on the child"},
         {"load motor", "force", "number", "N", "required for a prismatic joint", "5",

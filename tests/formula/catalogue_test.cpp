@@ -101,5 +101,26 @@ TEST(FormulaCatalogue, SteppingOverSwitchesCostsTheOrder) {
     EXPECT_GT(limited[2], 1000 * smooth[2]);
 }
 
+// I x'' = k (1 - x) - c x' with I = 0.5, k = 8, c = 2: x = 1 - e^(-2 t) (cos b t + 2/b sin b t), b^2 = 12
+TEST(FormulaCatalogue, RotatesTheFlywheelToItsTarget) {
+    const Trajectory motion = test::solve_with(find_scene("formulas/flywheel_servo"), "taylor", 1e-15, 20);
+    ASSERT_EQ(motion.status, Status::ok) << motion.message;
+    const double b = std::sqrt(12.0);
+    for (const Sample& sample : motion.samples) {
+        const double x = 1 - std::exp(-2 * sample.t) * (std::cos(b * sample.t) + 2 / b * std::sin(b * sample.t));
+        EXPECT_NEAR(2 * std::atan2(sample.q.z, sample.q.w), x, 1e-14);
+    }
+}
+
+TEST(FormulaCatalogue, SwingsFurutasPendulumUp) {
+    const Trajectory motion = test::solve_with(find_scene("formulas/furuta_swing_up"), "taylor", 1e-14, 60);
+    ASSERT_EQ(motion.status, Status::ok) << motion.message;
+    // the cosine of the bar's angle from its lowest position
+    const auto height = [&](std::size_t i) { return rotate(motion.samples[2 * i + 1].q, Vector3<double>(0, 0, 1))[2]; };
+    EXPECT_NEAR(height(0), std::cos(0.25), 1e-15);
+    EXPECT_GT(height(20), -0.9);
+    EXPECT_LT(height(60), -0.9999);
+}
+
 }  // namespace
 }  // namespace polhode

@@ -240,6 +240,43 @@ def parameter(name: str) -> Formula:
     return Formula(name, _ATOM)
 
 
+def _name(name: str) -> str:
+    if '"' in name:
+        raise ValueError(f"the name {name!r} contains a quotation mark, which formulas cannot represent")
+    return name if _IDENTIFIER.fullmatch(name) else f'"{name}"'
+
+
+def quantity(name: str, member: str) -> Formula:
+    """Returns a quantity of a body or a joint in a scene of several bodies.
+
+    Parameters
+    ----------
+    name : str
+        The name of a body or of a joint.
+    member : str
+        Body: ``"p"``, ``"q"``, ``"v"``, ``"w"``, ``"w_W"`` or ``"mass"``. Revolute joint: ``"angle"`` or ``"rate"``.
+        Prismatic joint: ``"displacement"`` or ``"speed"``.
+
+    Returns
+    -------
+    Formula
+        The quantity.
+
+    Raises
+    ------
+    ValueError
+        If the name contains a quotation mark, or if the member is not an identifier.
+
+    Examples
+    --------
+    >>> print(-8 * quantity("elbow", "rate"))
+    -8*elbow.rate
+    """
+    if not _IDENTIFIER.fullmatch(member):
+        raise ValueError(f"the member {member!r} is not an identifier; give p, w, angle, ..")
+    return Formula(f"{_name(name)}.{member}", _ATOM)
+
+
 #: Time, s.
 t = Formula("t", _ATOM)
 #: Attitude, body axes to world axes; only as an argument of a function.
@@ -406,6 +443,16 @@ def inertia(a: Operand) -> Formula:
 def table(name: str, x: Operand) -> Formula:
     """Returns the value of a table of the scene at x; switches at the points of the table."""
     return _call("table", parameter(name), x)
+
+
+def at(body: str, point: Operand) -> Formula:
+    """Returns the position of a point of a body of several, given from its origin in its axes; world axes, m."""
+    return Formula(f"at({_name(body)}, {formula(point)})", _ATOM)
+
+
+def velocity_at(body: str, point: Operand) -> Formula:
+    """Returns the velocity of a point of a body of several; world axes, m/s."""
+    return Formula(f"velocity_at({_name(body)}, {formula(point)})", _ATOM)
 
 
 def _quaternion(q0: Sequence[float]) -> str:

@@ -367,6 +367,7 @@ class ContactDriver {
         ball.mass = body.mass, ball.moment = body.inertia[0][0], ball.radius = geometry_.pieces[pair.piece].radius;
         ball.friction = P(plane.friction), ball.rolling = P(plane.rolling_friction);
         ball.torsional = P(plane.torsional_friction);
+        ball.rounding = P(error(2));
         ball.torque = axes.from_world(form_.load_torque(motion_));
         ball.acceleration = form_.response(pair, motion_).acceleration;
         // the tangential acceleration of the centre, without that by rotation
@@ -434,7 +435,7 @@ class ContactDriver {
             }
             return System::sliding;
         }
-        if (is_admissible(rolling_force(at), friction)) return System::rolling;
+        if (is_admissible(rolling_force(at), friction, P(error(2)))) return System::rolling;
         const std::optional<Vector3<P>> direction = slip_direction(at, friction);
         if (!direction) {
             fail("Painleve's paradox " + at_time());
@@ -532,7 +533,7 @@ class ContactDriver {
         if (mu(pair) > P(0)) {
             at.acceleration = Vector3<P>(P(0), P(0), P(-1));
             const Vector3<P> stick = rolling_force(at);
-            if (is_admissible(stick, mu(pair))) {
+            if (is_admissible(stick, mu(pair), P(error(2)))) {
                 f = (P(1) / stick[2]) * stick;
             } else {
                 const std::optional<Vector3<P>> direction = slip_direction(at, mu(pair));
@@ -734,7 +735,10 @@ class ContactDriver {
         if (mode_ == System::sliding) look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
         if (mode_ == System::rolling) {
             look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
-            look(step.clock + 2, 0, 0, Found::What::cone, 0);
+            // a force that stays on the cone up to rounding does not leave it
+            const double limit =
+                static_cast<double>(mu(*contact_)) * static_cast<double>(step.coefficient(step.clock + 1, 1));
+            look(step.clock + 2, 0, 4 * error(2) * limit * limit, Found::What::cone, 0);
         }
         if (rotation_.acts && contact_) {
             const int rotation = form_.first_rotation_function();

@@ -85,6 +85,7 @@ struct BallContact {
     Vector3<P> acceleration, torque;    ///< by loads, m/s^2 and N m
     Vector3<P> slip, angular_velocity;  ///< exactly zero components are zero
     P friction{0}, rolling{0}, torsional{0};
+    P rounding{0};  ///< relative error of forces: a friction that exceeds its limit by less is at the limit
 };
 
 /// The next mode of a ball.
@@ -137,7 +138,9 @@ class BallModeChoice {
     static Vector3<P> tangential(const Vector3<P>& v) { return {v[0], v[1], P(0)}; }
     static Vector3<P> unit(const Vector3<P>& v) { return (P(1) / length(v)) * v; }
     bool may_hold_rolling() const { return ball_.rolling > P(0) && !is_rolling_ && exceeded_ != Exceeded::rolling; }
-    bool is_within_cone(const Vector3<P>& F) const { return exceeded_ != Exceeded::slip && length(F) <= slip_limit_; }
+    bool is_within_cone(const Vector3<P>& F) const {
+        return exceeded_ != Exceeded::slip && length(F) <= slip_limit_ * (P(1) + ball_.rounding);
+    }
 
     void choose_spin(BallMode<P>& mode) const {
         if (!(ball_.torsional > P(0))) return;

@@ -16,10 +16,12 @@ Vector3<P> rolling_force(const ContactResponse<P>& at) {
     return -(inverse(at.matrix) * at.acceleration);
 }
 
-/// Whether a contact force presses and lies in the friction cone.
+/// Whether a contact force presses and lies in the friction cone. A force that exceeds the cone by less than the
+/// relative error `rounding` lies on it: the laws of rolling and sliding then agree.
 template <class P>
-bool is_admissible(const Vector3<P>& force, const P& mu) {
-    return force[2] > P(0) && force[0] * force[0] + force[1] * force[1] <= mu * mu * force[2] * force[2];
+bool is_admissible(const Vector3<P>& force, const P& mu, const P& rounding) {
+    const P limit = mu * force[2] * (P(1) + rounding);
+    return force[2] > P(0) && force[0] * force[0] + force[1] * force[1] <= limit * limit;
 }
 
 /// The acceleration c + N K (n - mu d) of the contact point that slides in the direction d, and the normal force.

@@ -50,6 +50,37 @@ TEST(ContactReference, BallRollsDownASlope) {
     expect_close(value(truth.reactions[1][2]), 18, 1e-16L);
 }
 
+/// At tan a = 7/2 mu rolling needs exactly the limit of friction and the laws of rolling and sliding agree: released
+/// from rest, the ball rolls with 5/7 g sin a = 5. A ball that moves up the slope without rotation starts to roll at
+/// t = u_0 / (7 g sin a); one that moves down keeps its slip.
+TEST(ContactReference, BallRollsWhereItNeedsTheLimitOfFriction) {
+    const std::string gravity = "[7, 0, -8]", plane = R"("restitution": 0, "friction": 0.25)";
+    const auto start = [](const std::string& speed) {
+        return R"({"position": [0, 0, 0.5], "velocity": [)" + speed + ", 0, 0]}";
+    };
+    const DecimalReference released = available(contact_scene(solid_ball, start("0"), gravity, plane, 2));
+    expect_close(value(released.columns[2][10]), 10, 1e-17L);
+    ASSERT_EQ(released.contact_intervals.size(), 1U);
+    EXPECT_EQ(released.contact_intervals[0].mode, "rolling");
+    EXPECT_NEAR(released.contact_intervals[0].largest_ratio, 1, 1e-14);
+    // du/dt = g sin a + 7/2 mu g cos a = 14
+    const DecimalReference up = available(contact_scene(solid_ball, start("-7"), gravity, plane, 2));
+    ASSERT_EQ(up.contact_events.size(), 1U);
+    EXPECT_EQ(up.contact_events[0].event, "rolls");
+    expect_close(value(up.contact_events[0].t), 0.5L, 1e-18L);
+    // 9 m/s^2 for 0.5 s, then 5 m/s^2
+    expect_close(value(up.columns[2][10]), -7 + 4.5L + 7.5L, 1e-17L);
+    const DecimalReference down = available(contact_scene(solid_ball, start("1"), gravity, plane, 2));
+    EXPECT_TRUE(down.contact_events.empty());
+    expect_close(value(down.columns[2][10]), 11, 1e-16L);
+    Settings settings;
+    settings.samples = 2;
+    const Trajectory run =
+        solve(contact_scene(solid_ball, start("0"), gravity, plane, 2), *find_method("taylor"), settings);
+    ASSERT_EQ(run.status, Status::ok) << run.message;
+    EXPECT_NEAR(run.samples[2].velocity_W[0], 10, 1e-12);
+}
+
 /// A sliding ball rolls from t = 2 |u_0| / (7 mu g) on, with v = (5 v_0 + 2 r w_0 x n) / 7 (Hopkins and Patterson 1977,
 /// Am. J. Phys. 45, 263).
 TEST(ContactReference, SlidingBallStartsToRoll) {

@@ -60,6 +60,7 @@ class ContactImpulses : public contact_stepping::ContactState<S> {
             if (options_.correction == PenetrationCorrection::split_impulse) add_correction(h, u);
             this->move(h, u);
         }
+        this->note_impacts(t, h);
         this->store_impulses();
         this->move_to_pivot();
     }

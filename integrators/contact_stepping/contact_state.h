@@ -22,11 +22,13 @@ class ContactState : public EngineState<S> {
     void restart() {
         Base::restart();
         contacts_.clear(), stored_.clear();
+        touching_.clear(), impact_times_.clear();
         evaluations_ = unconverged_ = 0;
     }
     long rhs_evaluations() const { return evaluations_; }
-    /// Reports steps in which an iteration over the contacts ended before it converged.
+    /// Reports the times of impacts, and steps in which an iteration over the contacts ended before it converged.
     void report(Trajectory& trajectory) const {
+        trajectory.impact_times = impact_times_;
         if (trajectory.status == Status::ok && unconverged_ > 0)
             trajectory.message = "the iteration over the contacts reached its limit in " +
                                  std::to_string(unconverged_) + " of its calls";
@@ -97,6 +99,29 @@ class ContactState : public EngineState<S> {
         for (const ContactConstraint<S>& c : contacts_) stored_.push_back({c.feature, c.impulse});
     }
 
+    /// Notes an impact at the time t (s), the start of the step, if a plane acts on a point that it did not act on in
+    /// the last step, and this point approached faster than the loads explain: by more than 2 |a| h. `acts(contact)`:
+    /// whether the plane acts on the body there.
+    template <class Acts>
+    void note_impacts(double t, const S& h, const Acts& acts) {
+        last_touching_.swap(touching_);
+        touching_.clear();
+        for (const ContactConstraint<S>& c : contacts_)
+            if (acts(c)) touching_.push_back(c.feature);
+        const auto is_new = [&](const ContactConstraint<S>& c) { return acts(c) && !has_touched(c.feature); };
+        if (std::none_of(contacts_.begin(), contacts_.end(), is_new)) return;
+        const S gained = S(2) * h * length(this->acceleration_W(rotation_matrix(q_)));
+        for (std::size_t plane = 0; plane < detector_.plane_count(); ++plane)
+            if (std::any_of(contacts_.begin(), contacts_.end(), [&](const ContactConstraint<S>& c) {
+                    return detector_.plane_of(c.feature) == plane && is_new(c) && -c.approach > gained;
+                }))
+                impact_times_.push_back(t);
+    }
+    /// note_impacts() for planes that act by impulses.
+    void note_impacts(double t, const S& h) {
+        note_impacts(t, h, [](const ContactConstraint<S>& c) { return c.impulse[0] > S(0); });
+    }
+
     /// Solves for the impulses of all contacts, each in Coulomb's cone with u_n >= target, one after another until no
     /// impulse changes any more (nonsmooth Gauss-Seidel). `u` is the velocity without impulses, then with them. Starts
     /// from the contacts' impulses.
@@ -136,7 +161,13 @@ class ContactState : public EngineState<S> {
         std::size_t feature;
         Vector3<S> impulse;
     };
+    bool has_touched(std::size_t feature) const {
+        return std::find(last_touching_.begin(), last_touching_.end(), feature) != last_touching_.end();
+    }
+
     std::vector<StoredImpulse> stored_;
+    std::vector<std::size_t> touching_, last_touching_;  // features with an impulse in this step and the one before
+    std::vector<double> impact_times_;                   // s
 };
 
 /// Value of Method::refusal: why the contacts of a scene are not supported.

@@ -66,6 +66,7 @@ class BulletContacts : public contact_stepping::ContactState<S> {
         v_ = u.v, w_ = u.w;
         this->move(h, {u.v + push.v, u.w + push.w});
         for (std::size_t k = 0; k < contacts_.size(); ++k) contacts_[k].impulse[1] = rows_[k].lateral;
+        this->note_impacts(t, h);
         this->store_impulses();
         this->move_to_pivot();
     }
@@ -149,6 +150,7 @@ class JoltContacts : public contact_stepping::ContactState<S> {
         this->move(h, u);
         for (int i = 0; i < position_steps; ++i)
             for (const Constraint& c : contacts_) correct_position(c, x0, q0);
+        this->note_impacts(t, h);
         this->store_impulses();
         this->move_to_pivot();
     }
@@ -205,6 +207,7 @@ class SoftContacts : public contact_stepping::ContactState<S> {
             this->move_to_pivot();
         }
         restitute();
+        this->note_impacts(t, S(step));
         this->store_impulses();
     }
 

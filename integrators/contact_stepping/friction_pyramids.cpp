@@ -67,6 +67,7 @@ class FrictionPyramids : public contact_stepping::ContactState<S> {
         }
         v_ = u.v, w_ = u.w;
         this->move(h, u);
+        this->note_impacts(t, h);
         this->store_impulses();
         this->move_to_pivot();
     }

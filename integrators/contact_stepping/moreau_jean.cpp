@@ -70,6 +70,7 @@ class MoreauJean : public ContactState<S> {
             return;
         }
         this->move_to_pivot();
+        this->note_impacts(t, h);
         this->store_impulses();
     }
     bool failed() const { return failed_at_ >= 0; }

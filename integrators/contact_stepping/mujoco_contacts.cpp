@@ -122,6 +122,8 @@ class MujocoContacts : public contact_stepping::ContactState<S> {
             u.w = w_ + h * Vector3<S>(x[3], x[4], x[5]);
         }
         v_ = u.v, w_ = u.w;
+        // every penetrating point is pushed
+        this->note_impacts(t, h, [](const Constraint&) { return true; });
         this->move(h, u);
         this->move_to_pivot();
     }

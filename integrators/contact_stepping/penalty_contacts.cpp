@@ -43,6 +43,7 @@ class PenaltyContacts : public contact_stepping::ContactState<S> {
             if (c.impulse[0] == S(0)) c.impulse[0] = std::max(slowest_impact, -c.approach);
             apply_forces(c, h, before, u);
         }
+        this->note_impacts(t, h);
         this->store_impulses();
         v_ = u.v, w_ = u.w;
         this->move(h, u);

@@ -61,6 +61,7 @@ class PositionContacts : public contact_stepping::ContactState<S> {
             w_ = (turn.w < S(0) ? S(-2) / h : S(2) / h) * vector_part(turn);
             solve_velocities(h, before, length(u.v - v0));
         }
+        this->note_impacts(t, h);
         this->move_to_pivot();
     }
     void correct(Constraint& c, const Vector3<S>& x0, const Quaternion<S>& q0) {

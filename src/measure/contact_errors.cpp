@@ -149,6 +149,12 @@ EventComparison compare_events(std::span<const ContactEvent> computed, std::span
     return result;
 }
 
+EventComparison compare_impacts(const Trajectory& trajectory, const Reference& reference) {
+    if (trajectory.impact_times.empty() || !reference.available) return {};
+    const std::vector<Pair> found(trajectory.impact_times.begin(), trajectory.impact_times.end());
+    return compare_events(impacts_at(found), impacts_at(reference.impact_times));
+}
+
 ContactErrors contact_errors(const Scene& scene, const Trajectory& trajectory, const Reference& reference) {
     ContactErrors result;
     if (scene.planes.empty() || is_mechanism(scene) || trajectory.status != Status::ok || trajectory.samples.empty())
@@ -168,10 +174,7 @@ ContactErrors contact_errors(const Scene& scene, const Trajectory& trajectory, c
     for (std::size_t k = 0; k < std::min(motions.size(), truth.size()); ++k)
         if (const auto slip = contacts.rolling_slip(motions[k], truth[k], thresholds))
             result.slip = std::max(result.slip.value_or(0), double(*slip));
-    if (!trajectory.impact_times.empty()) {
-        const std::vector<Pair> found(trajectory.impact_times.begin(), trajectory.impact_times.end());
-        result.event_time = compare_events(impacts_at(found), impacts_at(reference.impact_times)).time_error;
-    }
+    result.event_time = compare_impacts(trajectory, reference).time_error;
     return result;
 }
 

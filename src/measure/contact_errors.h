@@ -35,6 +35,9 @@ struct EventComparison {
 /// precede the limit of infinitely many impacts (`accumulates`) in one list only are skipped.
 EventComparison compare_events(std::span<const ContactEvent> computed, std::span<const ContactEvent> reference);
 
+/// Compares the times of impacts that a method reports with the reference's. Empty if it reports none.
+EventComparison compare_impacts(const Trajectory& trajectory, const Reference& reference);
+
 /// Errors of a run at contacts. Empty: undefined.
 struct ContactErrors {
     std::optional<double> event_time;   ///< largest error of event times, s
@@ -44,7 +47,7 @@ struct ContactErrors {
 };
 
 /// Errors of a trajectory of one body with planes. All are empty for other scenes and for runs that did not reach their
-/// end. `event_time` compares Trajectory::impact_times with the reference's; it is empty if the method reports none.
+/// end. `event_time` is that of compare_impacts().
 /// `slip` needs the reference and is empty if it never rolls. `energy_gain` is empty if a load of the scene can
 /// increase the energy. Sample k of both must be at the same time.
 ContactErrors contact_errors(const Scene& scene, const Trajectory& trajectory, const Reference& reference);

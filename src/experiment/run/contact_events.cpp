@@ -29,13 +29,16 @@ std::vector<ContactEvent> reference_events(const Scene& scene, long samples) {
 ContactErrors measure_contacts(const Method& method, const Problem& problem, const Settings& settings,
                                const Trajectory& trajectory, const Reference& reference, std::string& message) {
     ContactErrors result = contact_errors(problem.scene, trajectory, reference);
+    if (!reference.available || trajectory.status != Status::ok) return result;
+    EventComparison compared = compare_impacts(trajectory, reference);
     // a method of this program, not a user-defined one
     const bool follows_events = method.planes && method.family == Family::series && find_method(method.name) == &method;
-    if (!follows_events || !reference.available || trajectory.status != Status::ok) return result;
-    const std::vector<ContactEvent> events = reference_events(problem.scene, settings.samples);
-    if (events.empty()) return result;  // without contact modes
-    const EventComparison compared =
-        compare_events(recorded_events(contact::follow_in_binary64(problem, settings).record), events);
+    if (follows_events) {
+        const std::vector<ContactEvent> events = reference_events(problem.scene, settings.samples);
+        // without contact modes there is no record
+        if (!events.empty())
+            compared = compare_events(recorded_events(contact::follow_in_binary64(problem, settings).record), events);
+    }
     result.event_time = compared.time_error;
     if (!compared.message.empty()) message += (message.empty() ? "" : "; ") + compared.message;
     return result;

@@ -9,7 +9,8 @@
 namespace polhode {
 
 /// contact_errors() of a run of `method`. If the method follows contacts from event to event, `event_time` compares all
-/// of its events, and a missing or additional event is appended to `message`.
+/// of its events, otherwise the times of impacts that it reports. A missing or additional event is appended to
+/// `message`.
 ContactErrors measure_contacts(const Method& method, const Problem& problem, const Settings& settings,
                                const Trajectory& trajectory, const Reference& reference, std::string& message);
 

@@ -75,6 +75,10 @@ TEST(ContactRows, MeasurePenetrationAndImpactTimes) {
     EXPECT_GT(*stepped.errors.penetration, 0);
     EXPECT_LT(*stepped.errors.penetration, 3.2 / 64);
     EXPECT_FALSE(stepped.errors.slip);
+    // the step after the gap closes: late by at most one step at the first impact, and more at later ones
+    EXPECT_GT(*stepped.errors.event_time, 0);
+    EXPECT_LT(*stepped.errors.event_time, 4.0 / 64);
+    EXPECT_EQ(stepped.message, "");
     Settings fine;
     fine.tolerance = 1e-12;
     const ContactRow located = measure_row(scene, "cvode_impacts", fine);

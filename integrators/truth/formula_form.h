@@ -15,7 +15,8 @@
 
 namespace polhode::truth {
 
-/// Appends a block for each auxiliary. Auxiliaries have any unit and size; their scale grows with their size.
+/// Appends a block for each held value and auxiliary. Auxiliaries have any unit and size; their scale grows with their
+/// size.
 template <class P>
 void append_auxiliary_blocks(const FormulaValues<P>& terms, int first, std::vector<Block>& blocks) {
     for (int k = 0; k < terms.auxiliaries(); ++k) blocks.push_back({first + k, 1, 1});
@@ -91,6 +92,8 @@ class FormulaMomentumForm : public MomentumForm<P> {
         Base::enter(begin, y);
         terms_.enter(begin);
         y[time_index()] = P(begin);
+        terms_.sample(
+            begin, [&] { return formula_state(y); }, y + time_index() + 1);
         FormulaSwitches<FormulaMomentumForm>(*this, scene_->duration).resolve_signs(y);
         refresh(y);
     }
@@ -102,7 +105,7 @@ class FormulaMomentumForm : public MomentumForm<P> {
     FormulaState<S> formula_state(const S* y) const {
         Vector3<S> p, v;
         if (!scene_->pivot) p = vector_at(y, 7), v = (P(1) / body_.mass) * vector_at(y, 10);
-        return {y[time_index()], angular_velocity_B(y), quaternion_at(y, 3), p, v};
+        return {y[time_index()], angular_velocity_B(y), quaternion_at(y, 3), p, v, terms_.held(y + time_index() + 1)};
     }
     std::vector<SwitchOf<P>> switching_points() const { return switches_of(terms_, time_index() + 1); }
     std::string cross_switch(std::size_t which, P* y) {
@@ -154,6 +157,7 @@ class FormulaMomentumForm : public MomentumForm<P> {
         put(dy, 0, torque_W);
         if (!scene_->pivot) put(dy, 10, vector_at(dy, 10) + force_W);
         dy[time] = S(1);
+        for (int k = 0; k < terms_.holds(); ++k) dy[time + 1 + k] = S(0);
         if (formula::TracedScalar<S> && terms_.auxiliaries() > 0)
             terms_.auxiliary_rates(rates(now, axes, dy), values, dy + time + 1);
         else
@@ -189,7 +193,7 @@ class FormulaMomentumForm : public MomentumForm<P> {
         const Vector3<S> torque_B = transposed(axes) * vector_at(dy, 0) - cross(w_B, body_.inertia_B * w_B);
         Vector3<S> p, v;
         if (!scene_->pivot) p = vector_at(dy, 7), v = (P(1) / body_.mass) * vector_at(dy, 10);
-        return {S(1), inverse_inertia_ * torque_B, quaternion_at(dy, 3), p, v};
+        return {S(1), inverse_inertia_ * torque_B, quaternion_at(dy, 3), p, v, terms_.held(dy + time_index() + 1)};
     }
 };
 

@@ -91,6 +91,8 @@ class FormulaMaximalForm {
         system_.enter(begin, y);
         terms_.enter(begin);
         y[time_index()] = P(begin);
+        terms_.sample(
+            begin, [&] { return formula_state(y); }, y + time_index() + 1);
         FormulaSwitches<FormulaMaximalForm>(*this, scene_->duration).resolve_signs(y);
         refresh(y);
     }
@@ -138,6 +140,7 @@ class FormulaMaximalForm {
         system_.dynamics().add_constraint_forces(rows, system_.dynamics().multipliers(at, rows, on), on);
         system_.put_rates(at, on, dy);
         dy[time] = S(1);
+        for (int k = 0; k < terms_.holds(); ++k) dy[time + 1 + k] = S(0);
         if (formula::TracedScalar<S> && terms_.auxiliaries() > 0)
             terms_.auxiliary_rates(state_rates(at, dy), values, dy + time + 1);
         else
@@ -166,6 +169,7 @@ class FormulaMaximalForm {
             const S x = joint(j).angles >= 0 ? y[system_.angles() + joint(j).angles] : view.displacement();
             state.set_joint(scene_->bodies.size(), static_cast<std::size_t>(j), x, view.rates()[0]);
         }
+        state.set_held(terms_.held(y + time_index() + 1));
         return state;
     }
     template <class S>
@@ -235,6 +239,7 @@ class FormulaMaximalForm {
             const S rate = system_.view(joint(reads_.joints[i]), at).rates()[0];
             rates.set_joint(scene_->bodies.size(), static_cast<std::size_t>(reads_.joints[i]), rate, along);
         }
+        rates.set_held(terms_.held(dy + time_index() + 1));
         return rates;
     }
 };

@@ -251,7 +251,12 @@ void system_of(Report& report, const Problem& problem) {
     if (tree.has_loops())
         report.line("", "loops: multipliers on accelerations; positions and rates are projected after each step");
     std::vector<std::string> events;
-    for (std::size_t k = 1; k < problem.segments.size(); ++k) events.push_back(number(problem.segments[k].begin));
+    // sampled formulas have an event per sample
+    constexpr std::size_t most_events = 60;
+    for (std::size_t k = 1; k < std::min(problem.segments.size(), most_events); ++k)
+        events.push_back(number(problem.segments[k].begin));
+    if (problem.segments.size() > most_events)
+        events.push_back(fmt::format(".. {} more", problem.segments.size() - most_events));
     if (!events.empty())
         report.line("events at", fmt::format("{} s: loads change or impulses act", join_with_commas(events)));
 }

@@ -147,7 +147,13 @@ void system_posed(Report& report, const Problem& problem) {
     report.line("translation", translation);
     if (problem.needs.system == SystemKind::principal_axis_rotation)
         report.line("axis e", text(problem.body.axis) + ", in these axes");
+    // sampled formulas have a segment per sample
+    constexpr std::size_t most_segments = 60;
     for (const Segment& segment : problem.segments) {
+        if (segment.index == most_segments) {
+            report.line(fmt::format(".. {} more", problem.segments.size() - most_segments));
+            break;
+        }
         std::string acts = torque_terms(segment.forcing);
         if (has_formulas) acts = acts == "no torque" ? "formulas" : fmt::format("formulas, {}", acts);
         if (!segment.impulses.empty())

@@ -105,6 +105,15 @@ void description::formulas(Report& report, const Problem& problem) {
         if (switches.find(one.text) == std::string::npos) switches += (switches.empty() ? "" : "; ") + one.text;
     report.line("formulas", fmt::format("{} operations, {} auxiliary variables, {}", set->expression.nodes().size(),
                                         set->auxiliaries.size(), switches.empty() ? "analytic" : "piecewise analytic"));
+    if (!set->periods.empty()) {
+        std::vector<double> periods = set->periods;
+        std::ranges::sort(periods);
+        periods.erase(std::unique(periods.begin(), periods.end()), periods.end());
+        std::vector<std::string> shown;
+        for (const double period : periods) shown.push_back(number(period));
+        report.line("sampled", fmt::format("{} value{} held, sampled every {} s", set->periods.size(),
+                                           set->periods.size() == 1 ? "" : "s", join_with_commas(shown)));
+    }
     if (!switches.empty()) report.line("switches", one_line(switches, 2000));
 }
 

@@ -162,6 +162,14 @@ int Expression::choose(int which_switch, Test test, int if_passed, int otherwise
     return append({Operation::choose, test, which_switch, if_passed, otherwise, 0});
 }
 
+int Expression::hold(int argument, int period) {
+    if (is_uniform(argument)) return argument;
+    for (const Hold& one : holds_)
+        if (one.argument == argument && one.period == period) return input(one.input);
+    holds_.push_back({argument, period, first_hold_ + static_cast<int>(holds_.size())});
+    return input(holds_.back().input);
+}
+
 // Adds d(node)/d(operand) times the adjoint of the node to the adjoint of each operand.
 void Expression::add_adjoints(int node, int adjoint, std::vector<int>& adjoints) {
     const auto contribute = [&](int operand, int amount) {

@@ -85,6 +85,13 @@ struct Switch {
     std::string text;         ///< the part of the formula, for messages
 };
 
+/// A value that is sampled at multiples of a period and held between them. It is an input of the expression.
+struct Hold {
+    int argument = no_node;  ///< the node that is sampled
+    int period = no_node;    ///< the node of the period, s, which does not depend on the inputs
+    int input = 0;           ///< number of the input
+};
+
 /// More operations, or deeper nesting, than the limits permit.
 class LimitError : public std::runtime_error {
   public:
@@ -128,6 +135,14 @@ class Expression {
     int compare(int a, int b, const std::string& text);
     int choose(int which_switch, Test test, int if_passed, int otherwise);
 
+    /// The values that are held, in the order of their inputs. The argument of a value may be a value before it.
+    const std::vector<Hold>& holds() const { return holds_; }
+    /// Makes held values available; they become the inputs from `first` on.
+    void allow_holds(int first) { first_hold_ = first; }
+    bool allows_holds() const { return first_hold_ >= 0; }
+    /// The value of a node at the last multiple of a period.
+    int hold(int argument, int period);
+
     /// Derivatives of a node with respect to the inputs with these numbers, by the reverse mode.
     std::vector<int> differentiate(int node, const std::vector<int>& inputs);
 
@@ -138,6 +153,8 @@ class Expression {
     std::vector<Node> nodes_;
     std::vector<Switch> switches_;
     std::vector<char> uniform_;
+    std::vector<Hold> holds_;
+    int first_hold_ = -1;
     std::unordered_map<std::uint64_t, std::vector<int>> known_;
 
     static std::size_t index(int node) { return static_cast<std::size_t>(node); }

@@ -27,6 +27,7 @@ constexpr FunctionEntry function_table[] = {
     {"step", "x", "0 for x < 0, else 1; switches at x = 0"},
     {"if", "condition, a, b", "a if the condition is true, else b; switches where a comparison changes"},
     {"table", "name, x", "value of a table of the scene at x; switches at the points of the table"},
+    {"hold", "x, h", "value of a scalar or a vector at the last multiple of h, s: a sampled signal (zero-order hold)"},
     {"dot", "a, b", "dot product of two vectors"},
     {"cross", "a, b", "cross product of two vectors"},
     {"norm", "v", "length of a vector"},

@@ -505,6 +505,7 @@ class Parser {
         };
         for (const auto& [known, operation] : direct)
             if (name == known) return {of(e_.apply(operation, scalar(call.arguments[0], call.in))), nullptr, 0, 0};
+        if (name == "hold") return held(call);
         if (name == "dot" || name == "cross" || name == "norm" || name == "unit") return vector_function(call);
         if (name.starts_with("to_") || name == "inertia" || name.starts_with("rotation_")) return body_function(call);
         std::vector<int> x;
@@ -563,6 +564,18 @@ class Parser {
             result.component[i] =
                 a.component[i] == no_node ? no_node : chosen(*condition.condition, a.component[i], b.component[i]);
         return {result, nullptr, 0, 0};
+    }
+    Term held(const Call& call) {
+        if (!e_.allows_holds()) fail(call.name, "\"hold\" is not available here", "use it in a load");
+        Value value = value_of(call.arguments[0]);
+        if (value.type == Type::quaternion)
+            fail(call.arguments[0].begin, "a quaternion cannot be held", "give a scalar or a vector");
+        const int period = scalar(call.arguments[1], call.in);
+        if (!e_.is_uniform(period))
+            fail(call.arguments[1].begin, "the period depends on time or state", "give a number or a parameter");
+        for (int& component : value.component)
+            if (component != no_node) component = e_.hold(component, period);
+        return {value, nullptr, 0, 0};
     }
     int dot(const Value& a, const Value& b) {
         int sum = e_.number(0);

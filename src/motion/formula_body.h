@@ -1,6 +1,7 @@
 // The equations of one body with formula loads over any scalar, in body axes with the full inertia tensor.
 //
-// State: w (body axes), q, without a pivot also p and v; then the time; then the auxiliaries (formula_terms.h).
+// State: w (body axes), q, without a pivot also p and v; then the time; then held values and auxiliaries
+// (formula_terms.h).
 #pragma once
 
 #include <memory>
@@ -63,6 +64,8 @@ class FormulaBody : public BodyState {
             if (!body_.pivoted) set_translation(y, p, v);
         }
         y[time_index()] = P(at);
+        terms_.sample(
+            at, [&] { return formula_state(y); }, y + time_index() + 1);
         FormulaSwitches<FormulaBody>(*this, scene.duration).resolve_signs(y);
         refresh(y);
     }
@@ -88,6 +91,7 @@ class FormulaBody : public BodyState {
         put(dy, 0, vector_at(dy, 0) + inertia_.response(wrench.torque_B));
         if (!body_.pivoted) put(dy, 10, vector_at(dy, 10) + (P(1) / body_.mass) * wrench.force_W);
         dy[time] = S(1);
+        for (int k = 0; k < terms_.holds(); ++k) dy[time + 1 + k] = S(0);
         terms_.auxiliary_rates(formula_state(dy), values, dy + time + 1);
     }
     /// The rate of change of the argument of a switch, with the branches of the current signs.
@@ -114,7 +118,7 @@ class FormulaBody : public BodyState {
     FormulaState<S> formula_state(const S* y) const {
         Vector3<S> p, v;
         if (!body_.pivoted) p = position(y), v = velocity(y);
-        return {y[time_index()], angular_velocity(y), attitude(y), p, v};
+        return {y[time_index()], angular_velocity(y), attitude(y), p, v, terms_.held(y + time_index() + 1)};
     }
     FormulaTerms<P>& terms() { return terms_; }
 

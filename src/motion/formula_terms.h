@@ -2,9 +2,10 @@
 //
 // FormulaValues<P> contains the constants in the scalar P, FormulaTerms<P> also the points of application on one body
 // (several bodies: formula_tree.h). A system that uses them has, after its own state, the time and
-// one variable per auxiliary node (formula/evaluate.h). Numbers compute transcendental functions directly and give the
-// auxiliaries the rate zero; only recorded equations read them. update_auxiliaries() sets them to their values: at the
-// start, at events, and after each step of methods that use recorded equations.
+// the values that are held (formula/expression.h), which change only when they are sampled, and one variable per
+// auxiliary node (formula/evaluate.h). Numbers compute transcendental functions directly and give the auxiliaries the
+// rate zero; only recorded equations read them. update_auxiliaries() sets them to their values: at the start, at
+// events, and after each step of methods that use recorded equations.
 //
 // Recorded equations have the branches of the current signs of all switches. A method that locates the time at which
 // the argument of a switch passes its threshold changes the sign there (set_sign()) and records the equations again.
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,11 +36,14 @@ struct FormulaWrench {
 /// Time and state of the body as inputs of formulas.
 template <class S>
 struct FormulaState {
-    std::array<S, FormulaInputs::count> input;
+    std::vector<S> input;
 
+    /// `held`: the values that are held.
     FormulaState(const S& t, const Vector3<S>& w_B, const Quaternion<S>& q, const Vector3<S>& p_W,
-                 const Vector3<S>& v_W)
-        : input{t, w_B[0], w_B[1], w_B[2], q.w, q.x, q.y, q.z, p_W[0], p_W[1], p_W[2], v_W[0], v_W[1], v_W[2]} {}
+                 const Vector3<S>& v_W, std::span<const S> held = {})
+        : input{t, w_B[0], w_B[1], w_B[2], q.w, q.x, q.y, q.z, p_W[0], p_W[1], p_W[2], v_W[0], v_W[1], v_W[2]} {
+        input.insert(input.end(), held.begin(), held.end());
+    }
     Quaternion<S> q() const {
         constexpr int q = FormulaInputs::attitude;
         return {input[q], input[q + 1], input[q + 2], input[q + 3]};
@@ -84,7 +89,28 @@ class FormulaValues {
     }
 
     const FormulaSet& set() const { return *set_; }
-    int auxiliaries() const { return static_cast<int>(set_->auxiliaries.size()); }
+    /// The number of values that are held.
+    int holds() const { return static_cast<int>(set_->periods.size()); }
+    /// The number of variables of a system after the time: the values that are held, then one per auxiliary node.
+    int auxiliaries() const { return holds() + static_cast<int>(set_->auxiliaries.size()); }
+    /// The values that are held, at the start of these variables.
+    template <class S>
+    std::span<const S> held(const S* variables) const {
+        return {variables, static_cast<std::size_t>(holds())};
+    }
+    /// Samples the values that are held at time t (s). `state_of()`: the state with the values held so far.
+    template <class StateOf>
+    void sample(double t, const StateOf& state_of, P* variables) const {
+        for (int i = 0; i < holds(); ++i) {
+            if (!is_sampling_time(t, set_->periods[static_cast<std::size_t>(i)])) continue;
+            const int argument = set_->expression.holds()[static_cast<std::size_t>(i)].argument;
+            const std::vector<char> needed = formula::find_needed(set_->expression, {argument});
+            formula::Evaluation<P, P> values(set_->expression, uniform_, needed, nullptr);
+            const auto state = state_of();
+            values.compute(state.input.data());
+            variables[i] = values.value(argument);
+        }
+    }
     /// Whether a load that acts depends on a switch.
     bool has_switches() const {
         for (std::size_t i = 0; i < needed_.size(); ++i)
@@ -154,7 +180,7 @@ class FormulaValues {
         if constexpr (formula::TracedScalar<S>) {
             std::vector<const S*> by_node(needed_.size(), nullptr);
             for (std::size_t k = 0; k < set_->auxiliaries.size(); ++k)
-                by_node[static_cast<std::size_t>(set_->auxiliaries[k])] = auxiliaries + k;
+                by_node[static_cast<std::size_t>(set_->auxiliaries[k])] = auxiliaries + holds() + k;
             values.compute(state.input.data(), by_node.data());
         } else {
             values.compute(state.input.data());
@@ -162,11 +188,14 @@ class FormulaValues {
         return values;
     }
 
-    /// The rates of the auxiliaries, from the values at a state and the rates of the state.
+    /// The rates of the variables after the time, from the values at a state and the rates of the state. The rates of
+    /// values that are held are zero.
     template <class S, class State>
     void auxiliary_rates([[maybe_unused]] const State& rates, [[maybe_unused]] const formula::Evaluation<S, P>& values,
                          S* to) const {
         const std::size_t count = set_->auxiliaries.size();
+        for (int k = 0; k < holds(); ++k) to[k] = S(0);
+        to += holds();
         if constexpr (formula::TracedScalar<S>) {
             if (count == 0) return;
             const std::vector<S> all = values.compute_rates(rates.input.data());
@@ -176,14 +205,16 @@ class FormulaValues {
         }
     }
 
-    /// The auxiliaries at a state; zero where no load that acts depends on them.
+    /// Sets the auxiliaries, after the values that are held, to their values at a state; zero where no load that acts
+    /// depends on them.
     template <class State>
     void update_auxiliaries(const State& state, P* to) const {
         if (set_->auxiliaries.empty()) return;
         const formula::Evaluation<P, P> values = evaluate<P>(state, nullptr, true);
         for (std::size_t k = 0; k < set_->auxiliaries.size(); ++k) {
             const int node = set_->auxiliaries[k];
-            to[k] = needed_by_signs_[static_cast<std::size_t>(node)] ? values.value(node) : P(0);
+            to[static_cast<std::size_t>(holds()) + k] =
+                needed_by_signs_[static_cast<std::size_t>(node)] ? values.value(node) : P(0);
         }
     }
 
@@ -311,12 +342,13 @@ struct SwitchOf {
     int sign;
 };
 
-/// The active switches. `first`: index of the first auxiliary.
+/// The active switches. `first`: index of the first variable after the time.
 template <class P>
 std::vector<SwitchOf<P>> switches_of(const FormulaValues<P>& terms, int first) {
     std::vector<SwitchOf<P>> all;
     for (const int which : terms.active_switches())
-        all.push_back({first + terms.switch_auxiliary(which), terms.switch_threshold(which), terms.sign(which)});
+        all.push_back(
+            {first + terms.holds() + terms.switch_auxiliary(which), terms.switch_threshold(which), terms.sign(which)});
     return all;
 }
 

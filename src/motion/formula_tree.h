@@ -1,13 +1,14 @@
 // The equations of a mechanism with formula loads over any scalar, in joint coordinates (motion/tree.h).
 //
-// State: that of the tree, then the time, then the auxiliaries (formula_terms.h). Formulas read the motions of bodies
-// and the coordinates of joints (MechanismInputs in scene/scene_formulas.h). Their loads are added to the links of the
-// articulated-body recursion. Main types: MechanismState (inputs of formulas), FormulaTree.
+// State: that of the tree, then the time, then held values and auxiliaries (formula_terms.h). Formulas read the motions
+// of bodies and the coordinates of joints (MechanismInputs in scene/scene_formulas.h). Their loads are added to the
+// links of the articulated-body recursion. Main types: MechanismState (inputs of formulas), FormulaTree.
 #pragma once
 
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,8 @@ struct MechanismState {
             static_cast<std::size_t>(MechanismInputs::of_joint(static_cast<int>(bodies), static_cast<int>(joint)));
         input[first] = coordinate, input[first + 1] = rate;
     }
+    /// The values that are held, which follow all other inputs.
+    void set_held(std::span<const S> held) { input.insert(input.end(), held.begin(), held.end()); }
     Vector3<S> vector(int body, int which) const {
         const std::size_t i = static_cast<std::size_t>(MechanismInputs::of_body(body, which));
         return {input[i], input[i + 1], input[i + 2]};
@@ -77,13 +80,16 @@ struct FormulaReads {
     FormulaReads(const FormulaSet& set, std::size_t body_count, std::size_t joint_count) {
         const int joints_from = MechanismInputs::of_joint(static_cast<int>(body_count), 0);
         std::vector<char> reads_body(body_count, 0), reads_joint(joint_count, 0);
+        const int joints_to = MechanismInputs::count(static_cast<int>(body_count), static_cast<int>(joint_count));
         std::vector<int> outputs = set.auxiliaries;
+        for (const formula::Hold& hold : set.expression.holds()) outputs.push_back(hold.argument);
         for (const FormulaTerm& term : set.terms)
             outputs.insert(outputs.end(), term.value.begin(), term.value.begin() + term.components());
         const std::vector<char> needed = formula::find_needed(set.expression, outputs);
         for (std::size_t i = 0; i < needed.size(); ++i) {
             const formula::Node& node = set.expression.nodes()[i];
             if (!needed[i] || node.operation != formula::Operation::input || node.a == FormulaInputs::time) continue;
+            if (node.a >= joints_to) continue;
             if (node.a >= joints_from)
                 reads_joint[static_cast<std::size_t>((node.a - joints_from) / 2)] = 1;
             else
@@ -145,6 +151,8 @@ class FormulaTree {
     void apply_event(const Scene& scene, double at, P* y) {
         tree_.apply_impulses(scene, at, y);
         y[time_index()] = P(at);
+        terms_.sample(
+            at, [&] { return formula_state(y); }, y + time_index() + 1);
         FormulaSwitches<FormulaTree>(*this, scene.duration).resolve_signs(y);
         refresh(y);
     }
@@ -164,6 +172,7 @@ class FormulaTree {
         const formula::Evaluation<S, P> values = terms_.template evaluate<S>(state, y + time + 1, by_signs);
         tree_.derivative_with(y, dy, [&](TreeWork<S>& at) { add_loads(values, at); });
         dy[time] = S(1);
+        for (int k = 0; k < terms_.holds(); ++k) dy[time + 1 + k] = S(0);
         if (formula::TracedScalar<S> && terms_.auxiliaries() > 0)
             terms_.auxiliary_rates(state_rates(state, dy), values, dy + time + 1);
         else
@@ -202,6 +211,7 @@ class FormulaTree {
             }
         }
         set_joints(y, y, state);
+        state.set_held(terms_.held(y + time_index() + 1));
         return state;
     }
 
@@ -253,6 +263,7 @@ class FormulaTree {
                            Vector3<S>(at.frames[i].R * a) + cast<S>(tree_.loads().gravity_W));
         }
         set_joints(dy, dy, rates);
+        rates.set_held(terms_.held(dy + time_index() + 1));
         return rates;
     }
     template <class S>

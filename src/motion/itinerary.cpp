@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/scene_formulas.h"
+
 namespace polhode {
 
 std::vector<double> event_times(const Scene& scene) {
@@ -19,6 +21,7 @@ std::vector<double> event_times(const Scene& scene) {
             impulse_at_end = impulse_at_end || impulse->at == scene.duration;
         }
     }
+    for (const double t : sampling_times(scene)) note(t);
     std::sort(times.begin(), times.end());
     times.erase(std::unique(times.begin(), times.end()), times.end());
     // an impulse at the end of the run opens a segment of length zero, so that the last sample shows the motion after

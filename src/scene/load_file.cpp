@@ -61,6 +61,12 @@ FormulaLoad formula_load(const JsonNode& node, FormulaKind kind, std::initialize
     for (const char* key : constants)
         if (const JsonNode* constant = node.find(key))
             constant->fail("is given together with \"formula\"", "give one of the two");
+    if (const JsonNode* hold = node.find("hold")) {
+        if (kind == FormulaKind::potential) hold->fail("is given for a potential", "remove it, or give a force");
+        const double period = hold->number();
+        if (!(period > 0)) hold->fail("is " + shortest_decimal(period), "give a period > 0, s");
+        load.formula = fmt::format("hold({}, {})", load.formula, shortest_decimal(period));
+    }
     if (kind == FormulaKind::torque || kind == FormulaKind::force)
         load.frame = parse_frame(node.require_member("frame", "\"body\" or \"world\""));
     if (const JsonNode* point = node.find("point")) load.point = vector3(*point), load.has_point = true;
@@ -74,14 +80,22 @@ FormulaLoad formula_load(const JsonNode& node, FormulaKind kind, std::initialize
 
 Load potential(const JsonNode& node) { return formula_load(node, FormulaKind::potential, {}); }
 
+// Refuses the sampling period of a load that is not a formula.
+void refuse_hold(const JsonNode& node) {
+    if (const JsonNode* hold = node.find("hold"))
+        hold->fail("is given without \"formula\"", "give the load as a formula, or remove it");
+}
+
 Load constant_torque(const JsonNode& node) {
     if (node.find("formula")) return formula_load(node, FormulaKind::torque, {"vector"});
+    refuse_hold(node);
     return Torque{vector3(node.require_member("vector", "[x, y, z] in N m")),
                   parse_frame(node.require_member("frame", "\"body\" or \"world\"")), load_window(node)};
 }
 
 Load force(const JsonNode& node) {
     if (node.find("formula")) return formula_load(node, FormulaKind::force, {"vector"});
+    refuse_hold(node);
     return Force{vector3(node.require_member("vector", "[x, y, z] in N")),
                  parse_frame(node.require_member("frame", "\"body\" or \"world\"")),
                  vector3(node.require_member("point", "the point of application [x, y, z] in m")), point_frame(node),
@@ -121,6 +135,7 @@ Load motor(const JsonNode& node, const std::vector<Joint>& joints) {
         load.joint = node.require_member("joint", "the name of a revolute or prismatic joint").string();
         return load;
     }
+    refuse_hold(node);
     Motor load;
     load.joint = node.require_member("joint", "the name of a revolute or prismatic joint").string();
     const JsonNode *torque = node.find("torque"), *along = node.find("force");

@@ -18,7 +18,8 @@ using formula::Expression;
 using formula::Scope;
 using formula::Value;
 
-constexpr std::size_t most_table_points = 2000, most_names = 1000;
+constexpr std::size_t most_table_points = 2000, most_names = 1000, most_held_values = 100;
+constexpr double most_sampling_times = 20'000;
 
 Value vector_of(std::array<int, 3> component) {
     return {formula::Type::vector, {component[0], component[1], component[2], formula::no_node}};
@@ -37,6 +38,9 @@ class FormulaCompiler {
 
     std::shared_ptr<const FormulaSet> compile() {
         add_parameters();
+        e_.allow_holds(is_mechanism(scene_) ? MechanismInputs::count(static_cast<int>(scene_.bodies.size()),
+                                                                     static_cast<int>(scene_.joints.size()))
+                                            : FormulaInputs::count);
         if (is_mechanism(scene_))
             add_mechanism();
         else
@@ -169,10 +173,31 @@ class FormulaCompiler {
     }
     Value parse(const std::string& place, const std::string& text) {
         try {
-            return formula::parse_formula(text, scope_, e_);
+            const Value value = formula::parse_formula(text, scope_, e_);
+            for (std::size_t i = set_->periods.size(); i < e_.holds().size(); ++i)
+                set_->periods.push_back(period_of(e_.holds()[i], place));
+            return value;
         } catch (const formula::FormulaError& error) {
             fail(place, error.column(), error.what(), error.remedy());
         }
+    }
+
+    double period_of(const formula::Hold& hold, const std::string& place) const {
+        const formula::Node& node = e_.nodes()[static_cast<std::size_t>(hold.period)];
+        double period = 0;
+        if (node.operation == formula::Operation::number)
+            period = node.value;
+        else if (node.operation == formula::Operation::constant &&
+                 static_cast<std::size_t>(node.a) < scene_.parameters.size())
+            period = scene_.parameters[static_cast<std::size_t>(node.a)].value;
+        else
+            fail(place, 1, "the period of \"hold\" is not a number or a parameter", "give a number or a parameter");
+        if (!(period > 0) || scene_.duration / period > most_sampling_times)
+            fail(place, 1, fmt::format("the period of \"hold\" is {} s", shortest_decimal(period)),
+                 fmt::format("give a period > 0 with at most {} samples in the run", most_sampling_times));
+        if (e_.holds().size() > most_held_values)
+            fail(place, 1, fmt::format("more than {} values are held", most_held_values), "hold fewer values");
+        return period;
     }
 
     void add_term(const FormulaLoad& load, std::size_t index) {
@@ -211,7 +236,7 @@ class FormulaCompiler {
                                  ((node.a >= FormulaInputs::angular_velocity && node.a < FormulaInputs::attitude) ||
                                   node.a >= FormulaInputs::velocity);
             if (needed[i] && is_rate)
-                fail(place, 1, "the potential depends on a velocity",
+                fail(place, 1, "the potential depends on a velocity or a held value",
                      "use t, p, to_body, to_world and the rotation functions only, or give a force or a torque");
         }
         std::vector<int> inputs;
@@ -308,6 +333,24 @@ void check_mechanism_formula(const SceneCheck& check, const Scene& scene, const 
 
 bool has_formula_loads(const Scene& scene) {
     return std::ranges::any_of(scene.loads, [](const Load& load) { return std::holds_alternative<FormulaLoad>(load); });
+}
+
+bool is_sampling_time(double t, double period) { return std::nearbyint(t / period) * period == t; }
+
+std::vector<double> sampling_times(const Scene& scene) {
+    const auto holds = [](const std::string& formula) { return formula.find("hold") != std::string::npos; };
+    const bool any = std::ranges::any_of(scene.let, [&](const FormulaDefinition& one) { return holds(one.formula); }) ||
+                     std::ranges::any_of(scene.loads, [&](const Load& load) {
+                         const auto* one = std::get_if<FormulaLoad>(&load);
+                         return one && holds(one->formula);
+                     });
+    if (!any || !has_formula_loads(scene)) return {};
+    std::vector<double> periods = compile_formulas(scene, scene.name)->periods, times;
+    std::ranges::sort(periods);
+    periods.erase(std::unique(periods.begin(), periods.end()), periods.end());
+    for (const double period : periods)
+        for (double k = 1; k * period < scene.duration; ++k) times.push_back(k * period);
+    return times;
 }
 
 bool has_formula_potential(const Scene& scene) {

@@ -38,6 +38,7 @@ struct MechanismInputs {
     static int of_body(int body, int which) { return which + per_body * body; }
     /// The coordinate of a revolute or prismatic joint; its rate follows.
     static int of_joint(int bodies, int joint) { return 1 + per_body * bodies + 2 * joint; }
+    /// The number of inputs without held values.
     static int count(int bodies, int joints) { return of_joint(bodies, joints); }
 };
 
@@ -62,7 +63,14 @@ struct FormulaSet {
     /// Nodes that become variables where a scalar has no value (formula/evaluate.h): transcendental functions and
     /// arguments of switches.
     std::vector<int> auxiliaries;
+    std::vector<double> periods;  ///< periods of the held values, expression.holds(), s
 };
+
+/// Whether t (s), 0 or a multiple of `period` as computed by sampling_times(), is a time at which values are sampled.
+bool is_sampling_time(double t, double period);
+/// The times in the run at which values of formulas are sampled (held values), without 0, in any order, s. A multiple k
+/// of a period h is the binary64 number nearest to k h.
+std::vector<double> sampling_times(const Scene& scene);
 
 /// Whether a load of the scene is a formula.
 bool has_formula_loads(const Scene& scene);

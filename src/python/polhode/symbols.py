@@ -405,6 +405,11 @@ def if_(condition: Formula, a: Operand, b: Operand) -> Formula:
     return _call("if", condition, a, b)
 
 
+def hold(x: Operand, h: Operand) -> Formula:
+    """Returns the value of a scalar or a vector at the last multiple of h, s: a sampled signal (zero-order hold)."""
+    return _call("hold", x, h)
+
+
 def dot(a: Operand, b: Operand) -> Formula:
     """Returns the dot product of two vectors."""
     return _call("dot", a, b)

@@ -92,7 +92,8 @@ enum class System {
     sliding,
     onset,  ///< sliding in a direction that is known as a function of time
     rolling,
-    shock,  ///< an impact with slip, over the normal impulse
+    two_contacts,  ///< a ball that touches two planes (two_contacts.h)
+    shock,         ///< an impact with slip, over the normal impulse
 };
 
 }  // namespace polhode::contact

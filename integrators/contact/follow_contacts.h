@@ -7,6 +7,9 @@
 // in sliding or rolling, or flight. Sliding ends when the
 // slip is below the error of the steps and decreases, since the slip itself has no change of sign.
 //
+// A ball may rest on two planes (two_contacts.h): each contact rolls or slides along the line of the planes. The slips
+// have a constant direction there and change sign, so that events locate their ends.
+//
 // While the body slides with friction, the independent variable s is stretched, dt = |u_t| ds, because the direction of
 // the slip converges by a power of the remaining time, so that no series in t converges there.
 #pragma once
@@ -14,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -26,6 +30,7 @@
 #include "integrators/contact/event_roots.h"
 #include "integrators/contact/rotation_friction.h"
 #include "integrators/contact/transitions.h"
+#include "integrators/contact/two_contacts.h"
 #include "integrators/series/limb_real.h"
 #include "integrators/series/real.h"
 #include "integrators/series/series.h"
@@ -84,11 +89,15 @@ class ContactDriver {
     P t_{0};
     BodyMotion<P> motion_;
     Sizes sizes_;
-    std::optional<Pair> contact_;  // the lasting contact
-    std::vector<Pair> face_;       // all points of a face in contact, which does not rotate; else empty
+    std::optional<Pair> contact_;              // the lasting contact
+    std::optional<TwoContacts<P>> two_;        // lasting contacts of a ball with two planes; contact_ is then the first
+    std::array<std::size_t, 2> slip_zeros_{};  // known order of the zeros of their slips at the start of the mode
+    std::optional<Pair> lifted_;               // the one of them that has just lifted off
+    std::vector<Pair> face_;                   // all points of a face in contact, which does not rotate; else empty
     System mode_ = System::flight;
     std::vector<std::size_t> zeros_;  // known order of the zero of each pair's gap at the start of the mode
     bool has_started_ = false;        // the first transition
+    std::size_t open_intervals_ = 0;  // at the end of the record
     long stalled_ = 0;                // events without progress in time
     P stalled_at_{-1};
     std::optional<Vector3<P>> onset_;      // slip starts from zero in this direction, in the contact's axes
@@ -168,6 +177,7 @@ class ContactDriver {
         const System former = mode_;
         const std::optional<Pair> former_contact = contact_;
         const std::vector<Pair> former_face = face_;
+        const std::optional<TwoContacts<P>> former_two = std::exchange(two_, std::nullopt);
         former_rotation_ = rotation_;
         set_rotation({});
         release_face();
@@ -189,7 +199,7 @@ class ContactDriver {
         }
         zeros_.assign(geometry_.size(), 0);
         std::optional<Pair> lasting;
-        std::vector<Pair> all;
+        std::vector<Pair> all, resting_pairs;
         for (const std::size_t k : near) {
             const Pair pair = form_.pair_at(k);
             const ContactResponse<P> at = form_.response(pair, motion_);
@@ -197,6 +207,7 @@ class ContactDriver {
                 zeros_[k] = 1;
                 continue;
             }
+            resting_pairs.push_back(pair);
             if (at.acceleration[2] > P(0) || !(at.acceleration[2] < P(0))) {
                 const bool lifted = arrived && *arrived == EventKind::lifts_off;
                 zeros_[k] = lifted ? 3 : 2;
@@ -204,8 +215,19 @@ class ContactDriver {
             }
             all.push_back(pair);
         }
+        if (former_two && arrived) std::erase(all, *lifted_);
+        if (resting_pairs.size() == 2 && is_ball() && !lifted_) {
+            const std::array<bool, 2> presses = pressed_planes({resting_pairs[0], resting_pairs[1]});
+            if (presses[0] && presses[1])
+                return enter_two({resting_pairs[0], resting_pairs[1]},
+                                 {first, former, former_contact, former_two, landed});
+            for (std::size_t i = 0; i < 2; ++i)
+                if (presses[1 - i] && !presses[i] && std::erase(all, resting_pairs[i]) > 0)
+                    zeros_[index_of(resting_pairs[i])] = 2;
+        }
         if (!all.empty()) lasting = all.front();
         if (all.size() > 1 && !start_face(all)) return;
+        if (former_two) return leave_planes(*former_two, lasting, landed);
         if (arrived && *arrived == EventKind::lifts_off) {
             if (lasting && former_contact && *lasting == *former_contact) lasting.reset();
             if (former_contact) zeros_[index_of(*former_contact)] = 3;
@@ -213,6 +235,153 @@ class ContactDriver {
             release_face();
         }
         enter_mode(lasting, first, former, former_contact, landed, accumulated);
+    }
+    // lasting contacts with two planes
+    /// What preceded a transition.
+    struct Former {
+        bool is_first = false;
+        System mode = System::flight;
+        std::optional<Pair> contact;
+        std::optional<TwoContacts<P>> two;
+        bool landed = false;
+    };
+    bool is_ball() const {
+        const MassProperties<P> body = mass_properties<P>(scene_->body);
+        bool is =
+            geometry_.pieces.size() == 1 && !geometry_.pieces[0].extended && length(geometry_.pieces[0].center) == P(0);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) is = is && body.inertia[i][j] == (i == j ? body.inertia[0][0] : P(0));
+        return is;
+    }
+    BallBetweenPlanes<P> ball_between(const std::array<Pair, 2>& pairs) const {
+        const MassProperties<P> body = mass_properties<P>(scene_->body);
+        BallBetweenPlanes<P> ball;
+        ball.mass = body.mass, ball.moment = body.inertia[0][0], ball.radius = geometry_.pieces[0].radius;
+        for (std::size_t i = 0; i < 2; ++i)
+            ball.normal_W[i] = geometry_.planes[pairs[i].plane].normal_W, ball.friction[i] = mu(pairs[i]);
+        const Vector3<P> line = cross(ball.normal_W[0], ball.normal_W[1]);
+        const P sine = length(line);
+        if (sine > P(0)) ball.line_W = (P(1) / sine) * line;
+        ball.torque_W = form_.load_torque(motion_);
+        // the acceleration of the contact point, without that by rotation
+        const ContactResponse<P> at = form_.response(pairs[0], motion_);
+        const Vector3<P> arm = -(ball.radius * ball.normal_W[0]);
+        ball.acceleration_W = ContactAxes<P>(ball.normal_W[0]).to_world(at.acceleration) -
+                              (P(1) / ball.moment) * cross(ball.torque_W, arm);
+        ball.rounding = P(error(2));
+        return ball;
+    }
+    // which of two planes that a ball touches press on it
+    std::array<bool, 2> pressed_planes(const std::array<Pair, 2>& pairs) const {
+        const BallBetweenPlanes<P> ball = ball_between(pairs);
+        if (!(length(ball.line_W) > P(0))) return {false, false};
+        const P least = P(error(2)) * ball.mass * length(ball.acceleration_W);
+        const std::array<P, 2> N = ball.normal_forces();
+        return {N[0] > least, N[1] > least};
+    }
+    /// u_i . d of both contacts.
+    std::array<P, 2> slips_along(const BallBetweenPlanes<P>& ball) const {
+        const Vector3<P> w = rotate(motion_.q, motion_.angular_velocity_B);
+        std::array<P, 2> slips;
+        for (std::size_t i = 0; i < 2; ++i)
+            slips[i] = dot(ball.line_W, motion_.velocity_W - ball.radius * cross(w, ball.normal_W[i]));
+        return slips;
+    }
+    std::string two_planes(const std::array<Pair, 2>& pairs) const {
+        return fmt::format("{} and {} {}", plane_at(pairs[0]), plane_at(pairs[1]), at_time());
+    }
+    // why the modes do not cover two contacts; empty if they do
+    std::string two_contacts_fault(const BallBetweenPlanes<P>& ball, const std::array<Pair, 2>& pairs) const {
+        for (const Pair& pair : pairs)
+            if (const Plane& plane = scene_->planes[pair.plane];
+                plane.rolling_friction > 0 || plane.torsional_friction > 0)
+                return "torsional and rolling friction at two lasting contacts are not supported: the ball touches " +
+                       two_planes(pairs);
+        const P spin = ball.radius * dot(ball.line_W, rotate(motion_.q, motion_.angular_velocity_B));
+        const bool rubs = ball.friction[0] > P(0) || ball.friction[1] > P(0);
+        if (rubs && Elementary<P>::magnitude(spin) > P(error(3) * speed()))
+            return "rotation about the line of two planes with friction is not supported: the ball touches " +
+                   two_planes(pairs);
+        const P twist = Elementary<P>::magnitude(dot(ball.line_W, ball.torque_W));
+        if (rubs && twist > P(error(2)) * ball.mass * ball.radius * length(ball.acceleration_W))
+            return "torques about the line of two planes with friction are not supported: the ball touches " +
+                   two_planes(pairs);
+        return "";
+    }
+    /// Starts or continues the contact of a ball with two planes.
+    void enter_two(const std::array<Pair, 2>& pairs, const Former& former) {
+        const BallBetweenPlanes<P> ball = ball_between(pairs);
+        if (const std::string why = two_contacts_fault(ball, pairs); !why.empty()) return fail(why);
+        std::array<int, 2> slip{};
+        const std::array<P, 2> slips = slips_along(ball);
+        for (std::size_t i = 0; i < 2; ++i)
+            if (Elementary<P>::magnitude(slips[i]) > P(error(3) * speed())) slip[i] = slips[i] > P(0) ? 1 : -1;
+        select_two(pairs, ball, slip, former);
+    }
+    void select_two(const std::array<Pair, 2>& pairs, const BallBetweenPlanes<P>& ball, const std::array<int, 2>& slip,
+                    const Former& former) {
+        const TwoContactChoice choice = TwoContactModes<P>(ball, slip).choose();
+        if (!choice.found) return fail("no mode of two contacts is consistent with friction " + at_time());
+        if (choice.is_pressed) return fail(pressed_fault(pairs));
+        remove_slips(ball, slip);
+        for (std::size_t i = 0; i < 2; ++i) slip_zeros_[i] = slip[i] == 0 && choice.slip[i] != 0 ? 1 : 0;
+        two_ = TwoContacts<P>{pairs, choice.slip, ball.line_W};
+        mode_ = System::two_contacts, contact_ = pairs[0];
+        onset_.reset();
+        if (former.is_first) return open_interval();
+        bool changed = !former.two;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const bool slides = choice.slip[i] != 0;
+            bool known = false, slid = false;
+            if (former.two)
+                known = true, slid = former.two->slip[i] != 0;
+            else if (former.contact && *former.contact == pairs[i])
+                known = true, slid = former.mode != System::rolling;
+            if (!known && !former.landed) record(pairs[i], EventKind::lands);
+            if (!known || slid == slides) continue;
+            changed = true;
+            record(pairs[i], slides ? EventKind::slides : is_at_rest() ? EventKind::stops : EventKind::rolls);
+        }
+        if (changed) open_interval();
+    }
+    std::string pressed_fault(const std::array<Pair, 2>& pairs) const {
+        return "the friction that presses a ball between two planes is not determined by rigid laws: the ball "
+               "touches " +
+               two_planes(pairs);
+    }
+    /// Removes the velocity across the line, the rotation about it where friction acts, and slips that are zero.
+    void remove_slips(const BallBetweenPlanes<P>& ball, const std::array<int, 2>& slip) {
+        const Vector3<P>& d = ball.line_W;
+        Vector3<P> w = rotate(motion_.q, motion_.angular_velocity_B);
+        P along = dot(d, motion_.velocity_W);
+        const std::array<P, 2> slips = slips_along(ball);
+        if (ball.friction[0] > P(0) || ball.friction[1] > P(0)) w = w - dot(w, d) * d;
+        // u_i . d = V - r w . t_i, with unit vectors t_i and t_1 . t_2 = n_1 . n_2
+        if (slip[0] == 0 && slip[1] == 0) {
+            const Vector3<P> t[2] = {cross(ball.normal_W[0], d), cross(ball.normal_W[1], d)};
+            const P c = ball.cosine(), scale = P(1) / (ball.radius * (P(1) - c * c));
+            w = w + scale * ((slips[0] - c * slips[1]) * t[0] + (slips[1] - c * slips[0]) * t[1]);
+        } else if (slip[0] == 0 || slip[1] == 0) {
+            along = along - slips[slip[0] == 0 ? 0 : 1];
+        }
+        motion_.velocity_W = along * d;
+        motion_.angular_velocity_B = rotate_back(motion_.q, w);
+    }
+    // One or both of two contacts end.
+    void leave_planes(const TwoContacts<P>& two, const std::optional<Pair>& lasting, bool landed) {
+        System former = System::flight;
+        std::optional<Pair> stays;
+        for (std::size_t i = 0; i < 2; ++i) {
+            if (lasting && two.pairs[i] == *lasting) {
+                stays = lasting, former = two.slip[i] == 0 ? System::rolling : System::sliding;
+                continue;
+            }
+            record(two.pairs[i], EventKind::lifts_off);
+            if (lifted_ && *lifted_ == two.pairs[i]) zeros_[index_of(*lifted_)] = 3;
+        }
+        lifted_.reset();
+        enter_mode(lasting, false, former, stays, landed, {});
+        if (!fails()) open_interval();
     }
     void release_face() {
         face_.clear();
@@ -464,6 +633,11 @@ class ContactDriver {
                                       normal, impulse - normal * axes.normal_W});
         if (!separates || accumulates) {
             landed = true;
+            if (accumulates && contact_ && contact_->plane != pair.plane) {
+                fail(fmt::format("impacts on {} that accumulate while the body touches {} are not supported, {}",
+                                 plane_at(pair), plane_at(*contact_), at_time()));
+                return false;
+            }
             if (accumulates) accumulated = pair, sum_impacts(pair, separation, P(separation / -before.velocity[2]));
         }
         note_sizes();
@@ -683,13 +857,15 @@ class ContactDriver {
         const int rotation = rotation_.acts && contact_ ? form_.first_rotation_function() - first : own;
         double force = 0;
         for (int i = 0; i < rotation; ++i)
-            if (i != 1) force = std::max(force, std::abs(static_cast<double>(step.coefficient(first + i, 1))));
+            if (i != 1 && !(two_ && (i == 2 || i == 3)))
+                force = std::max(force, std::abs(static_cast<double>(step.coefficient(first + i, 1))));
         double log2_step = std::numeric_limits<double>::infinity();
         for (int i = 0; i < all; ++i) {
             if (i < own && (i == 1 || i == 5) && mode_ == System::sliding) continue;
             if (i == rotation && i < own && !rotation_.holds_rolling) continue;
             if (i == rotation + 2 && i < own) continue;
             const double scale = i >= own        ? reach()
+                                 : two_          ? two_scale(i, force)
                                  : i >= rotation ? rotation_scale(i - rotation, force)
                                  : i == 1        ? force * force
                                                  : force;
@@ -699,6 +875,11 @@ class ContactDriver {
             }
         }
         return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
+    }
+    // scale of a function of two contacts
+    double two_scale(int i, double force) const {
+        if (i != 2 && i != 3) return force;
+        return two_->slip[static_cast<std::size_t>(i - 2)] != 0 ? speed() : force * force;
     }
     // scale of a function of torsional and rolling friction
     double rotation_scale(int i, double force) const {
@@ -712,8 +893,8 @@ class ContactDriver {
 
     struct Found {
         P s{0};
-        enum class What { gap, normal_force, cone, rolling_limit, spin_limit, spin } what = What::gap;
-        std::size_t pair = 0;
+        enum class What { gap, normal_force, cone, rolling_limit, spin_limit, spin, slip } what = What::gap;
+        std::size_t pair = 0;  // the observed gap, or the index in TwoContacts
     };
 
     // the first event within the step
@@ -732,6 +913,17 @@ class ContactDriver {
                 ++next;
             else
                 look(next++, zeros_[gaps[i]], reach() * 1e-6 * error() * error(), Found::What::gap, gaps[i]);
+        for (std::size_t i = 0; two_ && i < 2; ++i) {
+            const int normal = step.clock + 1 + static_cast<int>(i);
+            look(normal, 0, 0, Found::What::normal_force, i);
+            const double limit =
+                static_cast<double>(mu(two_->pairs[i])) * static_cast<double>(step.coefficient(normal, 1));
+            if (!(limit > 0)) continue;
+            if (two_->slip[i] != 0)
+                look(normal + 2, slip_zeros_[i], 0, Found::What::slip, i);
+            else
+                look(normal + 2, 0, 4 * error(2) * limit * limit, Found::What::cone, i);
+        }
         if (mode_ == System::sliding) look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
         if (mode_ == System::rolling) {
             look(step.clock + 1, 0, 0, Found::What::normal_force, 0);
@@ -752,7 +944,10 @@ class ContactDriver {
     /// Integrates the present mode until it ends or the leg does.
     void advance(const Leg& leg) {
         if (onset_ || rotation_.starts_rolling) return start_slip(leg);
-        form_.select(mode_, contact_.value_or(Pair{}));
+        if (two_)
+            form_.select_two(*two_);
+        else
+            form_.select(mode_, contact_.value_or(Pair{}));
         const int n = form_.dimension(), clock = form_.clock();
         std::vector<P> y(n);
         form_.start(motion_, t_, y.data());
@@ -763,6 +958,9 @@ class ContactDriver {
             series.expand(y.data());
             Step step{series, clock, form_.is_stretched()};
             double slip = 0;
+            if (two_)
+                if (const std::string why = two_contacts_fault(ball_between(two_->pairs), two_->pairs); !why.empty())
+                    return fail(why);
             if (rotation_.acts && ends_rolling(step, y)) return;
             if (step.stretched && form_.is_stretched_by_slip()) {
                 const P square = step.coefficient(clock + 2, 1), growth = P(2) * step.coefficient(clock + 2, 2);
@@ -800,6 +998,7 @@ class ContactDriver {
         note_sizes();
         std::fill(zeros_.begin(), zeros_.end(), 0);
         spin_zeros_ = 0;
+        slip_zeros_ = {};
         if (!found) check_face();
         if (fails()) return false;
         if (found) handle(*found);
@@ -823,7 +1022,10 @@ class ContactDriver {
             const P s = step.when(P(samples_.front()), start);
             step.series.evaluate(s, y.data());
             std::vector<Vector3<P>> forces(scene_->planes.size()), torques(scene_->planes.size());
-            if (contact_) {
+            if (two_) {
+                for (std::size_t i = 0; i < 2; ++i)
+                    forces[two_->pairs[i].plane] = observed_vector(step, step.clock + 5 + 3 * static_cast<int>(i), s);
+            } else if (contact_) {
                 forces[contact_->plane] = observed_vector(step, step.clock + 3, s);
                 if (rotation_.acts)
                     torques[contact_->plane] = observed_vector(step, form_.first_rotation_function() + 3, s);
@@ -849,7 +1051,11 @@ class ContactDriver {
 
     void open_interval() {
         close_interval();
-        run_.record.intervals.push_back({t_, t_, contact_.value_or(Pair{}).plane, present_mode(), 0});
+        open_intervals_ = two_ ? 2 : 1;
+        for (std::size_t i = 0; two_ && i < 2; ++i)
+            run_.record.intervals.push_back(
+                {t_, t_, two_->pairs[i].plane, two_->slip[i] == 0 ? Mode::rolling : Mode::sliding, 0});
+        if (!two_) run_.record.intervals.push_back({t_, t_, contact_.value_or(Pair{}).plane, present_mode(), 0});
     }
     Mode present_mode() const {
         if (mode_ == System::flight) return Mode::flight;
@@ -863,15 +1069,38 @@ class ContactDriver {
         return no_spin || (rotation_.spin == 0 && is_at_rest()) ? Mode::resting : Mode::spinning;
     }
     void close_interval() {
-        if (run_.record.intervals.empty()) return;
-        run_.record.intervals.back().to = t_;
+        std::vector<Interval<P>>& all = run_.record.intervals;
+        for (std::size_t i = all.size() - open_intervals_; i < all.size(); ++i) all[i].to = t_;
         // a mode that ends when it starts is no interval
-        if (!(run_.record.intervals.back().to > run_.record.intervals.back().from) && !fails())
-            run_.record.intervals.pop_back();
+        for (; open_intervals_ > 0 && !(all.back().to > all.back().from) && !fails(); --open_intervals_) all.pop_back();
+        open_intervals_ = 0;
+    }
+    // the value of an observed function
+    double observed(const Step& step, int index, const P& s) const {
+        P sum(0);
+        for (int k = settings_.order; k >= 1; --k) sum = sum * s + P(k) * step.coefficient(index, k);
+        return static_cast<double>(sum);
+    }
+    void note_two_ratios(const Step& step) {
+        std::vector<Interval<P>>& all = run_.record.intervals;
+        for (std::size_t c = 0; c < 2; ++c) {
+            double& largest = all[all.size() - 2 + c].largest_ratio;
+            const double friction = static_cast<double>(mu(two_->pairs[c]));
+            if (!(friction > 0)) continue;
+            if (two_->slip[c] != 0) largest = 1;
+            for (int i = 0; two_->slip[c] == 0 && i <= 8; ++i) {
+                const P s = step.length * P(i) / P(8);
+                const int normal = step.clock + 1 + static_cast<int>(c);
+                // (mu N)^2 - A^2
+                const double limit = friction * observed(step, normal, s), rest = observed(step, normal + 2, s);
+                largest = std::max(largest, std::sqrt(std::max(0.0, limit * limit - rest)) / limit);
+            }
+        }
     }
     // the largest |F|/(mu N) at nine points of the step
     void note_ratio(const Step& step) {
         if (mode_ == System::flight || run_.record.intervals.empty()) return;
+        if (two_) return note_two_ratios(step);
         double& largest = run_.record.intervals.back().largest_ratio;
         const double friction = form_.friction_of(*contact_);
         if (!(friction > 0)) return;
@@ -1038,8 +1267,36 @@ class ContactDriver {
         }
     }
 
+    void handle_two(const Found& found) {
+        TwoContacts<P> two = *two_;
+        if (found.what == Found::What::normal_force) {
+            lifted_ = two.pairs[found.pair];
+            const EventKind lifts = EventKind::lifts_off;
+            return transition(&lifts);
+        }
+        const BallBetweenPlanes<P> ball = ball_between(two.pairs);
+        std::array<int, 2> slip = two.slip;
+        const Former former{false, mode_, contact_, two, false};
+        if (found.what == Found::What::slip) {
+            const std::array<P, 2> slips = slips_along(ball);
+            for (std::size_t i = 0; i < 2; ++i)
+                if (i == found.pair || !(Elementary<P>::magnitude(slips[i]) > P(error(3) * speed()))) slip[i] = 0;
+            for (std::size_t i = 0; i < 2; ++i)
+                if (!(ball.friction[i] > P(0))) slip[i] = 1;
+            return select_two(two.pairs, ball, slip, former);
+        }
+        // rolling becomes sliding. While the ball rolls at both, friction that presses it could hold it
+        const std::size_t other = 1 - found.pair;
+        if (slip[other] == 0 && ball.friction[other] > P(0)) return fail(pressed_fault(two.pairs));
+        const P friction = TwoContactModes<P>(ball, slip).friction(slip)[found.pair];
+        slip[found.pair] = friction > P(0) ? -1 : 1;
+        two_->slip = slip, slip_zeros_ = {}, slip_zeros_[found.pair] = 1;
+        record(two.pairs[found.pair], EventKind::slides);
+        open_interval();
+    }
     void handle(const Found& found) {
         if (found.what == Found::What::gap) return transition(nullptr);
+        if (two_) return handle_two(found);
         if (found.what == Found::What::normal_force) {
             const EventKind lifts = EventKind::lifts_off;
             return transition(&lifts);

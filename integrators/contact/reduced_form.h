@@ -4,6 +4,7 @@
 //   sliding   w, q, p, slip (2)         v follows from the slip u_t:  v = u_t - w x r,  r from the centre to the
 //   contact rolling   w, q, p                   v = -w x r; momentum about the contact point:
 //       (I + m (s^2 1 - s s^T)) dw/dt = tau - w x Iw + m s x (s' x w + w x (s x w)) - m s x a
+//   two contacts of a ball  w, q, p, V    v = V d along the line of the planes (two_contacts.h)
 //   shock     u, work                   du/dp = K (n - mu u_t / |u_t|),  dW/dp = u_n
 //
 // s is the contact point from the centre of mass in body axes, s' its velocity over the body, a the acceleration by the
@@ -12,11 +13,13 @@
 // or p of a shock), and the integrals of the observed functions over s, from which their series follow.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "integrators/contact/contact_point.h"
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/rotation_friction.h"
+#include "integrators/contact/two_contacts.h"
 #include "motion/body_equations.h"
 #include "motion/exact_body_of.h"
 
@@ -49,6 +52,13 @@ class ReducedForm {
         for (std::size_t k = 0; k < geometry_->size(); ++k)
             if (system == System::flight || !(pair_at(k) == pair)) others_.push_back(k);
     }
+    /// Selects the contacts of a ball with two planes.
+    void select_two(const TwoContacts<P>& two) {
+        system_ = System::two_contacts, two_ = two;
+        others_.clear();
+        for (std::size_t k = 0; k < geometry_->size(); ++k)
+            if (!(pair_at(k) == two.pairs[0]) && !(pair_at(k) == two.pairs[1])) others_.push_back(k);
+    }
     Pair pair_at(std::size_t k) const { return {k / geometry_->pieces.size(), k % geometry_->pieces.size()}; }
     /// Indices of the pairs whose gaps are observed, in this order, after the system's own functions.
     const std::vector<std::size_t>& observed_gaps() const { return others_; }
@@ -73,6 +83,8 @@ class ReducedForm {
                 return 12;
             case System::rolling:
                 return 10;
+            case System::two_contacts:
+                return 11;
             case System::shock:
                 break;
         }
@@ -84,10 +96,11 @@ class ReducedForm {
     /// With torsional or rolling friction, rotation_functions further ones (see rotation_functions()).
     int own_functions() const {
         const int rotation = is_contact() && rotation_.acts ? rotation_functions : 0;
-        return (system_ == System::flight  ? 0
-                : system_ == System::shock ? 2
-                : system_ == System::onset ? 6
-                                           : 5) +
+        return (system_ == System::flight         ? 0
+                : system_ == System::two_contacts ? two_contacts_functions
+                : system_ == System::shock        ? 2
+                : system_ == System::onset        ? 6
+                                                  : 5) +
                rotation;
     }
     /// Index of the first function of torsional and rolling friction: rolling (w_t^2, or (rho N)^2 - M_t^2 while it is
@@ -104,6 +117,7 @@ class ReducedForm {
         }
         std::vector<Block> all{{0, 3, sizes.angular_velocity}, {3, 4, 1}, {7, 3, sizes.position}};
         if (system_ == System::flight) all.push_back({10, 3, sizes.velocity});
+        if (system_ == System::two_contacts) all.push_back({10, 1, sizes.velocity});
         if (system_ == System::sliding || system_ == System::onset)
             all.push_back({10, 2, is_stretched_by_slip() ? slip : sizes.velocity});
         return all;
@@ -131,6 +145,7 @@ class ReducedForm {
         }
         put(y, 0, m.angular_velocity_B), put(y, 3, m.q), put(y, 7, m.position_W);
         if (system_ == System::flight) put(y, 10, m.velocity_W);
+        if (system_ == System::two_contacts) y[10] = dot(m.velocity_W, two_.line_W);
         if (system_ == System::sliding || system_ == System::onset) {
             const Vector3<P> u = response(pair_, m).velocity;
             y[10] = u[0], y[11] = u[1];
@@ -146,6 +161,10 @@ class ReducedForm {
         BodyMotion<P> m{normalized(quaternion_at(y, 3)), vector_at(y, 0), vector_at(y, 7), {}};
         if (system_ == System::flight) {
             m.velocity_W = vector_at(y, 10);
+            return m;
+        }
+        if (system_ == System::two_contacts) {
+            m.velocity_W = y[10] * two_.line_W;
             return m;
         }
         const Vector3<P> n = rotate_back(m.q, axes_.normal_W);
@@ -199,6 +218,9 @@ class ReducedForm {
             case System::rolling:
                 rolling(y, dy);
                 break;
+            case System::two_contacts:
+                two_contacts(y, dy);
+                break;
             case System::shock:
                 shock(y, dy);
                 break;
@@ -220,6 +242,7 @@ class ReducedForm {
     ContactResponse<P> response_;  // shock: before it
     SlipPath<P> path_;             // onset
     RotationFriction<P> rotation_;
+    TwoContacts<P> two_;
 
     bool is_contact() const { return system_ != System::flight && system_ != System::shock; }
     const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
@@ -416,6 +439,52 @@ class ReducedForm {
         }
         observe_gaps(q, p, dy);
     }
+    // The motion of a ball along the line of two planes, see two_contacts.h.
+    template <class S>
+    void two_contacts(const S* y, S* dy) const {
+        const Vector3<S> w_B = vector_at(y, 0), p = vector_at(y, 7);
+        const Quaternion<S> q = quaternion_at(y, 3);
+        const Vector3<P>& d = two_.line_W;
+        const Vector3<S> v = y[10] * d, w = rotate(q, w_B);
+        const Vector3<S> a = load_acceleration(q, v), tau = rotate(q, torque(forcing_, 0, w_B, q, p, v));
+        const P& r = piece_of(two_.pairs[0]).radius;
+        const P m = body_.mass, per_moment = r / body_.inertia_B[0][0];
+        const std::array<Vector3<P>, 2> n{plane_of(0).normal_W, plane_of(1).normal_W};
+        const std::array<Vector3<P>, 2> t{cross(n[0], d), cross(n[1], d)};
+        const P c = dot(n[0], n[1]), scale = -m / (P(1) - c * c);
+        const P k = P(1) / m + r * per_moment, coupling = P(1) / m + c * r * per_moment;
+        std::array<S, 2> N, A, b;
+        for (std::size_t i = 0; i < 2; ++i) {
+            N[i] = scale * (dot(a, n[i]) - c * dot(a, n[1 - i]));
+            b[i] = per_moment * dot(tau, t[i]) - dot(a, d);
+            A[i] = P(-two_.slip[i]) * (plane_of(i).friction * N[i]);
+        }
+        if (two_.slip[0] == 0 && two_.slip[1] == 0) {
+            const P determinant = k * k - coupling * coupling;
+            for (std::size_t i = 0; i < 2; ++i) A[i] = (P(1) / determinant) * (k * b[i] - coupling * b[1 - i]);
+        } else {
+            for (std::size_t i = 0; i < 2; ++i)
+                if (two_.slip[i] == 0) A[i] = (P(1) / k) * (b[i] - coupling * A[1 - i]);
+        }
+        const Vector3<S> by_friction = (P(-1) * r) * Vector3<S>(A[0] * t[0] + A[1] * t[1]);
+        const Vector3<S> w_rate = (P(1) / body_.inertia_B[0][0]) * (tau + by_friction);
+        put(dy, 0, rotate_back(q, w_rate));
+        put(dy, 3, attitude_rate(P(1) / P(2), q, w_B));
+        put(dy, 7, v);
+        dy[10] = dot(a, d) + (P(1) / m) * (A[0] + A[1]);
+        dy[11] = S(1);
+        for (std::size_t i = 0; i < 2; ++i) {
+            const int at = static_cast<int>(i);
+            const P mu = plane_of(i).friction;
+            dy[12 + at] = N[i];
+            dy[14 + at] = two_.slip[i] == 0 ? (mu * mu) * (N[i] * N[i]) - A[i] * A[i]
+                                            : P(two_.slip[i]) * (y[10] - r * dot(w, t[i]));
+            put(dy, 16 + 3 * at, Vector3<S>(N[i] * n[i] + A[i] * d));
+        }
+        observe_gaps(q, p, dy);
+    }
+    const SupportPiece<P>& piece_of(Pair pair) const { return geometry_->pieces[pair.piece]; }
+    const ContactPlane<P>& plane_of(std::size_t i) const { return geometry_->planes[two_.pairs[i].plane]; }
     template <class S>
     void shock(const S* y, S* dy) const {
         const S square = y[0] * y[0] + y[1] * y[1], pace = square_root(square);

@@ -11,10 +11,12 @@
 // functions.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/rotation_friction.h"
+#include "integrators/contact/two_contacts.h"
 #include "integrators/truth/momentum_form.h"
 #include "motion/body_equations.h"
 
@@ -54,6 +56,12 @@ class MultiplierForm {
         for (std::size_t k = 0; k < geometry_->size(); ++k)
             if (system == System::flight || !(pair_at(k) == pair)) others_.push_back(k);
     }
+    void select_two(const contact::TwoContacts<P>& two) {
+        system_ = System::two_contacts, two_ = two;
+        others_.clear();
+        for (std::size_t k = 0; k < geometry_->size(); ++k)
+            if (!(pair_at(k) == two.pairs[0]) && !(pair_at(k) == two.pairs[1])) others_.push_back(k);
+    }
     contact::Pair pair_at(std::size_t k) const { return {k / geometry_->pieces.size(), k % geometry_->pieces.size()}; }
     const std::vector<std::size_t>& observed_gaps() const { return others_; }
     bool is_stretched() const {
@@ -70,10 +78,11 @@ class MultiplierForm {
     int work() const { return 6; }
     int own_functions() const {
         const bool touches = system_ != System::flight && system_ != System::shock;
-        return (system_ == System::flight  ? 0
-                : system_ == System::shock ? 2
-                : system_ == System::onset ? 6
-                                           : 5) +
+        return (system_ == System::flight         ? 0
+                : system_ == System::two_contacts ? contact::two_contacts_functions
+                : system_ == System::shock        ? 2
+                : system_ == System::onset        ? 6
+                                                  : 5) +
                (touches && rotation_.acts ? contact::rotation_functions : 0);
     }
     int dimension() const {
@@ -148,7 +157,9 @@ class MultiplierForm {
         loads_.derivative(y, dy);
         const Vector3<P>& n = geometry_->planes[pair_.plane].normal_W;
         S pace(1);
-        if (system_ != System::flight) {
+        if (system_ == System::two_contacts) {
+            add_two_contacts(y, dy);
+        } else if (system_ != System::flight) {
             const Kinematics<S> k = kinematics(pair_, y, dy);
             const bool rotates = rotation_.acts;
             Vector3<S> F, g, g_response;  // torque of friction for N = 1, and the acceleration by it
@@ -222,6 +233,7 @@ class MultiplierForm {
     Motion<P> frozen_;           // shock: the motion before it
     contact::SlipPath<P> path_;  // onset
     contact::RotationFriction<P> rotation_;
+    contact::TwoContacts<P> two_;
 
     const P& mu() const { return geometry_->planes[pair_.plane].friction; }
 
@@ -313,6 +325,60 @@ class MultiplierForm {
         if (rotation_.holds_spin) torque = torque + twist * n;
         put(dy, next + 3, torque);
         put(dy, 0, L_rate);
+    }
+    // The multipliers N_1, N_2, A_1, A_2 of a ball that touches two planes solve n_i . du_i/dt = 0 and, for each
+    // contact, d . du_i/dt = 0 while it rolls or A_i + s_i mu_i N_i = 0 while it slides with the sign s_i.
+    template <class S>
+    void add_two_contacts(const S* y, S* dy) const {
+        const Vector3<P>& d = two_.line_W;
+        const std::array<Kinematics<S>, 2> at{kinematics(two_.pairs[0], y, dy), kinematics(two_.pairs[1], y, dy)};
+        std::array<Vector3<P>, 4> unit;
+        for (std::size_t i = 0; i < 2; ++i) unit[i] = at[i].normal, unit[2 + i] = d;
+        std::array<std::array<S, 5>, 4> row;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Kinematics<S>& here = at[i % 2];
+            const bool slides = i >= 2 && two_.slip[i % 2] != 0;
+            const P friction = P(two_.slip[i % 2]) * geometry_->planes[two_.pairs[i % 2].plane].friction;
+            for (std::size_t j = 0; j < 4; ++j) {
+                // the acceleration of point i by a unit force at point j
+                const Vector3<S> turn = here.rotate_by(Vector3<S>(cross(at[j % 2].arm, unit[j])));
+                row[i][j] = slides ? S(i == j       ? P(1)
+                                       : j + 2 == i ? friction
+                                                    : P(0))
+                                   : dot(unit[i], Vector3<S>(here.inverse_mass * unit[j] + cross(turn, here.arm)));
+            }
+            row[i][4] = slides ? S(0) : P(-1) * dot(unit[i], here.acceleration);
+        }
+        const std::array<S, 4> x = eliminate(row);
+        Vector3<S> force, moment;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const Vector3<S> F = x[i] * unit[i] + x[2 + i] * d;
+            force = force + F, moment = moment + cross(at[i].arm, F);
+            const P mu = geometry_->planes[two_.pairs[i].plane].friction, mu_square = mu * mu;
+            const int to = static_cast<int>(i);
+            dy[14 + to] = x[i];
+            dy[16 + to] = two_.slip[i] == 0 ? mu_square * (x[i] * x[i]) - x[2 + i] * x[2 + i]
+                                            : P(two_.slip[i]) * dot(d, at[i].velocity);
+            put(dy, 18 + 3 * to, F);
+        }
+        put(dy, 0, Vector3<S>(vector_at(dy, 0) + moment));
+        put(dy, 10, Vector3<S>(vector_at(dy, 10) + force));
+    }
+    // Gaussian elimination; the diagonal does not vanish
+    template <class S>
+    static std::array<S, 4> eliminate(std::array<std::array<S, 5>, 4>& row) {
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t i = k + 1; i < 4; ++i) {
+                const S factor = row[i][k] / row[k][k];
+                for (std::size_t j = k; j < 5; ++j) row[i][j] = row[i][j] - factor * row[k][j];
+            }
+        std::array<S, 4> x;
+        for (std::size_t k = 4; k-- > 0;) {
+            S sum = row[k][4];
+            for (std::size_t j = k + 1; j < 4; ++j) sum = sum - row[k][j] * x[j];
+            x[k] = sum / row[k][k];
+        }
+        return x;
     }
     template <class S>
     S gap(contact::Pair pair, const Quaternion<S>& q, const Vector3<S>& p) const {

@@ -66,7 +66,7 @@ void contacts(Report& report, const Problem& problem) {
     if (has_torques) report.line("friction torques", "torsional and rolling friction; none acts in impacts");
     const bool has_twist =
         std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.torsional_friction > 0; });
-    if (is_ball(problem) && !has_twist)
+    if (is_ball(problem) && !has_twist && problem.scene.planes.size() == 1)
         report.line("kept by a ball", "spin about the normal of the plane, unless a torque acts");
 }
 

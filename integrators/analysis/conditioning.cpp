@@ -169,9 +169,11 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         return unavailable;
     }
     for (const Joint& joint : problem.scene.joints)
-        if (joint.friction != 0 || joint.limits.any()) {
+        if (joint.friction != 0 || joint.limits.any() || !joint.motion.empty()) {
             Conditioning unavailable;
-            unavailable.message = "conditioning through friction and limits of joints is not supported";
+            unavailable.message = joint.motion.empty()
+                                      ? "conditioning through friction and limits of joints is not supported"
+                                      : "conditioning with prescribed motions of joints is not supported";
             return unavailable;
         }
     if (times.back() > problem.scene.duration)

@@ -116,8 +116,10 @@ Scene as_mechanism(const Scene& scene) {
 
 std::string unsupported_part(const Scene& scene) {
     if (!scene.planes.empty()) return "impacts on planes are not supported";
-    for (const Joint& joint : scene.joints)
+    for (const Joint& joint : scene.joints) {
         if (joint.friction != 0 || joint.limits.any()) return "friction and limits of joints are not supported";
+        if (!joint.motion.empty()) return "prescribed motions of joints are not supported";
+    }
     for (const Load& load : scene.loads) {
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques are not supported";
         if (std::holds_alternative<FormulaLoad>(load)) return "loads given by formulas are not supported";

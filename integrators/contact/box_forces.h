@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "body/elementary.h"
+#include "integrators/contact/small_system.h"
 
 namespace polhode::contact {
 
@@ -114,7 +115,7 @@ class BoxForces {
             right.push_back(sum);
             for (const std::size_t j : held) B.push_back(A_[i * n_ + j]);
         }
-        eliminate(B, right);
+        solve_definite(B, right);
         for (std::size_t k = 0; k < held.size(); ++k) {
             const Box<P>& box = boxes_[held[k]];
             if (box.has_low && !(right[k] >= box.low)) return std::nullopt;
@@ -128,21 +129,6 @@ class BoxForces {
             if (sides[i] == BoxSide::low ? !(a >= -small_) : !(a <= small_)) return std::nullopt;
         }
         return result;
-    }
-
-    // Gaussian elimination of a positive definite matrix; x is the right side, then the solution.
-    static void eliminate(std::vector<P>& B, std::vector<P>& x) {
-        const std::size_t m = x.size();
-        for (std::size_t c = 0; c < m; ++c)
-            for (std::size_t r = c + 1; r < m; ++r) {
-                const P factor = B[r * m + c] / B[c * m + c];
-                for (std::size_t k = c; k < m; ++k) B[r * m + k] = B[r * m + k] - factor * B[c * m + k];
-                x[r] = x[r] - factor * x[c];
-            }
-        for (std::size_t r = m; r-- > 0;) {
-            for (std::size_t c = r + 1; c < m; ++c) x[r] = x[r] - B[r * m + c] * x[c];
-            x[r] = x[r] / B[r * m + r];
-        }
     }
 };
 

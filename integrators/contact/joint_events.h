@@ -39,10 +39,10 @@ std::vector<EventJoint<P>> event_joints(const Scene& scene) {
     return all;
 }
 
-/// Whether a joint of the scene has friction or limits.
+/// Whether a joint of the scene has friction, limits or a prescribed motion, which only JointDriver follows.
 inline bool has_joint_events(const Scene& scene) {
     for (const Joint& joint : scene.joints)
-        if (joint.friction != 0 || joint.limits.any()) return true;
+        if (joint.friction != 0 || joint.limits.any() || !joint.motion.empty()) return true;
     return false;
 }
 

@@ -2,13 +2,19 @@
 // moving joint is a constant force on its coordinate. A joint that is held is locked; the multiplier of the lock is the
 // force that holds it.
 //
-// State: coordinates and rates of the tree, then the time integrals of the forces that hold joints.
+// A joint with a prescribed motion is a row of constraints with a given acceleration. Impulses do not change its rate.
+//
+// State: coordinates and rates of the tree, the time if motions are prescribed, then the time integrals of the forces
+// that hold joints.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/joint_events.h"
+#include "integrators/contact/prescribed_motions.h"
+#include "integrators/contact/small_system.h"
 #include "motion/mechanism_motion_of.h"
 #include "motion/tree.h"
 
@@ -21,22 +27,42 @@ class JointTreeForm {
 
     /// The scene must outlive the form.
     explicit JointTreeForm(const Scene& scene)
-        : scene_(&scene), tree_(scene, bodies_mass_properties<P>(scene)), joints_(event_joints<P>(scene)) {
+        : scene_(&scene),
+          tree_(scene, bodies_mass_properties<P>(scene)),
+          joints_(event_joints<P>(scene)),
+          motions_(scene) {
         for (const EventJoint<P>& one : joints_) links_.push_back(tree_.links().link_of_joint[one.joint]);
+        for (std::size_t k = 0; k < motions_.size(); ++k)
+            driven_.push_back(tree_.links().link_of_joint[motions_.joint(k)]);
     }
 
     const std::vector<EventJoint<P>>& joints() const { return joints_; }
     std::vector<P> initial() const {
         std::vector<P> y(static_cast<std::size_t>(tree_.dimension()));
         tree_.initial(y.data());
+        if (driven_.empty()) return y;
+        const auto states = motions_.states(P(0));
+        for (std::size_t k = 0; k < driven_.size(); ++k) {
+            const Link<P>& one = tree_.links().links[static_cast<std::size_t>(driven_[k])];
+            y[static_cast<std::size_t>(one.coordinate)] = states[k].coordinate;
+            y[static_cast<std::size_t>(one.rate)] = states[k].rate;
+        }
+        y.push_back(P(0));
         return y;
     }
     /// Selects the loads from `begin` (s) on and applies the impulses there. All joints are free then.
     void enter(double begin, P* y) {
         begin_ = begin;
-        tree_.lock({});
+        tree_.lock({}, driven_);
         tree_.set_loads(*scene_, begin);
-        tree_.apply_impulses(*scene_, begin, y);
+        if (driven_.empty()) {
+            tree_.apply_impulses(*scene_, begin, y);
+            return;
+        }
+        y[tree_.dimension()] = P(begin);
+        std::vector<P> longer = with_accelerations(y);
+        tree_.apply_impulses(*scene_, begin, longer.data());
+        std::copy_n(longer.begin(), tree_.dimension(), y);
     }
     /// Sets a constant force on each joint, and the joints that are held.
     void select(const std::vector<P>& forces, const std::vector<std::size_t>& held) {
@@ -45,19 +71,27 @@ class JointTreeForm {
             if (!(forces[e] == P(0))) tree_.add_motor(links_[e], forces[e]);
         std::vector<int> locked;
         for (const std::size_t e : held) locked.push_back(links_[e]);
-        tree_.lock(locked);
+        tree_.lock(locked, driven_);
         held_ = held.size();
     }
 
-    int dimension() const { return tree_.dimension() + static_cast<int>(held_); }
+    int dimension() const { return holding_force(held_); }
     /// Index of a joint's coordinate, and of the integral of the k-th force that holds a joint.
     int coordinate(std::size_t e) const { return link(e).coordinate; }
-    int holding_force(std::size_t k) const { return tree_.dimension() + static_cast<int>(k); }
+    int holding_force(std::size_t k) const {
+        return tree_.dimension() + (driven_.empty() ? 0 : 1) + static_cast<int>(k);
+    }
     template <class S>
     void derivative(const S* y, S* dy) const {
-        tree_.derivative(y, dy);
+        if (driven_.empty()) {
+            tree_.derivative(y, dy);
+        } else {
+            const std::vector<S> longer = with_accelerations(y);
+            tree_.derivative(longer.data(), dy);
+            dy[tree_.dimension()] = S(P(1));
+        }
         const TreeWork<S>& at = tree_.template work<S>();
-        for (std::size_t k = 0; k < held_; ++k) dy[tree_.dimension() + static_cast<int>(k)] = at.multipliers[k];
+        for (std::size_t k = 0; k < held_; ++k) dy[holding_force(k)] = at.multipliers[k];
     }
 
     std::vector<P> rates(const P* y) const {
@@ -70,7 +104,7 @@ class JointTreeForm {
         const std::size_t n = links_.size();
         std::vector<P> matrix(n * n);
         for (std::size_t j = 0; j < n; ++j) {
-            const std::vector<P> change = tree_.unit_response(links_[j], y);
+            const std::vector<P> change = unit_response(j, y);
             for (std::size_t i = 0; i < n; ++i)
                 matrix[i * n + j] = change[static_cast<std::size_t>(link(i).rate - tree_.links().coordinates)];
         }
@@ -78,7 +112,7 @@ class JointTreeForm {
     }
     /// Applies an impulse on a joint's coordinate.
     void push(std::size_t e, const P& impulse, P* y) const {
-        const std::vector<P> change = tree_.unit_response(links_[e], y);
+        const std::vector<P> change = unit_response(e, y);
         for (std::size_t k = 0; k < change.size(); ++k) {
             P& rate = y[static_cast<std::size_t>(tree_.links().coordinates) + k];
             rate = rate + impulse * change[k];
@@ -92,7 +126,9 @@ class JointTreeForm {
         for (BodyMotion<P>& body : all) body.q = normalized(body.q);
         return all;
     }
-    std::vector<Reaction<P>> reactions(const P* y) const { return tree_.reactions(*scene_, y); }
+    std::vector<Reaction<P>> reactions(const P* y) const {
+        return driven_.empty() ? tree_.reactions(*scene_, y) : tree_.reactions(*scene_, with_accelerations(y).data());
+    }
     std::vector<std::array<P, 2>> joint_coordinates(const P* y) const { return tree_.joint_coordinates(y); }
 
     std::vector<Block> blocks(const std::vector<double>& scales) const {
@@ -115,10 +151,41 @@ class JointTreeForm {
     const Scene* scene_;
     Tree<P> tree_;
     std::vector<EventJoint<P>> joints_;
-    std::vector<int> links_;  // by event joint
+    PrescribedMotions<P> motions_;
+    std::vector<int> links_;   // by event joint
+    std::vector<int> driven_;  // links with prescribed motions
     double begin_ = 0;
     std::size_t held_ = 0;
 
+    // The state of the tree and the accelerations of driven links.
+    template <class S>
+    std::vector<S> with_accelerations(const S* y) const {
+        const int n = tree_.dimension();
+        std::vector<S> longer(y, y + n);
+        for (const S& a : motions_.accelerations(y[n])) longer.push_back(a);
+        return longer;
+    }
+    // The changes of all rates by a unit impulse on an event joint, at constant rates of the driven links.
+    std::vector<P> unit_response(std::size_t e, const P* y) const {
+        std::vector<P> change = tree_.unit_response(links_[e], y);
+        if (driven_.empty()) return change;
+        const auto rate_of = [&](const std::vector<P>& all, std::size_t k) {
+            const Link<P>& one = tree_.links().links[static_cast<std::size_t>(driven_[k])];
+            return all[static_cast<std::size_t>(one.rate - tree_.links().coordinates)];
+        };
+        const std::size_t n = driven_.size();
+        std::vector<std::vector<P>> by;
+        for (const int driven : driven_) by.push_back(tree_.unit_response(driven, y));
+        std::vector<P> A, x;
+        for (std::size_t i = 0; i < n; ++i) {
+            x.push_back(rate_of(change, i));
+            for (std::size_t j = 0; j < n; ++j) A.push_back(rate_of(by[j], i));
+        }
+        solve_definite(A, x);
+        for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t k = 0; k < change.size(); ++k) change[k] = change[k] - x[j] * by[j][k];
+        return change;
+    }
     const Link<P>& link(std::size_t e) const { return tree_.links().links[static_cast<std::size_t>(links_[e])]; }
 };
 

@@ -105,6 +105,8 @@ EngineJoint convert_joint(const Joint& joint, const InitialBodies& initial) {
         throw std::invalid_argument("the engine protocol does not support armature of joints");
     if (joint.friction != 0 || joint.limits.any())
         throw std::invalid_argument("the engine protocol does not support friction and limits of joints");
+    if (!joint.motion.empty())
+        throw std::invalid_argument("the engine protocol does not support prescribed motions of joints");
     EngineJoint result;
     result.name = joint.name, result.type = name_of(joint.type);
     result.parent = initial.index(joint.parent), result.child = initial.index(joint.child);

@@ -45,6 +45,8 @@ Choice choose_method(const Problem& problem, double tolerance) {
     if (std::ranges::any_of(problem.scene.planes, has_friction))
         if (const Method* method = find_method("taylor"); method && refusal(*method, problem).empty())
             return {method, "contact with friction, by its modes"};
+    if (std::ranges::any_of(problem.scene.joints, [](const Joint& joint) { return !joint.motion.empty(); }))
+        return {find_method("taylor"), "prescribed motions of joints"};
     if (contact::has_joint_events(problem.scene))
         return {find_method("taylor"), "friction and limits of joints, located as events"};
     if (!problem.scene.planes.empty()) return {find_method("cvode_impacts"), "impacts on planes, located as events"};

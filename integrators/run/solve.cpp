@@ -81,12 +81,15 @@ std::string special_contact_law(const Scene& scene) {
 
 }  // namespace
 
-// Why a method cannot follow joints with friction or limits, or couplings; empty if it can.
+// Why a method cannot follow joints with friction, limits or prescribed motions; empty if it can.
 static std::string joint_law_refusal(const Method& method, const Scene& scene) {
     if (method.family != Family::reference && method.family != Family::series)
-        for (const Joint& joint : scene.joints)
+        for (const Joint& joint : scene.joints) {
             if (joint.friction != 0 || joint.limits.any())
                 return fmt::format("{} does not support friction and limits of joints", method.name);
+            if (!joint.motion.empty())
+                return fmt::format("{} does not support prescribed motions of joints", method.name);
+        }
     return "";
 }
 

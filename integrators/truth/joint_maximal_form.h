@@ -13,6 +13,7 @@
 
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/joint_events.h"
+#include "integrators/contact/prescribed_motions.h"
 #include "integrators/maximal/system.h"
 #include "integrators/truth/motion.h"
 
@@ -30,23 +31,29 @@ class JointMaximalForm {
           start_(std::move(start)),
           coordinates_(std::move(coordinates)),
           joints_(contact::event_joints<P>(scene)),
-          free_(scene, start_, std::span<const std::array<P, 2>>(coordinates_)) {}
+          motions_(scene),
+          driven_(joints_with_motions(motions_)),
+          free_(scene, start_, std::span<const std::array<P, 2>>(coordinates_), maximal::LoopRows::shortest, driven_) {}
 
     const std::vector<contact::EventJoint<P>>& joints() const { return joints_; }
     std::vector<P> initial() const {
         std::vector<P> y(static_cast<std::size_t>(free_.dimension()));
         free_.initial(y.data());
         for (const contact::EventJoint<P>& one : joints_) y.push_back(coordinates_[one.joint][0]);
+        if (!driven_.empty()) y.push_back(P(0));
         return y;
     }
     void enter(double begin, P* y) {
         begin_ = begin;
         system_.reset(), held_ = 0;
-        free_.enter(begin, y);
+        if (driven_.empty()) return free_.enter(begin, y);
+        add_momenta(y, [&](P* rest) { free_.enter(begin, rest); });
+        y[time()] = P(begin);
     }
     void select(const std::vector<P>& forces, const std::vector<std::size_t>& held) {
         std::vector<int> locked;
         for (const std::size_t e : held) locked.push_back(static_cast<int>(joints_[e].joint));
+        locked.insert(locked.end(), driven_.begin(), driven_.end());
         held_ = held.size();
         system_.emplace(*scene_, start_, std::span<const std::array<P, 2>>(coordinates_), maximal::LoopRows::shortest,
                         locked);
@@ -56,12 +63,11 @@ class JointMaximalForm {
 
     int dimension() const { return holding_force(held_); }
     int coordinate(std::size_t e) const { return free_.dimension() + static_cast<int>(e); }
-    int holding_force(std::size_t k) const {
-        return free_.dimension() + static_cast<int>(joints_.size()) + static_cast<int>(k);
-    }
+    int holding_force(std::size_t k) const { return time() + (driven_.empty() ? 0 : 1) + static_cast<int>(k); }
     template <class S>
     void derivative(const S* y, S* dy) const {
-        const std::vector<S> multipliers = system_->rates(y, dy);
+        const std::vector<S> multipliers = driven_.empty() ? system_->rates(y, dy) : driven_rates(y, dy);
+        if (!driven_.empty()) dy[time()] = S(P(1));
         const std::vector<maximal::Placement<S>> at = system_->placements(y);
         for (std::size_t e = 0; e < joints_.size(); ++e)
             dy[coordinate(e)] = system_->view(system_->mechanism().links[joints_[e].joint], at).rates()[0];
@@ -90,7 +96,10 @@ class JointMaximalForm {
         }
         return matrix;
     }
-    void push(std::size_t e, const P& impulse, P* y) const { free_.push(joints_[e].joint, impulse, y); }
+    void push(std::size_t e, const P& impulse, P* y) const {
+        if (driven_.empty()) return free_.push(joints_[e].joint, impulse, y);
+        add_momenta(y, [&](P* rest) { free_.push(joints_[e].joint, impulse, rest); });
+    }
     /// The rate is a function of momenta, which remain as they are; it is zero up to rounding.
     void stop(std::size_t, P*) const {}
 
@@ -99,7 +108,12 @@ class JointMaximalForm {
         for (Motion<P>& body : all) body.q = normalized(body.q);
         return all;
     }
-    std::vector<Reaction<P>> reactions(const P* y) const { return system_->reactions(y); }
+    std::vector<Reaction<P>> reactions(const P* y) const {
+        if (driven_.empty()) return system_->reactions(y);
+        std::vector<P> dy(static_cast<std::size_t>(dimension()));
+        const std::vector<P> multipliers = driven_rates(y, dy.data());
+        return system_->reactions(y, multipliers.data());
+    }
 
     std::vector<contact::Block> blocks(const Scales& scales) const {
         std::vector<contact::Block> all;
@@ -124,10 +138,51 @@ class JointMaximalForm {
     Motions<P> start_;
     std::vector<std::array<P, 2>> coordinates_;
     std::vector<contact::EventJoint<P>> joints_;
-    System free_;                   // no joint is held
+    contact::PrescribedMotions<P> motions_;
+    std::vector<int> driven_;       // joints with prescribed motions
+    System free_;                   // no joint is held; driven joints are locked
     std::optional<System> system_;  // the equations in the current mode
     double begin_ = 0;
     std::size_t held_ = 0;
+
+    static std::vector<int> joints_with_motions(const contact::PrescribedMotions<P>& motions) {
+        std::vector<int> all;
+        for (std::size_t k = 0; k < motions.size(); ++k) all.push_back(static_cast<int>(motions.joint(k)));
+        return all;
+    }
+    // Applies impulses that leave the rates of driven joints unchanged. System stops these joints, so that the impulses
+    // are applied to the system at rest and its momenta added to y.
+    template <class Do>
+    void add_momenta(P* y, Do&& apply) const {
+        constexpr int first = 7, last = System::body_size;
+        std::vector<P> rest(y, y + free_.dimension());
+        const auto for_momenta = [&](auto&& act) {
+            for (int b = 0; b < free_.mechanism().world(); ++b)
+                for (int i = first; free_.place(b) >= 0 && i < last; ++i) act(free_.place(b) + i);
+        };
+        for_momenta([&](int i) { rest[static_cast<std::size_t>(i)] = P(0); });
+        apply(rest.data());
+        for_momenta([&](int i) { y[i] = y[i] + rest[static_cast<std::size_t>(i)]; });
+    }
+    // Index of the time in the state, if motions are prescribed.
+    int time() const { return free_.dimension() + static_cast<int>(joints_.size()); }
+    // System::rates() with the accelerations of driven joints in place of zero.
+    template <class S>
+    std::vector<S> driven_rates(const S* y, S* dy) const {
+        const std::vector<maximal::Placement<S>> at = system_->placements(y);
+        maximal::Rows<S> rows = system_->dynamics().constraints(at);
+        const std::vector<S> accelerations = motions_.accelerations(y[time()]);
+        for (std::size_t k = 0; k < accelerations.size(); ++k) {
+            maximal::Row<S>& row = rows[scene_->joints.size() + held_ + k].front();
+            row.bias = row.bias - accelerations[k];
+        }
+        std::vector<maximal::Wrench<S>> on(at.size());
+        maximal::add_forces(system_->mechanism(), system_->loads(), at, y + system_->angles(), on);
+        std::vector<S> lambda = system_->dynamics().multipliers(at, rows, on);
+        system_->dynamics().add_constraint_forces(rows, lambda, on);
+        system_->put_rates(at, on, dy);
+        return lambda;
+    }
 };
 
 }  // namespace polhode::truth

@@ -82,6 +82,7 @@ std::string state_of(const Scene& scene, const Tree<double>& tree, std::size_t j
     if (joint.limits.any())
         text += fmt::format("; limits {} to {}, restitution {}", brief(joint.limits.lower), brief(joint.limits.upper),
                             brief(joint.limits.restitution));
+    if (!joint.motion.empty()) text += "; prescribed: " + one_line(joint.motion, 60);
     for (const Coupling& coupling : scene.couplings)
         if (coupling.second == joint.name)
             text += fmt::format("; = {} times {} + {}", brief(coupling.ratio), one_line(coupling.first, 26),

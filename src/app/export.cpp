@@ -11,6 +11,7 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "check/golden.h"
+#include "scene/joint_motions.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
 #include "text/message.h"
@@ -44,6 +45,9 @@ int export_command(const ExportOptions& options) {
     if (has_formula_loads(scene))
         throw InputError(options.scene, "/loads", "contain a formula, which golden data cannot represent",
                          "use polhode truth, or loads with constant values");
+    if (has_joint_motions(scene))
+        throw InputError(options.scene, "/joints", "have a prescribed motion, which golden data cannot represent",
+                         "use polhode truth, or joints without \"motion\"");
     const Reference truth = reference(scene, options.samples);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);

@@ -107,7 +107,8 @@ bool conserves_mechanism_energy(const Problem& problem) {
     const Scene& scene = problem.scene;
     if (problem.segments.size() > 1 || std::ranges::any_of(scene.joints, has_damper)) return false;
     if (std::ranges::any_of(scene.joints, [](const Joint& joint) {
-            return joint.friction != 0 || (joint.limits.any() && joint.limits.restitution != 1);
+            return joint.friction != 0 || !joint.motion.empty() ||
+                   (joint.limits.any() && joint.limits.restitution != 1);
         }))
         return false;
     return std::ranges::none_of(scene.loads, [](const Load& load) {
@@ -141,6 +142,7 @@ std::optional<V3> rotation_line(const Scene& scene, const std::vector<Sample>& s
         if (joint.parent != "world") continue;
         if (has_damper(joint) || has_spring(joint) || has_armature(joint)) return std::nullopt;
         if (joint.friction != 0 || joint.limits.any() || !scene.couplings.empty()) return std::nullopt;
+        if (!joint.motion.empty()) return std::nullopt;
         for (const Load& load : scene.loads)
             if (const auto* motor = std::get_if<Motor>(&load); motor && motor->joint == joint.name) return std::nullopt;
         if (joint.type == JointType::revolute) {

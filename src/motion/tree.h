@@ -102,9 +102,11 @@ struct LinkLoop {
     Vector3<P> second_axis;  ///< revolute: unit, in the second link's axes
     P length = P(0);
     /// A constraint of joint coordinates instead: second = ratio * first + offset, where `second.link` and `first.link`
-    /// are the links of the coordinates. Without a first link the second coordinate is locked.
+    /// are the links of the coordinates. Without a first link the second coordinate is locked, or, if `drive` is not
+    /// negative, has the acceleration y[drive], a component of y after the state.
     bool couples = false;
     P ratio = P(0), offset = P(0);
+    int drive = -1;
 
     int rows() const { return couples ? 1 : type == LoopType::spherical ? 3 : type == LoopType::revolute ? 5 : 1; }
 };
@@ -181,8 +183,9 @@ class Tree {
     template <class S>
     std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
     /// Locks the coordinates of these links: their accelerations vanish. Replaces former locks. The tree must have no
-    /// loops and no couplings.
-    void lock(const std::vector<int>& links);
+    /// loops and no couplings. The coordinates of the links `driven` have given accelerations: those at the end of the
+    /// argument y of all functions of the state, which is longer by them.
+    void lock(const std::vector<int>& links, const std::vector<int>& driven = {});
     /// Adds a generalized force to a link's coordinate until loads are set again.
     void add_motor(int link, const P& force);
     /// Changes the rates by a generalized impulse of size 1 on a link's coordinate; locked coordinates are free.

@@ -83,7 +83,8 @@ Tree<P>::Tree(const Tree<Other>& other)
                           P(loop.length),
                           loop.couples,
                           P(loop.ratio),
-                          P(loop.offset)});
+                          P(loop.offset),
+                          loop.drive});
     for (const Other& y : other.start_) start_.push_back(P(y));
 }
 

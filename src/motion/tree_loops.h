@@ -45,7 +45,7 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
         if (loop.couples) {
             const Link<P>& second = links_.links[static_cast<std::size_t>(loop.second.link)];
             row->value = at.y[second.coordinate] - S(loop.offset), row->velocity = at.y[second.rate];
-            row->bias = S(P(0));
+            row->bias = loop.drive < 0 ? S(P(0)) : S(-at.y[loop.drive]);
             if (loop.first.link >= 0) {
                 const Link<P>& first = links_.links[static_cast<std::size_t>(loop.first.link)];
                 row->value = row->value - loop.ratio * at.y[first.coordinate];
@@ -259,15 +259,17 @@ void Tree<P>::solve_rows(TreeWork<S>& at, std::vector<S>& x) const {
 }
 
 template <class P>
-void Tree<P>::lock(const std::vector<int>& links) {
+void Tree<P>::lock(const std::vector<int>& links, const std::vector<int>& driven) {
     loops_.clear(), loop_of_row_.clear(), chosen_.clear();
-    for (const int link : links) {
+    const auto add = [&](int link, int drive) {
         LinkLoop<P> own;
-        own.couples = true, own.second.link = link;
+        own.couples = true, own.second.link = link, own.drive = drive;
         chosen_.push_back(static_cast<int>(loops_.size()));
         loop_of_row_.push_back(static_cast<int>(loops_.size()));
         loops_.push_back(own);
-    }
+    };
+    for (const int link : links) add(link, -1);
+    for (std::size_t k = 0; k < driven.size(); ++k) add(driven[k], dimension() + static_cast<int>(k));
     all_rows_ = loops_.size();
 }
 

@@ -13,6 +13,7 @@
 #include "scene/initial_file.h"
 #include "scene/joint_chains.h"
 #include "scene/json_values.h"
+#include "scene/locked_body.h"
 #include "scene/robot_import.h"
 #include "scene/scene_keys.h"
 #include "scene/scene_limits.h"
@@ -95,7 +96,12 @@ std::string write_limits(const JointLimits& limits) {
 
 void parse_coordinate(const JsonNode& node, Joint& j) {
     const bool universal = j.type == JointType::universal;
-    if (const JsonNode* start = node.find("initial")) parse_joint_start(*start, j);
+    if (const JsonNode* motion = node.find("motion")) j.motion = motion->string();
+    if (const JsonNode* start = node.find("initial")) {
+        if (!j.motion.empty())
+            start->fail("is given for a joint with a prescribed motion", "remove it: the motion defines the start");
+        parse_joint_start(*start, j);
+    }
     j.stiffness = numbers_at(node, "stiffness", universal), j.damping = numbers_at(node, "damping", universal);
     j.armature = numbers_at(node, "armature", universal);
     if (const JsonNode* friction = node.find("friction")) j.friction = friction->number();
@@ -143,7 +149,7 @@ Loop loop(const JsonNode& node) {
 }
 
 NamedBody parse_named_body(const JsonNode& node, const std::string& directory,
-                           const std::set<std::string_view>& carried) {
+                           const std::set<std::string, std::less<>>& carried) {
     if (!node.is_object()) node.fail(node.describe(), "give an object {\"name\": .., \"body\": ..}");
     node.require_known_keys(keys_of(scene_keys(), "one of bodies"));
     NamedBody one;
@@ -199,7 +205,8 @@ std::string write_joint(const Joint& j) {
         text += ", \"axes\": " + vectors(j.axes);
     else if (j.type != JointType::spherical)
         text += ", \"axis\": " + write_json(j.axes[0]);
-    text += ", \"initial\": {" + write_joint_start(j) + "}";
+    text +=
+        j.motion.empty() ? ", \"initial\": {" + write_joint_start(j) + "}" : ", \"motion\": " + json_string(j.motion);
     const bool two = j.type == JointType::universal;
     const auto numbers = [two](const std::array<double, 2>& x) { return two ? write_json(x) : shortest_decimal(x[0]); };
     const std::string rest = j.type == JointType::spherical ? write_json(j.rest_orientation) : numbers(j.rest);
@@ -276,6 +283,13 @@ bool has_gravity(const JsonNode& root) {
 
 namespace {
 
+JointChain lock_body(const JsonNode& locked, std::size_t index, const std::set<std::string, std::less<>>& carried,
+                     NamedBody& body) {
+    if (carried.contains(body.name))
+        locked.fail("is given for a body that is the child of a joint", "remove it, or the joint");
+    return lock_free_body(locked, fmt::format("/bodies/{}/locked", index), body);
+}
+
 // Gives the child of a free joint its initial state.
 void start_free_body(const JsonNode& root, const JointChain& chain, Scene& scene) {
     const JsonNode& joints = *root.find("joints");
@@ -327,9 +341,17 @@ void parse_mechanism(const JsonNode& root, Scene& scene) {
     if (bodies.elements().empty()) bodies.fail("is empty", "give at least one {\"name\": .., \"body\": ..}");
     if (bodies.elements().size() > most_bodies)
         bodies.fail(bodies.describe(), fmt::format("give at most {} bodies", most_bodies));
-    const std::set<std::string_view> carried = children_of(scene);
-    for (const JsonNode* one : bodies.elements())
-        scene.bodies.push_back(parse_named_body(*one, scene.directory, carried));
+    std::set<std::string, std::less<>> carried;
+    for (const Joint& j : scene.joints) carried.insert(j.child);
+    for (std::size_t i = 0; i < bodies.elements().size(); ++i) {
+        const JsonNode& one = *bodies.elements()[i];
+        scene.bodies.push_back(parse_named_body(one, scene.directory, carried));
+        if (const JsonNode* locked = one.find("locked")) {
+            chains.push_back(lock_body(*locked, i, carried, scene.bodies.back()));
+            const JointChain& chain = chains.back();
+            scene.joints.insert(scene.joints.end(), chain.joints.begin(), chain.joints.end());
+        }
+    }
     for (const JointChain& chain : chains) {
         scene.bodies.insert(scene.bodies.end(), chain.bodies.begin(), chain.bodies.end());
         if (!chain.free_child.empty()) start_free_body(root, chain, scene);

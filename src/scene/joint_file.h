@@ -18,7 +18,7 @@ void parse_mechanism(const JsonNode& root, Scene& scene);
 void parse_joint_start(const JsonNode& node, Joint& joint);
 
 /// Parses what belongs to the coordinate of a revolute or prismatic joint, all optional: initial, stiffness, rest,
-/// damping, armature, friction, limits. Throws InputError.
+/// damping, armature, friction, limits, motion. Throws InputError.
 void parse_coordinate(const JsonNode& node, Joint& joint);
 
 /// The members "bodies", "joints" and "loops" as canonical JSON arrays; empty arrays as "".

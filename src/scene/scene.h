@@ -274,6 +274,8 @@ struct Joint {
     std::array<double, 2> armature{};
     double friction = 0;  ///< Coulomb friction, static and kinetic, N m or N; revolute and prismatic joints
     JointLimits limits;   ///< range of the coordinate; revolute and prismatic joints
+    /// Prescribed motion: a formula of t for the coordinate, rad or m; revolute and prismatic joints. Empty: none.
+    std::string motion = "";
 };
 
 /// A constraint between the coordinates of two joints, each revolute or prismatic: second = ratio * first + offset.

@@ -12,6 +12,7 @@
 #include "scene/formula_file.h"
 #include "scene/initial_file.h"
 #include "scene/joint_file.h"
+#include "scene/joint_motions.h"
 #include "scene/json_values.h"
 #include "scene/load_file.h"
 #include "scene/plane_file.h"
@@ -135,6 +136,7 @@ Scene parse_scene(std::string_view text, const std::string& file, const std::str
     Scene parsed = scene(document.root(), directory);
     const bool is_imported = document.root().find("import");
     try {
+        start_joint_motions(parsed, file);
         validate(parsed, file);
     } catch (const InputError& error) {
         throw error.relocate(

@@ -13,6 +13,7 @@
 #include "body/rigid_body.h"
 #include "scene/body_hull.h"
 #include "scene/body_source.h"
+#include "scene/joint_motions.h"
 #include "scene/plane_file.h"
 #include "scene/scene_check.h"
 #include "scene/scene_formulas.h"
@@ -293,6 +294,7 @@ void validate(const Scene& scene, const std::string& file) {
     check.positive("/duration", scene.duration, "the duration in s");
     if (is_mechanism(scene)) {
         check_mechanism(check, scene);
+        check_joint_motions(scene, file);
     } else {
         check_body(check, "/body", scene.body);
         check_initial(check, "/initial", scene.initial);

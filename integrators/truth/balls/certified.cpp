@@ -298,7 +298,8 @@ std::string certification_refusal(const Scene& scene) {
     if (has_formula_loads(scene)) return "no certified truth: loads given by formulas are not supported";
     if (!scene.couplings.empty()) return "no certified truth: couplings are not supported; remove --certified";
     if (contact::has_joint_events(scene))
-        return "no certified truth: friction and limits of joints are not supported; remove --certified";
+        return "no certified truth: friction, limits and prescribed motions of joints are not supported; remove "
+               "--certified";
     if (!scene.loops.empty()) return "no certified truth: loops are not supported; remove --certified";
     if (!scene.planes.empty()) return "no certified truth: impacts on planes are not supported; remove --certified";
     return "";

@@ -12,6 +12,7 @@
 #include "check/known_update.h"
 #include "check/row_faults.h"
 #include "check/search.h"
+#include "scene/scene_formulas.h"
 
 namespace polhode {
 namespace {
@@ -48,6 +49,7 @@ std::string events_of(const Scene& scene) {
         if (const auto* one = std::get_if<Force>(&load)) window("force", one->window);
         if (const auto* one = std::get_if<Drag>(&load)) window("drag", one->window);
         if (const auto* one = std::get_if<Spring>(&load)) window("spring", one->window);
+        if (const auto* one = std::get_if<FormulaLoad>(&load)) window("formula", one->window);
         if (const auto* one = std::get_if<Impulse>(&load)) note("impulse", "acts", one->at);
     }
     if (all.empty()) return "the step in which the loads change";
@@ -158,7 +160,9 @@ FileDiagnosis diagnose(const Scene& scene, const TrajectoryFile& file, bool all)
                  "prediction error per row from the file's w: {:.2g} rad with this update, {:.2g} rad without)",
                  first_order->step, first_order->explained, first_order->error),
              "", first_order->error, first_order->explained});
-    if (best.faults.empty() && !evidence.rest_start() && evidence.plain_error() >= wrong_threshold)
+    // the updates of known engines do not support formulas
+    if (best.faults.empty() && !has_formula_loads(scene) && !evidence.rest_start() &&
+        evidence.plain_error() >= wrong_threshold)
         result.update = identify_update(scene, file, best.steps, evidence.noise());
     return result;
 }

@@ -7,6 +7,7 @@
 #include "body/elementary.h"
 #include "body/mass_properties.h"
 #include "body/orientation.h"
+#include "motion/formula_terms.h"
 
 namespace polhode {
 namespace {
@@ -39,6 +40,19 @@ constexpr UpdateRule rules[] = {
 // largest rotation in an accurate step, rad; the error of each step is (h w)^5 / 120 = 3e-9 rad
 constexpr double max_rotation = 0.05;
 constexpr int max_small_steps = 200;
+// formulas can change faster than the attitude
+constexpr int least_steps_with_formulas = 10;
+
+// The scene with a torque of zero in place of each formula, so that its times remain.
+Scene replace_formulas(Scene scene) {
+    for (Load& load : scene.loads)
+        if (const auto* formula = std::get_if<FormulaLoad>(&load)) {
+            const Window window = formula->window;
+            load = Torque{{}, Frame::body, window};
+        }
+    scene.let.clear();
+    return scene;
+}
 
 }  // namespace
 
@@ -46,13 +60,39 @@ std::span<const UpdateRule> update_rules() { return rules; }
 
 EngineModel::EngineModel(const Cause& cause)
     : fault_(cause.engine),
-      problem_(pose(cause.scene, Formulation::full)),
+      problem_(pose(replace_formulas(cause.scene), Formulation::full)),
       inertia_{problem_.body.full_inertia.tensor, problem_.body.full_inertia.inverse},
       center_(cause.scene.body.center_of_mass) {
     for (const Load& load : cause.scene.loads) {
         if (const auto* torque = std::get_if<Torque>(&load)) pushes_.push_back(torque->window);
         if (const auto* force = std::get_if<Force>(&load)) pushes_.push_back(force->window);
+        if (const auto* formula = std::get_if<FormulaLoad>(&load)) pushes_.push_back(formula->window);
     }
+    if (!has_formula_loads(cause.scene)) return;
+    const FormulaTerms<double> terms(compile_formulas(cause.scene, cause.scene.name), cause.scene, problem_.body,
+                                     cause.scene.body.inertia_B);
+    auto by_segment = std::make_shared<std::vector<FormulaTerms<double>>>(problem_.segments.size(), terms);
+    for (std::size_t i = 0; i < by_segment->size(); ++i) (*by_segment)[i].enter(problem_.segments[i].begin);
+    formulas_ = by_segment;
+}
+
+void EngineModel::enter(std::size_t segment, EngineLoads& loads) const {
+    loads.enter(problem_.segments[segment]);
+    loads.formulas = formulas_ ? &(*formulas_)[segment] : nullptr;
+}
+
+// Formulas that are held over a row keep their components in the axes of their loads.
+void EngineModel::add_formulas(const EngineLoads& loads, double t, const ModelState& s, Action& action) const {
+    const auto inputs = [](double time, const ModelState& at) {
+        return FormulaState<double>(time, at.angular_velocity_B, at.q, at.position_W, at.velocity_W);
+    };
+    const FormulaState<double> now = inputs(t, s);
+    const FormulaState<double> used = fault_.formulas_held ? inputs(loads.row_start, loads.at_row_start) : now;
+    const FormulaWrench<double> wrench =
+        loads.formulas->wrench(now, loads.formulas->evaluate<double>(used, static_cast<const double*>(nullptr)));
+    action.torque_B = action.torque_B + wrench.torque_B;
+    if (!problem_.body.pivoted)
+        action.acceleration_W = action.acceleration_W + (1 / problem_.body.mass) * wrench.force_W;
 }
 
 BodyInertia<double> EngineModel::inertia(const Quaternion<double>& q) const {
@@ -120,7 +160,7 @@ bool EngineModel::has_event(double t, double dt) const {
 }
 
 // Error of the torque (world axes) by torques and arms in wrong axes.
-Vector EngineModel::torque_error(const WorldLoads<double>& loads, double t, const ModelState& s,
+Vector EngineModel::torque_error(const EngineLoads& loads, double t, const ModelState& s,
                                  const Matrix3<double>& A) const {
     Vector more;
     if (fault_.drag_in_world && loads.forcing().has_damping) {
@@ -144,12 +184,13 @@ Vector EngineModel::torque_error(const WorldLoads<double>& loads, double t, cons
     return more;
 }
 
-EngineModel::Action EngineModel::action(const WorldLoads<double>& loads, double t, const ModelState& s) const {
+EngineModel::Action EngineModel::action(const EngineLoads& loads, double t, const ModelState& s) const {
     const Matrix3<double> A = rotation_matrix(s.q);
     const Vector torque = loads.torque_W(
         t, A, [&] { return s.q; }, A * s.angular_velocity_B, s.position_W, s.velocity_W);
     Action a{transposed(A) * (torque + torque_error(loads, t, s, A)), {}};
     if (!problem_.body.pivoted) a.acceleration_W = loads.acceleration_W(A, s.velocity_W);
+    if (loads.formulas) add_formulas(loads, t, s, a);
     return a;
 }
 
@@ -283,7 +324,7 @@ Vector EngineModel::translate(ModelState& s, const ModelState& old, const Vector
 }
 
 // Half a step with the rates at the start, then the whole step with the rates at its middle.
-Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const {
+Vector EngineModel::midpoint_step(ModelState& s, const EngineLoads& loads, double t, double h) const {
     const ModelState old = s;
     const auto go = [&](double at, const ModelState& from, double dt) {
         const Action a = action(loads, at, from);
@@ -315,8 +356,7 @@ Vector EngineModel::midpoint_step(ModelState& s, const WorldLoads<double>& loads
     return {};
 }
 
-Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double t, double h,
-                         const UpdateRule& rule) const {
+Vector EngineModel::step(ModelState& s, const EngineLoads& loads, double t, double h, const UpdateRule& rule) const {
     if (rule.rate == RateUpdate::midpoint) return midpoint_step(s, loads, t, h);
     const Action a = action(loads, t, s);
     const ModelState old = s;
@@ -358,7 +398,7 @@ Vector EngineModel::step(ModelState& s, const WorldLoads<double>& loads, double 
 }
 
 // Advances (q, w, p, v) by the classical Runge-Kutta method.
-void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const {
+void EngineModel::small_step(ModelState& s, const EngineLoads& loads, double t, double h) const {
     struct Rate {
         Quaternion<double> q;
         Vector w, p, v;
@@ -409,15 +449,16 @@ void EngineModel::small_step(ModelState& s, const WorldLoads<double>& loads, dou
     place_at_pivot(s);
 }
 
-void EngineModel::advance_segment(ModelState& s, const WorldLoads<double>& loads, double t, double dt,
-                                  const UpdateRule& rule, int steps, Vector& position_difference) const {
+void EngineModel::advance_segment(ModelState& s, const EngineLoads& loads, double t, double dt, const UpdateRule& rule,
+                                  int steps, Vector& position_difference) const {
     if (!(dt > 0)) return;
     if (rule.rate == RateUpdate::accurate) {
         const double rotation =
             dt * fault_.time * std::max(length(s.angular_velocity_B), problem_.scales.angular_velocity);
         // a state that is not finite takes the largest number of steps
         const double wanted = std::ceil(rotation / max_rotation);
-        steps = wanted < max_small_steps ? std::max(2, static_cast<int>(wanted)) : max_small_steps;
+        const int least = loads.formulas ? least_steps_with_formulas : 2;
+        steps = wanted < max_small_steps ? std::max(least, static_cast<int>(wanted)) : max_small_steps;
     }
     const double part = dt / steps, h = part * fault_.time;
     for (int i = 0; i < steps; ++i) {
@@ -429,17 +470,18 @@ void EngineModel::advance_segment(ModelState& s, const WorldLoads<double>& loads
 }
 
 Vector EngineModel::advance(ModelState& s, double t, double dt, const UpdateRule& rule, int steps) const {
-    WorldLoads<double> loads(problem_);
+    EngineLoads loads(problem_);
+    loads.row_start = t, loads.at_row_start = s;
     if (uses_row_rate()) s.row_rate_W = rotate(s.q, s.angular_velocity_B);
     const std::size_t first = segment_at(problem_, t);
-    loads.enter(problem_.segments[first]);
+    enter(first, loads);
     Vector position_difference;
     const double end = t + dt;
     for (std::size_t k = first + 1; k < problem_.segments.size() && problem_.segments[k].begin <= end; ++k) {
         const Segment& next = problem_.segments[k];
         advance_segment(s, loads, t, next.begin - t, rule, steps, position_difference);
         t = std::max(t, next.begin);
-        loads.enter(next);
+        enter(k, loads);
         apply_impulses(s, next);
     }
     advance_segment(s, loads, t, end - t, rule, steps, position_difference);

@@ -1,6 +1,7 @@
 // A small engine with the faults of a hypothesis. It steps as game engines do and predicts the rows of a file.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "motion/world_loads.h"
 
 namespace polhode {
+
+template <class P>
+class FormulaTerms;
 
 /// How an update integrates the gyroscopic term and the loads.
 enum class RateUpdate {
@@ -37,6 +41,15 @@ std::span<const UpdateRule> update_rules();
 /// The state of a modelled engine.
 struct ModelState : BodyMotion<double> {
     Vector3<double> row_rate_W;  ///< angular velocity at the start of the row, rad/s; set by advance()
+};
+
+/// The loads that act on the engine's body at a time.
+struct EngineLoads : WorldLoads<double> {
+    using WorldLoads<double>::WorldLoads;
+
+    const FormulaTerms<double>* formulas = nullptr;  ///< nullptr: no load is a formula
+    double row_start = 0;                            ///< time at the start of the row, s
+    ModelState at_row_start = {};                    ///< the state at the start of the row
 };
 
 /// An engine that runs the scene of a cause with the faults of the cause.
@@ -74,6 +87,8 @@ class EngineModel {
     BodyInertia<double> inertia_;
     Vector3<double> center_;      // centre of mass from the body's origin, body axes, m
     std::vector<Window> pushes_;  // windows of torques and forces
+    // the formulas that act in each segment; nullptr: no load is a formula
+    std::shared_ptr<const std::vector<FormulaTerms<double>>> formulas_;
 
     // torque in body axes and acceleration of the centre of mass in world axes
     struct Action {
@@ -82,15 +97,16 @@ class EngineModel {
     // the tensor that the engine uses at an attitude, converted to body axes
     BodyInertia<double> inertia(const Quaternion<double>& q) const;
     bool is_coasting(double t) const;
-    Vector3<double> torque_error(const WorldLoads<double>& loads, double t, const ModelState& s,
+    Vector3<double> torque_error(const EngineLoads& loads, double t, const ModelState& s,
                                  const Matrix3<double>& A) const;
     Vector3<double> apply_damping(const Vector3<double>& w, double t, double h) const;
-    Action action(const WorldLoads<double>& loads, double t, const ModelState& s) const;
-    Vector3<double> step(ModelState& s, const WorldLoads<double>& loads, double t, double h,
-                         const UpdateRule& rule) const;
-    Vector3<double> midpoint_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
-    void small_step(ModelState& s, const WorldLoads<double>& loads, double t, double h) const;
-    void advance_segment(ModelState& s, const WorldLoads<double>& loads, double t, double dt, const UpdateRule& rule,
+    void enter(std::size_t segment, EngineLoads& loads) const;
+    void add_formulas(const EngineLoads& loads, double t, const ModelState& s, Action& action) const;
+    Action action(const EngineLoads& loads, double t, const ModelState& s) const;
+    Vector3<double> step(ModelState& s, const EngineLoads& loads, double t, double h, const UpdateRule& rule) const;
+    Vector3<double> midpoint_step(ModelState& s, const EngineLoads& loads, double t, double h) const;
+    void small_step(ModelState& s, const EngineLoads& loads, double t, double h) const;
+    void advance_segment(ModelState& s, const EngineLoads& loads, double t, double dt, const UpdateRule& rule,
                          int steps, Vector3<double>& position_difference) const;
     Vector3<double> apply_gyroscopic_term(const BodyInertia<double>& inertia, const Vector3<double>& w, double h,
                                           const UpdateRule& rule) const;

@@ -2,6 +2,8 @@
 // if the fault has no effect in the scene.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -93,11 +95,14 @@ void each(Scene& scene, auto&& change) {
 }
 
 // Whether the scene has torques or forces. A body coasts when none of them acts.
-inline bool has_pushes(const Scene& scene) { return has<Torque>(scene) || has<Force>(scene); }
+inline bool has_pushes(const Scene& scene) {
+    return has<Torque>(scene) || has<Force>(scene) || has<FormulaLoad>(scene);
+}
 
 // Whether the size of the moments of inertia matters: only if there are torques.
 inline bool torque_matters(const Scene& scene) {
     return has<Torque>(scene) || has<Force>(scene) || has<Impulse>(scene) || has<Spring>(scene) ||
+           has<FormulaLoad>(scene) ||
            has_load(scene,
                     [](const Load& load) {
                         const Drag* drag = std::get_if<Drag>(&load);
@@ -113,7 +118,8 @@ inline bool scale_inertia(Cause& c, double factor) {
 }
 
 inline bool mass_matters(const Scene& scene) {
-    return has<Force>(scene) || has<Impulse>(scene) || has<Drag>(scene) || (scene.pivot && has<Gravity>(scene));
+    return has<Force>(scene) || has<Impulse>(scene) || has<Drag>(scene) || has<FormulaLoad>(scene) ||
+           (scene.pivot && has<Gravity>(scene));
 }
 inline bool scale_mass(Cause& c, double factor) {
     if (!mass_matters(c.scene)) return false;
@@ -317,6 +323,30 @@ inline bool drag_on_rate(Cause& c, double) {
 inline bool scale_all_torques(Cause& c, double factor) {
     const bool torque = scale_vectors<Torque>(c, factor), spring = scale_spring(c, factor);
     return torque && spring;
+}
+
+// Multiplies all formulas of torques, or all of forces and potentials, by a factor.
+template <bool torques>
+bool scale_formulas(Cause& c, double factor) {
+    bool any = false;
+    each<FormulaLoad>(c.scene, [&](FormulaLoad& load) {
+        if ((load.kind == FormulaKind::torque) != torques) return;
+        any = true, load.formula = fmt::format("({:.17g})*({})", factor, load.formula);
+    });
+    return any;
+}
+template <FormulaKind kind, Frame written>
+bool formula_in_other_frame(Cause& c, double) {
+    bool any = false;
+    each<FormulaLoad>(c.scene, [&](FormulaLoad& load) {
+        if (load.kind == kind && load.frame == written)
+            any = true, load.frame = written == Frame::body ? Frame::world : Frame::body;
+    });
+    return any;
+}
+inline bool hold_formulas(Cause& c, double) {
+    c.engine.formulas_held = true;
+    return has<FormulaLoad>(c.scene);
 }
 
 }  // namespace polhode::fault_effects

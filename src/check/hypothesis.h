@@ -100,6 +100,7 @@ struct EngineFault {
     double time = 1;                                      ///< simulated seconds per second of the rows
     InPlace in_place = InPlace::none;                     ///< how the quaternion is overwritten
     OriginTerms origin;                                   ///< how the origin's acceleration is computed
+    bool formulas_held = false;                           ///< formulas are evaluated at the start of each row only
     bool no_rotation = false;                             ///< the attitude stays constant
     bool no_translation = false;                          ///< the position stays constant
 };

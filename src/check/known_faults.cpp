@@ -1,6 +1,7 @@
 // Table of known faults of engines and their files. To add a fault, add a row.
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "check/fault_effects.h"
 
@@ -494,6 +495,40 @@ std::vector<Hypothesis> start_faults() {
     };
 }
 
+std::vector<Hypothesis> formula_faults() {
+    using S = Subject;
+    constexpr const char* frame = "convert the vector to the axes in which it is used";
+    constexpr const char* once = "apply each load once per step";
+    std::vector<Hypothesis> all;
+    const auto add = [&](const std::string& load, S subject, bool (*scale)(Cause&, double), const std::string& what) {
+        all.push_back(fixed_fault(load + "_missing", subject, what + " is missing", "apply it", scale, 0));
+        all.push_back(
+            fixed_fault(load + "_reversed", subject, what + " has the opposite sign", "negate it", scale, -1));
+        all.push_back(fixed_fault(load + "_twice", subject, what + " is applied twice", once, scale, 2));
+        all.push_back(scaled_fault(load + "_scaled", subject, what + " is {} times the scene's",
+                                   "check its unit and parameters", scale));
+    };
+    add("formula_torque", S::torque, scale_formulas<true>, "the torque given by a formula");
+    add("formula_force", S::force, scale_formulas<false>, "the force given by a formula");
+    for (const auto& [subject, load, to_world, to_body] :
+         {std::tuple{S::torque, "torque", &formula_in_other_frame<FormulaKind::torque, Frame::body>,
+                     &formula_in_other_frame<FormulaKind::torque, Frame::world>},
+          std::tuple{S::force, "force", &formula_in_other_frame<FormulaKind::force, Frame::body>,
+                     &formula_in_other_frame<FormulaKind::force, Frame::world>}}) {
+        const std::string fault = fmt::format("formula_{}_in_other_axes", load);
+        all.push_back(fixed_fault(fault, subject,
+                                  fmt::format("the {} given by a formula in body axes is applied in world axes", load),
+                                  frame, to_world));
+        all.push_back(fixed_fault(fault, subject,
+                                  fmt::format("the {} given by a formula in world axes is applied in body axes", load),
+                                  frame, to_body));
+    }
+    all.push_back(fixed_fault("formula_held", S::torque,
+                              "the formulas are evaluated once per row and held until the next row",
+                              "evaluate the formulas in each step", hold_formulas));
+    return all;
+}
+
 std::vector<Hypothesis> load_faults() {
     using S = Subject;
     const char* const frame = "convert the vector to the axes in which it is used";
@@ -603,7 +638,8 @@ std::vector<Hypothesis> load_faults() {
 const std::vector<Hypothesis>& known_faults() {
     static const std::vector<Hypothesis> all = [] {
         std::vector<Hypothesis> list;
-        for (auto&& part : {readings(), engine_faults(), load_faults(), body_faults(), start_faults()})
+        for (auto&& part :
+             {readings(), engine_faults(), load_faults(), formula_faults(), body_faults(), start_faults()})
             list.insert(list.end(), part.begin(), part.end());
         return list;
     }();

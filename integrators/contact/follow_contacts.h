@@ -60,25 +60,129 @@ class ContactDriver {
           samples_(sample_times) {}
 
     Run<P> run() {
+        start();
+        while (plan()) take_planned_step();
+        return finish();
+    }
+
+    // The parts of run(), for a scheduler of several bodies (follow_spheres.h).
+
+    void start() {
         motion_ = form_.initial();
-        for (const Leg& leg : itinerary(*scene_)) {
-            t_ = P(leg.begin);
-            form_.enter(leg.begin, motion_);
-            note_sizes();
-            if (leg.index == 0) start_at_contact();
-            if (!fails()) transition(nullptr);
-            for (; !fails() && samples_.due(leg, leg.begin); samples_.pop())
-                show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
-                     std::vector<Vector3<P>>(scene_->planes.size()));
-            while (!fails() && t_ < P(leg.end)) advance(leg);
-            if (fails()) break;
+        legs_ = itinerary(*scene_);
+    }
+    /// Plans the next step up to its end, its first event or the end of the loads' leg. Returns false at the end of the
+    /// motion or on a fault.
+    bool plan() {
+        while (!fails() && leg_ < legs_.size()) {
+            if (!is_in_leg_) {
+                enter_leg();
+            } else if (!(t_ < P(legs_[leg_].end))) {
+                ++leg_, is_in_leg_ = false;
+                series_.reset();
+            } else if (!series_ && (onset_ || rotation_.starts_rolling)) {
+                if (start_slip()) return true;
+            } else if (plan_step_of_mode()) {
+                return true;
+            }
         }
+        return false;
+    }
+    bool has_planned_step() const { return planned_.has_value(); }
+    /// Time at the end of the planned step.
+    const P& planned_end() const { return planned_->reached; }
+    /// Takes the planned step and handles the event at its end.
+    void take_planned_step() {
+        const Planned planned = *planned_;
+        planned_.reset();
+        move_to(planned.step, planned.reached);
+        if (!planned.found) check_face();
+        const bool continues = !fails() && !planned.found;
+        if (!fails() && planned.found) handle(*planned.found);
+        if (continues && planned.starts_rolling) {
+            rotation_.starts_rolling = false, rotation_.path = {};
+            form_.set_rotation(rotation_);
+        }
+        if (!continues || planned.starts_slip) series_.reset();
+    }
+    /// Moves to a time within the planned step and cancels the rest of it. The caller then changes the velocities.
+    void interrupt(const P& t) {
+        if (planned_ && t > t_) {
+            Step step = planned_->step;
+            step.length = step.when(t, t_);
+            move_to(step, t);
+        }
+        planned_.reset(), series_.reset();
+    }
+    /// Adds to velocity and angular velocity (world axes).
+    void add_velocity(const Vector3<P>& velocity_W, const Vector3<P>& angular_velocity_W) {
+        motion_.velocity_W = motion_.velocity_W + velocity_W;
+        motion_.angular_velocity_B = motion_.angular_velocity_B + rotate_back(motion_.q, angular_velocity_W);
+        note_sizes();
+    }
+    /// Applies impacts with planes and selects the mode after a change of the velocities.
+    void select_mode() { transition(nullptr); }
+    Run<P> finish() {
         close_interval();
         return std::move(run_);
     }
+    const std::string& fault() const { return run_.fault; }
+    const P& time() const { return t_; }
+    const BodyMotion<P>& motion() const { return motion_; }
+    /// The motion at a time in the planned step; without one, the present motion.
+    BodyMotion<P> motion_at(const P& t) {
+        if (!planned_ || !(t > t_)) return motion_;
+        std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
+        series_->evaluate(planned_->step.when(t, t_), y.data());
+        return form_.motion(y.data());
+    }
+    const ContactGeometry<P>& geometry() const { return geometry_; }
+    /// Bound of the speeds of the motion so far, m/s.
+    double largest_speed() const { return sizes_.velocity; }
 
   private:
     using T = typename SeriesScalar<P>::Type;
+
+    /// The polynomial of a step.
+    struct Step {
+        const Series<T>& series;
+        int clock = 0;
+        bool stretched = false;
+        P length{0};  // in the independent variable s
+
+        P coefficient(int i, int k) const { return static_cast<P>(series.coefficient(i, k)); }
+        // s at which the clock is t, for a clock that increases
+        P when(const P& t, const P& start) const {
+            if (!stretched) return t - start;
+            P low(0), high = length, s = length / P(2);
+            for (int i = 0; i < 300; ++i) {
+                P value(0), slope(0);
+                for (int k = series.order(); k >= 0; --k) {
+                    slope = slope * s + value;
+                    value = value * s + coefficient(clock, k);
+                }
+                (value < t ? low : high) = s;
+                P next = s - (value - t) / slope;
+                if (!(next >= low && next <= high)) next = (low + high) / P(2);
+                const P change = Elementary<P>::magnitude(P(next - s));
+                s = next;
+                if (!(change > P(4) * Elementary<P>::epsilon() * high)) break;
+            }
+            return s;
+        }
+    };
+    struct Found {
+        P s{0};
+        enum class What { gap, normal_force, cone, rolling_limit, spin_limit, spin, slip } what = What::gap;
+        std::size_t pair = 0;  // the observed gap, or the index in TwoContacts
+    };
+    /// A step that is not taken yet.
+    struct Planned {
+        Step step;
+        std::optional<Found> found;  // the event at its end
+        P reached{0};                // time at its end
+        bool starts_slip = false, starts_rolling = false;
+    };
 
     const Scene* scene_;
     ContactGeometry<P> geometry_;
@@ -105,9 +209,34 @@ class ContactDriver {
     std::size_t spin_zeros_ = 0;           // known order of the zero of the spin at the start of the mode
     RotationFriction<P> former_rotation_;  // before the transition
     Exceeded exceeded_ = Exceeded::none;   // the limit whose event led to the transition
+    std::vector<Leg> legs_;
+    std::size_t leg_ = 0;  // the present leg
+    bool is_in_leg_ = false;
+    std::optional<Series<T>> series_;  // of the present mode
+    std::vector<P> y_;                 // its state
+    std::optional<Planned> planned_;   // refers to series_
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
-        return contact_geometry(scene, mass_properties<P>(scene.body).center, Quaternion<P>{});
+        const Vector3<P> center = mass_properties<P>(scene.body).center;
+        if (!scene.planes.empty()) return contact_geometry(scene, center, Quaternion<P>{});
+        // a sphere that meets other spheres only: the hull without planes
+        Scene with_plane = scene;
+        with_plane.planes.resize(1);
+        ContactGeometry<P> geometry = contact_geometry(with_plane, center, Quaternion<P>{});
+        geometry.planes.clear();
+        return geometry;
+    }
+    void enter_leg() {
+        const Leg& leg = legs_[leg_];
+        is_in_leg_ = true;
+        t_ = P(leg.begin);
+        form_.enter(leg.begin, motion_);
+        note_sizes();
+        if (leg.index == 0) start_at_contact();
+        if (!fails()) transition(nullptr);
+        for (; !fails() && samples_.due(leg, leg.begin); samples_.pop())
+            show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
+                 std::vector<Vector3<P>>(scene_->planes.size()));
     }
     bool fails() const { return !run_.fault.empty(); }
     std::string at_time() const { return fmt::format("at t = {:.10g} s", static_cast<double>(t_)); }
@@ -123,7 +252,9 @@ class ContactDriver {
     // the sizes start from the motion, and from what the loads do over the body's length
     void note_sizes() {
         const auto size = [](const Vector3<P>& v) { return static_cast<double>(length(v)); };
-        if (!has_started_) {
+        if (!has_started_ && geometry_.planes.empty()) {
+            sizes_ = {0, reach(), 0};
+        } else if (!has_started_) {
             Pair any;
             const ContactResponse<P> at = form_.response(any, motion_);
             const double fall = size(at.acceleration);
@@ -808,35 +939,6 @@ class ContactDriver {
         return !fails();
     }
 
-    /// The polynomial of a step.
-    struct Step {
-        const Series<T>& series;
-        int clock = 0;
-        bool stretched = false;
-        P length{0};  // in the independent variable s
-
-        P coefficient(int i, int k) const { return static_cast<P>(series.coefficient(i, k)); }
-        // s at which the clock is t, for a clock that increases
-        P when(const P& t, const P& start) const {
-            if (!stretched) return t - start;
-            P low(0), high = length, s = length / P(2);
-            for (int i = 0; i < 300; ++i) {
-                P value(0), slope(0);
-                for (int k = series.order(); k >= 0; --k) {
-                    slope = slope * s + value;
-                    value = value * s + coefficient(clock, k);
-                }
-                (value < t ? low : high) = s;
-                P next = s - (value - t) / slope;
-                if (!(next >= low && next <= high)) next = (low + high) / P(2);
-                const P change = Elementary<P>::magnitude(P(next - s));
-                s = next;
-                if (!(change > P(4) * Elementary<P>::epsilon() * high)) break;
-            }
-            return s;
-        }
-    };
-
     // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
     double step_of(const Series<T>& series, const std::vector<Block>& blocks) const {
         double log2_step = std::numeric_limits<double>::infinity();
@@ -891,12 +993,6 @@ class ContactDriver {
     }
     static const T& series_coefficient(const Step& step, int i, int k) { return step.series.coefficient(i, k); }
 
-    struct Found {
-        P s{0};
-        enum class What { gap, normal_force, cone, rolling_limit, spin_limit, spin, slip } what = What::gap;
-        std::size_t pair = 0;  // the observed gap, or the index in TwoContacts
-    };
-
     // the first event within the step
     std::optional<Found> first_event(const Step& step) const {
         std::optional<Found> first;
@@ -941,41 +1037,55 @@ class ContactDriver {
         return first;
     }
 
-    /// Integrates the present mode until it ends or the leg does.
-    void advance(const Leg& leg) {
-        if (onset_ || rotation_.starts_rolling) return start_slip(leg);
+    void enter_system() {
         if (two_)
             form_.select_two(*two_);
         else
             form_.select(mode_, contact_.value_or(Pair{}));
-        const int n = form_.dimension(), clock = form_.clock();
-        std::vector<P> y(n);
-        form_.start(motion_, t_, y.data());
-        Series<T> series(cast_recording<T>(record_form(n)), settings_.order);
-        while (t_ < P(leg.end)) {
-            if (!may_step()) return;
-            for (int i = clock + 1; i < n; ++i) y[i] = P(0);
-            series.expand(y.data());
-            Step step{series, clock, form_.is_stretched()};
-            double slip = 0;
-            if (two_)
-                if (const std::string why = two_contacts_fault(ball_between(two_->pairs), two_->pairs); !why.empty())
-                    return fail(why);
-            if (rotation_.acts && ends_rolling(step, y)) return;
-            if (step.stretched && form_.is_stretched_by_slip()) {
-                const P square = step.coefficient(clock + 2, 1), growth = P(2) * step.coefficient(clock + 2, 2);
-                slip = std::sqrt(static_cast<double>(square));
-                // growth = 2 |u_t|^2 d|u_t|/dt
-                if (slip <= error(2) * speed() && !(growth > P(0))) return end_slip(series, square, growth, y);
-            }
-            const double length = std::min(step_of(series, form_.blocks(sizes_, slip)), observed_step(step));
-            if (std::isnan(length)) return fail("the motion is not finite " + at_time());
-            step.length = P(length);
-            if (!take_step(step, leg, y)) return;
-        }
+        const int n = form_.dimension();
+        y_.assign(static_cast<std::size_t>(n), P(0));
+        form_.start(motion_, t_, y_.data());
+        series_.emplace(cast_recording<T>(record_form(n)), settings_.order);
     }
-    // Takes a step of at most step.length. Returns false if an event ended the mode.
-    bool take_step(Step& step, const Leg& leg, std::vector<P>& y) {
+    /// Plans a step of the present mode. Returns false if the mode ends before.
+    bool plan_step_of_mode() {
+        if (!series_) enter_system();
+        const int n = form_.dimension(), clock = form_.clock();
+        if (!may_step()) return false;
+        for (int i = clock + 1; i < n; ++i) y_[i] = P(0);
+        series_->expand(y_.data());
+        Step step{*series_, clock, form_.is_stretched()};
+        double slip = 0;
+        if (two_)
+            if (const std::string why = two_contacts_fault(ball_between(two_->pairs), two_->pairs); !why.empty()) {
+                fail(why);
+                return false;
+            }
+        if (rotation_.acts && ends_rolling(step, y_)) {
+            series_.reset();
+            return false;
+        }
+        if (step.stretched && form_.is_stretched_by_slip()) {
+            const P square = step.coefficient(clock + 2, 1), growth = P(2) * step.coefficient(clock + 2, 2);
+            slip = std::sqrt(static_cast<double>(square));
+            // growth = 2 |u_t|^2 d|u_t|/dt
+            if (slip <= error(2) * speed() && !(growth > P(0))) {
+                end_slip(*series_, square, growth, y_);
+                series_.reset();
+                return false;
+            }
+        }
+        const double length = std::min(step_of(*series_, form_.blocks(sizes_, slip)), observed_step(step));
+        if (std::isnan(length)) {
+            fail("the motion is not finite " + at_time());
+            return false;
+        }
+        step.length = P(length);
+        return plan_step(step, false, false);
+    }
+    // Plans a step of at most step.length. Returns false on a fault.
+    bool plan_step(Step step, bool starts_slip, bool starts_rolling) {
+        const Leg& leg = legs_[leg_];
         bool to_end = false;
         if (!step.stretched) {
             if (P(leg.end) - t_ <= step.length) step.length = P(leg.end) - t_, to_end = true;
@@ -984,25 +1094,25 @@ class ContactDriver {
         }
         const std::optional<Found> found = first_event(step);
         if (found) step.length = found->s, to_end = false;
-        const P start = t_;
         const P reached = to_end ? P(leg.end) : clock_at(step);
         if (!found && !to_end && !(reached > t_) && !step.stretched) {
             fail("step size below the spacing of numbers " + at_time());
             return false;
         }
-        take_samples(step, leg, start, reached);
+        planned_.emplace(Planned{step, found, reached, starts_slip, starts_rolling});
+        return true;
+    }
+    // Moves along the step, whose length ends at the time t.
+    void move_to(const Step& step, const P& t) {
+        take_samples(step, legs_[leg_], t_, t);
         note_ratio(step);
-        step.series.evaluate(step.length, y.data());
-        t_ = reached;
-        motion_ = form_.motion(y.data());
+        step.series.evaluate(step.length, y_.data());
+        t_ = t;
+        motion_ = form_.motion(y_.data());
         note_sizes();
         std::fill(zeros_.begin(), zeros_.end(), 0);
         spin_zeros_ = 0;
         slip_zeros_ = {};
-        if (!found) check_face();
-        if (fails()) return false;
-        if (found) handle(*found);
-        return !found;
     }
     P clock_at(const Step& step) const {
         P value(0);
@@ -1172,7 +1282,8 @@ class ContactDriver {
     /// order by order its series follows from B_k = (slip angle')_k, in which the highest coefficient of the angle
     /// appears linearly. For a slip that grows as t^2 the series is asymptotic; the size of its last terms sets the
     /// step as for a convergent one.
-    void start_slip(const Leg& leg) {
+    /// Plans the first step. Returns false on a fault.
+    bool start_slip() {
         const Pair pair = *contact_;
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
         const bool slips = onset_.has_value(), rolls = rotation_.starts_rolling;
@@ -1181,14 +1292,14 @@ class ContactDriver {
         onset_.reset();
         form_.select(slips ? System::onset : mode_, pair);
         const int n = form_.dimension(), clock = form_.clock(), order = settings_.order;
-        std::vector<P> y(n);
-        form_.start(motion_, t_, y.data());
-        for (int i = clock + 1; i < n; ++i) y[i] = P(0);
+        y_.assign(static_cast<std::size_t>(n), P(0));
+        form_.start(motion_, t_, y_.data());
+        for (int i = clock + 1; i < n; ++i) y_[i] = P(0);
         const auto expand = [&](int to_order) {
             if (slips) form_.set_path(path);
             if (rolls) form_.set_rotation(rotation_);
             Series<T> series(cast_recording<T>(record_form(n)), to_order);
-            series.expand(y.data());
+            series.expand(y_.data());
             return series;
         };
         const double acceleration = static_cast<double>(length(form_.response(pair, motion_).acceleration));
@@ -1198,8 +1309,9 @@ class ContactDriver {
             const int first = form_.first_rotation_function();
             find_path(rotation_.path, expand, {first, first + 2, acceleration / reach(), both, "rolling"});
         }
-        if (fails()) return;
-        const Series<T> series = expand(order);
+        if (fails()) return false;
+        series_.emplace(expand(order));
+        const Series<T>& series = *series_;
         Step step{series, clock, false};
         double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(step));
         for (const SlipPath<P>* curve : {&std::as_const(path), &std::as_const(rotation_.path)})
@@ -1207,13 +1319,13 @@ class ContactDriver {
                 longest = std::min(longest,
                                    std::exp2((-settings_.digits * std::log2(10.0) - log2_magnitude(curve->angle[k])) /
                                              static_cast<double>(k + 1)));
-        if (!may_step()) return;
-        if (std::isnan(longest)) return fail("the motion is not finite " + at_time());
+        if (!may_step()) return false;
+        if (std::isnan(longest)) {
+            fail("the motion is not finite " + at_time());
+            return false;
+        }
         step.length = P(longest);
-        const bool continues = take_step(step, leg, y);
-        if (!continues || !rolls) return;
-        rotation_.starts_rolling = false, rotation_.path = {};
-        form_.set_rotation(rotation_);
+        return plan_step(step, true, rolls);
     }
     /// A motion that starts from zero: indices of the observed accelerations across and along its direction, the size
     /// of accelerations, and whether its direction must be constant.

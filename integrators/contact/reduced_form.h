@@ -47,7 +47,7 @@ class ReducedForm {
     /// Selects the system for later calls of the functions of a state.
     void select(System system, Pair pair) {
         system_ = system, pair_ = pair;
-        axes_ = ContactAxes<P>(geometry_->planes[pair.plane].normal_W);
+        if (!geometry_->planes.empty()) axes_ = ContactAxes<P>(geometry_->planes[pair.plane].normal_W);
         others_.clear();
         for (std::size_t k = 0; k < geometry_->size(); ++k)
             if (system == System::flight || !(pair_at(k) == pair)) others_.push_back(k);

@@ -10,7 +10,8 @@ namespace polhode::contact {
 
 std::string rotation_friction_refusal(const Scene& scene) {
     const auto rubs = [](const Plane& plane) { return plane.torsional_friction > 0 || plane.rolling_friction > 0; };
-    if (std::none_of(scene.planes.begin(), scene.planes.end(), rubs)) return "";
+    // scenes of several bodies with planes have such spheres only (check_sphere_contacts())
+    if (is_mechanism(scene) || std::none_of(scene.planes.begin(), scene.planes.end(), rubs)) return "";
     const MassProperties<double> body = mass_properties<double>(scene.body);
     const ContactGeometry<double> geometry = contact_geometry(scene, body.center, Quaternion<double>{});
     bool is_ball =
@@ -24,7 +25,7 @@ std::string rotation_friction_refusal(const Scene& scene) {
 }
 
 std::string contact_refusal(const Scene& scene) {
-    if (scene.planes.empty()) return "";
+    if (scene.planes.empty() || is_mechanism(scene)) return "";
     if (std::string why = rotation_friction_refusal(scene); !why.empty()) return why;
     for (const Load& load : scene.loads)
         if (std::holds_alternative<FormulaLoad>(load)) return "formulas are not supported together with planes";

@@ -12,6 +12,7 @@
 #include "motion/formula_model.h"
 #include "motion/numbers.h"
 #include "motion/systems.h"
+#include "scene/sphere_contacts.h"
 
 namespace polhode {
 namespace {
@@ -41,6 +42,7 @@ bool favors_extrapolation(const Problem& problem, double tolerance) {
 }  // namespace
 
 Choice choose_method(const Problem& problem, double tolerance) {
+    if (has_sphere_contacts(problem.scene)) return {find_method("taylor"), "contacts of spheres, by their modes"};
     const auto has_friction = [](const Plane& plane) { return plane.friction > 0; };
     if (std::ranges::any_of(problem.scene.planes, has_friction))
         if (const Method* method = find_method("taylor"); method && refusal(*method, problem).empty())

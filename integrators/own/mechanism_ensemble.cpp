@@ -13,6 +13,7 @@
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/parallel.h"
 
 namespace polhode {
@@ -144,7 +145,8 @@ MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_s
     if (samples < 1) throw std::invalid_argument("samples must be at least 1");
     constexpr double min_lane_tolerance = 1e-13;
     if (!scene.loops.empty() || !scene.couplings.empty() || contact::has_joint_events(scene) ||
-        has_formula_loads(scene) || !only_starts || settings.tolerance < min_lane_tolerance)
+        has_formula_loads(scene) || has_sphere_contacts(scene) || !only_starts ||
+        settings.tolerance < min_lane_tolerance)
         return;
     common_problem_ = pose(scene);
     if (is_stiff(*common_problem_)) common_problem_.reset();

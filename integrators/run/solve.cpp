@@ -7,6 +7,7 @@
 #include "integrators/method.h"
 #include "integrators/run/watch.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 
 namespace polhode {
 namespace {
@@ -95,6 +96,8 @@ static std::string joint_law_refusal(const Method& method, const Scene& scene) {
 
 std::string refusal(const Method& method, const Problem& problem) {
     if (std::string why = joint_law_refusal(method, problem.scene); !why.empty()) return why;
+    if (has_sphere_contacts(problem.scene) && method.family != Family::reference && method.name != "taylor")
+        return fmt::format("{} does not support contacts of several bodies; use taylor or truth", method.name);
     if (!problem.scene.planes.empty() && !method.planes)
         return fmt::format("{} does not support impacts on planes", method.name);
     if (method.family != Family::reference && method.family != Family::series)

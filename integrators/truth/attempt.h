@@ -70,6 +70,12 @@ Attempt attempt_by_joint_events(const Problem& problem, const std::vector<double
 template <unsigned working>
 Attempt attempt_by_contact_modes(const Problem& problem, const std::vector<double>& sample_times, double local_digits);
 
+/// Several free spheres that touch planes and each other, by the contact modes of each. Digits: see
+/// attempt_by_taylor().
+template <unsigned working>
+Attempt attempt_by_sphere_contacts(const Problem& problem, const std::vector<double>& sample_times,
+                                   double local_digits);
+
 /// True if the whole motion has a closed form: no events, and the given axes are principal.
 bool has_single_closed_form(const Problem& problem);
 
@@ -89,6 +95,8 @@ extern template Attempt attempt_by_joint_events<50>(const Problem&, const std::v
 extern template Attempt attempt_by_joint_events<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_contact_modes<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_contact_modes<100>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_sphere_contacts<50>(const Problem&, const std::vector<double>&, double);
+extern template Attempt attempt_by_sphere_contacts<100>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<50>(const Problem&, const std::vector<double>&, double);
 extern template Attempt attempt_by_collocation<100>(const Problem&, const std::vector<double>&, double);
 

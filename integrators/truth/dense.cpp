@@ -229,7 +229,7 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         dense.message = "polynomial references do not support loads given by formulas";
         return dense;
     }
-    if (!scene.planes.empty()) {
+    if (!scene.planes.empty() || !scene.contacts.empty()) {
         dense.message = "polynomial references do not support impacts on planes";
         return dense;
     }

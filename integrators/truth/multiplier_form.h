@@ -155,11 +155,11 @@ class MultiplierForm {
             return;
         }
         loads_.derivative(y, dy);
-        const Vector3<P>& n = geometry_->planes[pair_.plane].normal_W;
         S pace(1);
         if (system_ == System::two_contacts) {
             add_two_contacts(y, dy);
         } else if (system_ != System::flight) {
+            const Vector3<P>& n = geometry_->planes[pair_.plane].normal_W;
             const Kinematics<S> k = kinematics(pair_, y, dy);
             const bool rotates = rotation_.acts;
             Vector3<S> F, g, g_response;  // torque of friction for N = 1, and the acceleration by it

@@ -34,6 +34,7 @@
 #include "motion/problem.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/content_hash.h"
 #include "text/interruption.h"
 
@@ -159,6 +160,7 @@ double digits_lost_by_momenta(const Problem& problem) {
 // Whether the motion is followed by its contact modes: with friction, and for a hull of one piece. A body of several
 // pieces that comes to rest without friction has contact modes from that time on.
 bool has_contact_modes(const Problem& problem) {
+    if (has_sphere_contacts(problem.scene)) return true;
     if (problem.scene.planes.empty()) return false;
     return problem.body.geometry->pieces.size() == 1 ||
            std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.friction > 0; });
@@ -169,6 +171,9 @@ bool needs_contact_modes(const Scene& scene, const std::string& fault) {
 }
 
 Attempt attempt_contact(const Problem& problem, const std::vector<double>& times, double local_digits) {
+    if (has_sphere_contacts(problem.scene))
+        return fits_50_digits(local_digits) ? truth::attempt_by_sphere_contacts<50>(problem, times, local_digits)
+                                            : truth::attempt_by_sphere_contacts<100>(problem, times, local_digits);
     return fits_50_digits(local_digits) ? truth::attempt_by_contact_modes<50>(problem, times, local_digits)
                                         : truth::attempt_by_contact_modes<100>(problem, times, local_digits);
 }
@@ -176,7 +181,7 @@ Attempt attempt_contact(const Problem& problem, const std::vector<double>& times
 // Repeats attempts until the digits agree. Each attempt adds the digits that the last one lost (local minus agreed).
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
-    if (!scene.planes.empty() && is_strongly_damped(problem))
+    if (!is_mechanism(scene) && !scene.planes.empty() && is_strongly_damped(problem))
         return make_unavailable("no truth: stiff motions require collocation, which does not support planes");
     double local = digits + 8, max_agreed = 0;
     std::string fault;

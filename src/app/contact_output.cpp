@@ -8,21 +8,21 @@
 #include "app/commands.h"
 #include "motion/mechanism_motion.h"
 #include "scene/plane_file.h"
+#include "scene/sphere_contacts.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
 namespace polhode {
 namespace {
 
-constexpr const char* only_body = "body";
-
 std::string events_csv(const Scene& scene, const DecimalReference& truth) {
     std::string text =
         "t,body,other,event,normal_impulse,tangential_impulse_1,tangential_impulse_2,tangential_impulse_3\n";
-    for (const DecimalContactEvent& e : truth.contact_events)
-        text +=
-            fmt::format("{},{},{},{},{},{},{},{}\n", e.t, only_body, plane_name(scene, e.plane), e.event,
-                        e.normal_impulse, e.tangential_impulse[0], e.tangential_impulse[1], e.tangential_impulse[2]);
+    for (const DecimalContactEvent& e : truth.contact_events) {
+        const ContactNames names = contact_names(scene, e.plane);
+        text += fmt::format("{},{},{},{},{},{},{},{}\n", e.t, names.body, names.other, e.event, e.normal_impulse,
+                            e.tangential_impulse[0], e.tangential_impulse[1], e.tangential_impulse[2]);
+    }
     return text;
 }
 
@@ -36,16 +36,17 @@ std::string joint_events_csv(const Scene& scene, const DecimalReference& truth) 
 std::string modes_table(const Scene& scene, const DecimalReference& truth) {
     std::size_t time = 8, contact = 7, mode = 7;
     const auto other = [&](const DecimalContactInterval& in) {
-        return in.mode == "flight" ? std::string("-") : plane_name(scene, in.plane);
+        return in.mode == "flight" ? std::string("-") : contact_names(scene, in.plane).other;
     };
+    std::size_t body = 4;
     for (const DecimalContactInterval& in : truth.contact_intervals)
         time = std::max({time, in.from.size(), in.to.size()}), contact = std::max(contact, other(in).size()),
-        mode = std::max(mode, in.mode.size());
-    std::string text = fmt::format("{:<{}}  {:<{}}  body  {:<{}}  {:<{}}  |F|/(mu N)\n", "from (s)", time, "to (s)",
-                                   time, "contact", contact, "mode", mode);
+        mode = std::max(mode, in.mode.size()), body = std::max(body, contact_names(scene, in.plane).body.size());
+    std::string text = fmt::format("{:<{}}  {:<{}}  {:<{}}  {:<{}}  {:<{}}  |F|/(mu N)\n", "from (s)", time, "to (s)",
+                                   time, "body", body, "contact", contact, "mode", mode);
     for (const DecimalContactInterval& in : truth.contact_intervals)
-        text += fmt::format("{:<{}}  {:<{}}  {}  {:<{}}  {:<{}}  {}\n", in.from, time, in.to, time, only_body,
-                            other(in), contact, in.mode, mode,
+        text += fmt::format("{:<{}}  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", in.from, time, in.to, time,
+                            contact_names(scene, in.plane).body, body, other(in), contact, in.mode, mode,
                             in.largest_ratio > 0 ? fmt::format("{:.6g}", in.largest_ratio) : std::string("-"));
     return text;
 }
@@ -70,9 +71,9 @@ void require_contacts(const Scene& scene, const ContactOptions& options, const s
     require_output(options.events);
     const char* name = options.modes ? "--modes" : "--events";
     const bool has_joints = contact::has_joint_events(scene);
-    if (scene.planes.empty() && !has_joints)
-        throw UsageError(
-            fmt::format("{}: the scene has no planes, and no joint has friction or limits; remove the option", name));
+    if (scene.planes.empty() && scene.contacts.empty() && !has_joints)
+        throw UsageError(fmt::format(
+            "{}: the scene has no planes or contacts, and no joint has friction or limits; remove the option", name));
     if (has_joints && options.modes) throw UsageError("--modes: not available for joints; use --events");
     if (options.events.empty()) return;
     if (options.events == output) throw UsageError("--events and --output name the same file; give two files");

@@ -6,6 +6,7 @@
 
 #include "app/description.h"
 #include "integrators/contact/solve_contacts.h"
+#include "integrators/contact/solve_spheres.h"
 #include "motion/contact.h"
 #include "scene/plane_file.h"
 #include "text/message.h"
@@ -30,9 +31,44 @@ bool is_ball(const Problem& problem) {
            problem.needs.symmetry == Symmetry::spherical;
 }
 
+// Modes and events of several spheres, in the order of time.
+void contacts_of_spheres(Report& report, const Problem& problem) {
+    const Scene& scene = problem.scene;
+    report.title("Contacts");
+    report.line("laws", "Coulomb friction; impacts of spheres in closed form");
+    report.line("simultaneous impacts", "one after the other, in the order of the pairs");
+    report.line("colliding pairs", fmt::format("{}", sphere_pairs(scene).size()));
+    Settings settings;
+    settings.samples = 1, settings.seconds_limit = 2, settings.tolerance = default_tolerance;
+    const contact::SphereRun<double> run = contact::follow_spheres_in_binary64(problem, settings);
+    const contact::Record<double> record = contact::merge_records(run.records);
+    std::size_t lines = 0;
+    for (const contact::Interval<double>& in : record.intervals) {
+        if (++lines > most_contact_lines) break;
+        const ContactNames names = contact_names(scene, in.plane);
+        const bool flies = in.mode == contact::Mode::flight;
+        report.line(
+            fmt::format("{:.10g} s to {:.10g} s", in.from, in.to),
+            fmt::format("{}: {}{}", one_line(names.body, 60), contact::mode_names[static_cast<std::size_t>(in.mode)],
+                        flies ? "" : " on " + one_line(names.other, 60)));
+    }
+    if (record.intervals.size() > most_contact_lines)
+        report.line("..", "further intervals; polhode truth --modes prints all of them");
+    lines = 0;
+    for (const contact::Event<double>& event : record.events) {
+        if (event.kind != contact::EventKind::impact || ++lines > most_contact_lines) continue;
+        const ContactNames names = contact_names(scene, event.plane);
+        report.line(fmt::format("impact at {:.10g} s", event.t),
+                    fmt::format("{} and {}, normal impulse {:.6g} N s", one_line(names.body, 60),
+                                one_line(names.other, 60), event.normal_impulse));
+    }
+    if (!run.fault.empty()) report.line("ends early", one_line(run.fault, 300));
+}
+
 }  // namespace
 
 void contacts(Report& report, const Problem& problem) {
+    if (has_sphere_contacts(problem.scene)) return contacts_of_spheres(report, problem);
     if (problem.scene.planes.empty()) return;
     report.title("Contacts");
     if (const std::string why = contact::contact_refusal(problem.scene); !why.empty() || problem.needs.user_torque) {

@@ -20,6 +20,7 @@
 #include "scene/plane_file.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -212,6 +213,10 @@ std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     report.line("duration", number(scene.duration) + " s");
     if (is_mechanism(scene)) {
         description::mechanism(report, problem);
+        if (has_sphere_contacts(scene)) {
+            contacts(report, problem);
+            return report.text();
+        }
         growth(report, problem, budget, sample_times(scene.duration, 200));
         return report.text();
     }

@@ -14,6 +14,7 @@
 #include "scene/joint_motions.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -48,6 +49,10 @@ int export_command(const ExportOptions& options) {
     if (has_joint_motions(scene))
         throw InputError(options.scene, "/joints", "have a prescribed motion, which golden data cannot represent",
                          "use polhode truth, or joints without \"motion\"");
+    if (has_sphere_contacts(scene))
+        throw InputError(options.scene, scene.contacts.empty() ? "/planes" : "/contacts",
+                         "are contacts of several bodies, which golden data cannot represent",
+                         "use polhode truth, or a scene with one body");
     const Reference truth = reference(scene, options.samples);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);

@@ -14,6 +14,7 @@
 #include "motion/trajectory_columns.h"
 #include "scene/scene.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/atomic_file.h"
 #include "text/decimal.h"
 #include "text/message.h"
@@ -103,6 +104,8 @@ void require_joint_files(const Scene& scene, const std::string& reactions, const
                          const std::string& output) {
     if (!reactions.empty() && scene.joints.empty() && scene.loops.empty() && scene.planes.empty())
         throw UsageError("--reactions: the scene has neither joints nor loops nor planes; remove the option");
+    if (!reactions.empty() && has_sphere_contacts(scene))
+        throw UsageError("--reactions: not available for contacts of several bodies; use --events");
     if (!reactions.empty() && has_formula_loads(scene))
         throw UsageError("--reactions: reactions are not available in scenes with formulas; remove the option");
     if (!joints.empty() && scene.joints.empty())

@@ -12,6 +12,7 @@
 #include "app/lookup.h"
 #include "integrators/contact/solve_contacts.h"
 #include "integrators/contact/solve_joints.h"
+#include "integrators/contact/solve_spheres.h"
 #include "integrators/method.h"
 #include "measure/contact_errors.h"
 #include "motion/mechanism_motion.h"
@@ -156,6 +157,10 @@ bool report_contacts(const SolveOptions& options, const Problem& problem, const 
         return write_contacts(problem.scene, options.contacts,
                               decimal_reference(problem.scene, options.samples, digits), to_stdout);
     }
+    if (method.name == "taylor" && has_sphere_contacts(problem.scene))
+        return write_contacts(problem.scene, options.contacts,
+                              contact::merge_records(contact::follow_spheres_in_binary64(problem, settings).records),
+                              to_stdout);
     if (method.name == "taylor")
         return write_contacts(problem.scene, options.contacts, contact::follow_in_binary64(problem, settings).record,
                               to_stdout);

@@ -20,6 +20,7 @@
 #include "integrators/truth/reference.h"
 #include "motion/mechanism_motion.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/decimal.h"
 #include "text/interruption.h"
 #include "text/json_document.h"
@@ -204,6 +205,9 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
         if (is_mechanism(scene) && has_formula_loads(scene)) {
             if (fails([](std::string_view) { return true; }))
                 checked.remarks.push_back("no diagnosis: formulas in scenes with several bodies are not varied");
+        } else if (has_sphere_contacts(scene)) {
+            if (fails([](std::string_view) { return true; }))
+                checked.remarks.push_back("no diagnosis: contacts of several bodies are not varied");
         } else if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
             if (fails([](std::string_view) { return true; })) {
                 checked.diagnosis.faults = joint_event_faults(scene, files[i]);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "motion/impact.h"
@@ -114,12 +115,13 @@ ContactGeometry<S> contact_geometry(const Scene& scene, const Vector3<S>& center
     return geometry;
 }
 
-/// Searches for the first time at which a gap closes. At: a function `Placement<S> at(t)`.
-template <class S, class At>
+/// Searches for the first time at which a gap closes. At: a function `at(t)` that returns what the functions gap(k, at)
+/// and distances(at) of the geometry take, like the Placement of one body.
+template <class S, class At, class Geometry = ContactGeometry<S>>
 class ContactSearch {
   public:
-    /// `speed_bound` (m/s): upper bound of the speed of all points of the body.
-    ContactSearch(const ContactGeometry<S>& geometry, const At& at, const S& speed_bound)
+    /// `speed_bound` (m/s): upper bound of the rates of all gaps.
+    ContactSearch(const Geometry& geometry, const At& at, const S& speed_bound)
         : geometry_(geometry), at_(at), speed_bound_(speed_bound) {}
 
     std::optional<S> first(const S& begin, const S& end) const { return run(node(begin), node(end), 0); }
@@ -129,7 +131,7 @@ class ContactSearch {
 
     struct Node {
         S t;
-        Placement<S> placement;
+        std::invoke_result_t<const At&, const S&> placement;
         std::vector<S> distances;
     };
 
@@ -205,7 +207,7 @@ class ContactSearch {
         return run(middle, b, depth + 1);
     }
 
-    const ContactGeometry<S>& geometry_;
+    const Geometry& geometry_;
     const At& at_;
     const S speed_bound_;
 };

@@ -60,7 +60,9 @@ void refuse_parts_of_one_body(const Scene& scene) {
     if (scene.pivot)
         fail("/pivot", "is given in a scene with several bodies",
              "connect a body to the world by a joint whose parent is \"world\"");
-    if (!scene.planes.empty()) fail("/planes", "are given in a scene with several bodies", "remove them");
+    const bool has_contacts = !scene.planes.empty() || !scene.contacts.empty();
+    if (has_contacts && !scene.joints.empty())
+        fail(scene.contacts.empty() ? "/planes" : "/contacts", "are given together with joints", "remove them");
     const Body &body = scene.body, no_body;
     if (body.mass != no_body.mass || !(body.inertia_B == no_body.inertia_B) ||
         !(body.center_of_mass == no_body.center_of_mass) || body.source)
@@ -78,6 +80,8 @@ void refuse_parts_of_several_bodies(const Scene& scene) {
     if (!scene.loops.empty()) throw InputError(scene.name, "/loops", "are given in a scene with one body", remedy);
     if (!scene.couplings.empty())
         throw InputError(scene.name, "/couplings", "are given in a scene with one body", remedy);
+    if (!scene.contacts.empty())
+        throw InputError(scene.name, "/contacts", "are given in a scene with one body", remedy);
     for (std::size_t i = 0; i < scene.loads.size(); ++i) {
         const Load& load = scene.loads[i];
         if (!load_body(load).empty() || std::holds_alternative<Motor>(load) ||

@@ -8,6 +8,7 @@
 #include "integrators/truth/reference.h"
 #include "python/bindings.h"
 #include "scene/plane_file.h"
+#include "scene/sphere_contacts.h"
 
 namespace polhode::python {
 namespace {
@@ -19,6 +20,8 @@ using Lists = std::pair<py::list, py::list>;
 // Throws UsageError unless the run has a record of events.
 void require_record(const SolvedScene& solved) {
     const Scene& scene = solved.scene->scene();
+    if (has_sphere_contacts(scene))
+        throw UsageError("events of several bodies are not available in Python; use polhode truth --events");
     if (scene.planes.empty() && !contact::has_joint_events(scene))
         throw UsageError("the scene has no planes, and no joint has friction or limits");
     if (!solved.settings || solved.method != "taylor")
@@ -60,6 +63,8 @@ Lists events_of_run(const SolvedScene& solved) {
 
 Lists events_of_truth(const DecimalReference& truth, const ReadScene& read) {
     const Scene& scene = read.scene();
+    if (has_sphere_contacts(scene))
+        throw UsageError("events of several bodies are not available in Python; use polhode truth --events");
     const bool joints = contact::has_joint_events(scene);
     Lists lists;
     for (const DecimalContactEvent& e : truth.contact_events) {

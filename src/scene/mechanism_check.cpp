@@ -270,9 +270,6 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     if (scene.pivot)
         check.fail("/pivot", "is given together with \"bodies\"",
                    "connect a body to the world by a joint whose parent is \"world\"");
-    if (!scene.planes.empty())
-        check.fail("/planes", "are given together with \"bodies\"",
-                   "remove them: scenes with several bodies do not support planes");
     Names bodies(check, "body"), joints(check, "joint or loop");
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
         bodies.add(fmt::format("/bodies/{}/name", i), scene.bodies[i].name, i);

@@ -205,6 +205,15 @@ struct Plane {
     std::string name = "";  ///< for messages and tables; empty: "plane 1" for the first, and so on
 };
 
+/// Contact of two spheres of a scene of several bodies without joints, or of all pairs without an entry of their own.
+struct SphereContact {
+    std::string first;       ///< name of a body; empty if `all`
+    std::string second;      ///< name of another body; empty if `all`
+    bool all = false;        ///< every pair that no other entry names
+    double restitution = 1;  ///< 0..1
+    double friction = 0;     ///< Coulomb's coefficient, >= 0
+};
+
 /// The initial state, at t = 0.
 struct Initial {
     Quaternion<double> orientation;              ///< body to world; kept as given, normalised when used
@@ -323,7 +332,8 @@ struct Scene {
     std::vector<Loop> loops;                   ///< constraints that close chains of joints
     std::vector<Coupling> couplings;           ///< constraints between joint coordinates
     std::vector<Load> loads;                   ///< everything that acts on the body or bodies
-    std::vector<Plane> planes;                 ///< require a body with a shape and no pivot
+    std::vector<Plane> planes;                 ///< require bodies with a shape and no pivot
+    std::vector<SphereContact> contacts;       ///< contacts between free spheres; other pairs pass through each other
     std::vector<FormulaParameter> parameters;  ///< numbers that formulas use
     std::vector<FormulaTable> tables;          ///< functions that formulas use
     std::vector<FormulaDefinition> let;        ///< sub-expressions that formulas use

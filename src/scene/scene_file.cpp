@@ -17,6 +17,7 @@
 #include "scene/load_file.h"
 #include "scene/plane_file.h"
 #include "scene/scene_keys.h"
+#include "scene/sphere_contacts.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -62,6 +63,8 @@ Scene scene(const JsonNode& root, const std::string& directory) {
         for (const JsonNode* one : loads->elements()) s.loads.push_back(parse_load(*one, s.joints));
     if (const JsonNode* planes = root.find("planes"))
         for (const JsonNode* one : planes->elements()) s.planes.push_back(parse_plane(*one));
+    if (const JsonNode* contacts = root.find("contacts"))
+        for (const JsonNode* one : contacts->elements()) s.contacts.push_back(parse_sphere_contact(*one));
     if (const JsonNode* tolerated = root.find("tolerated")) {
         tolerated->require_known_keys(keys_of(scene_keys(), "tolerated"));
         for (const JsonNode* error : tolerated->members()) s.tolerated[error->key()] = error->number();

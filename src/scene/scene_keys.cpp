@@ -37,6 +37,9 @@ std::span<const FileKey> scene_keys() {
          "named parts of formulas, each of which may use those before it"},
         {"scene", "planes", "list of objects", "", "none", "[{\"normal\": [0, 0, 1], ..}]",
          "planes that the body collides with; the body needs a shape"},
+        {"scene", "contacts", "list of objects", "", "none",
+         "[{\"first\": \"a\", \"second\": \"b\", \"restitution\": 0.9}]",
+         "contacts between free spheres of a scene with several bodies; other pairs pass through each other"},
         {"scene", "tolerated", "object", "", "defaults of check", "{\"attitude\": 1e-3}",
          "error limits of polhode check"},
 
@@ -169,6 +172,13 @@ std::span<const FileKey> scene_keys() {
          "how restitution defines the end of an impact: by normal work, normal impulse or normal speed; the laws agree "
          "without friction and for balls"},
         {"plane", "name", "text", "", "\"plane 1\", ..", "\"floor\"", "name of the plane in messages and tables"},
+
+        {"contact", "first", "text", "", "required without all", "\"cue\"", "name of a body, a sphere"},
+        {"contact", "second", "text", "", "required without all", "\"object\"", "name of another body, a sphere"},
+        {"contact", "all", "true", "", "none", "true", "instead of names: every pair that has no entry of its own"},
+        {"contact", "restitution", "number, 0 to 1", "", "required", "0.9",
+         "coefficient of restitution: ratio of the normal relative speeds after and before an impact"},
+        {"contact", "friction", "number >= 0", "", "0", "0.05", "coefficient mu of Coulomb friction"},
 
         {"import of a robot", "file", "text", "", "required", "\"robot.urdf\"",
          "a URDF, MJCF or SDFormat file in the scene's folder"},

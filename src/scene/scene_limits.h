@@ -14,6 +14,7 @@ inline constexpr std::size_t largest_robot_file = 16 << 20;  ///< bytes; URDF, M
 inline constexpr std::size_t most_bodies = 10'000;           ///< bodies, joints or loops of a scene or robot
 inline constexpr std::size_t most_loads = 10'000;            ///< per scene
 inline constexpr std::size_t most_planes = 1000;             ///< per scene
+inline constexpr std::size_t most_contacts = 1000;           ///< per scene
 inline constexpr std::size_t longest_scene_name = 200;       ///< bytes; name of a scene, body, joint or loop
 inline constexpr std::size_t longest_about = 10'000;         ///< bytes; "about" and "source" of a scene
 /// Samples times bodies of a solution or reference held in memory.

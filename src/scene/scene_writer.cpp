@@ -11,6 +11,7 @@
 #include "scene/load_file.h"
 #include "scene/plane_file.h"
 #include "scene/scene_file.h"
+#include "scene/sphere_contacts.h"
 #include "text/decimal.h"
 #include "text/json_document.h"
 
@@ -44,6 +45,10 @@ std::string write_scene(const Scene& scene) {
     std::string planes;
     for (const Plane& plane : scene.planes) planes += (planes.empty() ? "\n    " : ",\n    ") + write_plane(plane);
     if (!planes.empty()) member("planes", "[" + planes + "\n  ]");
+    std::string contacts;
+    for (const SphereContact& contact : scene.contacts)
+        contacts += (contacts.empty() ? "\n    " : ",\n    ") + write_sphere_contact(contact);
+    if (!contacts.empty()) member("contacts", "[" + contacts + "\n  ]");
     std::string tolerated;
     for (const std::string_view block : tolerated_blocks)
         if (const std::optional<double> error = tolerated_error(scene, block))

@@ -17,6 +17,7 @@
 #include "scene/plane_file.h"
 #include "scene/scene_check.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/decimal.h"
 #include "text/message.h"
 
@@ -227,6 +228,7 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
                        "the coefficient of Coulomb friction must be >= 0");
         check.not_negative(place + "/torsional_friction", plane.torsional_friction, "the torsional friction in m");
         check.not_negative(place + "/rolling_friction", plane.rolling_friction, "the rolling friction in m");
+        if (is_mechanism(scene)) continue;
         if (scene.pivot)
             check.fail(place, "is given, but the scene has a pivot",
                        "remove one of them: a body with a pivot does not support planes");
@@ -291,6 +293,7 @@ void validate(const Scene& scene, const std::string& file) {
     check.count("/couplings", scene.couplings.size(), most_bodies, "couplings");
     check.count("/loads", scene.loads.size(), most_loads, "loads");
     check.count("/planes", scene.planes.size(), most_planes, "planes");
+    check.count("/contacts", scene.contacts.size(), most_contacts, "contacts");
     check.positive("/duration", scene.duration, "the duration in s");
     if (is_mechanism(scene)) {
         check_mechanism(check, scene);
@@ -308,6 +311,7 @@ void validate(const Scene& scene, const std::string& file) {
     }
     check_plane_names(check, scene);
     check_planes(check, scene);
+    check_sphere_contacts(check, scene);
     check_formulas(scene, file);
     for (const auto& [block, error] : scene.tolerated) {
         if (!has_quantity(scene, block))

@@ -301,6 +301,7 @@ std::string certification_refusal(const Scene& scene) {
         return "no certified truth: friction, limits and prescribed motions of joints are not supported; remove "
                "--certified";
     if (!scene.loops.empty()) return "no certified truth: loops are not supported; remove --certified";
+    if (!scene.contacts.empty()) return "no certified truth: contacts of bodies are not supported; remove --certified";
     if (!scene.planes.empty()) return "no certified truth: impacts on planes are not supported; remove --certified";
     return "";
 }

@@ -1,0 +1,15 @@
+// Contacts of several spheres in binary64, for methods and descriptions.
+#pragma once
+
+#include "integrators/contact/follow_spheres.h"
+#include "integrators/method.h"
+
+namespace polhode::contact {
+
+/// Follows the spheres with Taylor series to the tolerance of `settings`. The samples are those of `settings`.
+SphereRun<double> follow_spheres_in_binary64(const Problem& problem, const Settings& settings);
+
+/// The trajectory of follow_spheres_in_binary64(), as a method returns it.
+Trajectory solve_spheres(const Problem& problem, const Settings& settings);
+
+}  // namespace polhode::contact

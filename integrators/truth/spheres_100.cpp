@@ -1,0 +1,7 @@
+#include "integrators/truth/attempt_spheres.h"
+
+namespace polhode::truth {
+
+template Attempt attempt_by_sphere_contacts<100>(const Problem&, const std::vector<double>&, double);
+
+}  // namespace polhode::truth

@@ -212,7 +212,7 @@ class ContactDriver {
     std::vector<Leg> legs_;
     std::size_t leg_ = 0;  // the present leg
     bool is_in_leg_ = false;
-    std::optional<Series<T>> series_;  // of the present mode
+    std::optional<Series<T>> series_;  // expands the present mode
     std::vector<P> y_;                 // its state
     std::optional<Planned> planned_;   // refers to series_
 

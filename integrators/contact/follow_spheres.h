@@ -3,7 +3,7 @@
 // SphereDriver holds a ContactDriver for each sphere (follow_contacts.h). Each driver plans its next step, up to the
 // first event of its own. Up to the earliest end of all planned steps the gaps of the pairs are searched for a first
 // zero (ContactSearch of motion/contact.h, on the steps' polynomials). If there is one, the two spheres move there, the
-// impulse (sphere_impact.h) changes their velocities, and each selects its mode anew. Otherwise the sphere whose step
+// impulse (sphere_impact.h) changes their velocities, and each selects its mode again. Otherwise the sphere whose step
 // ends first takes it. The other spheres keep their planned steps.
 //
 // Simultaneous impacts are resolved one after another in the order of the pairs, repeated until no pair approaches. A

@@ -18,7 +18,7 @@ namespace polhode::contact {
 template <class P>
 struct SphereImpact {
     Vector3<P> normal_W;                   ///< unit, from the second sphere to the first
-    std::array<Vector3<P>, 2> velocity_W;  ///< of the centres, m/s
+    std::array<Vector3<P>, 2> velocity_W;  ///< velocities at the centres, m/s
     std::array<Vector3<P>, 2> rotation_W;  ///< rad/s
     std::array<P, 2> radius{}, mass{}, moment{};
     P restitution{1}, friction{0};

@@ -1,7 +1,8 @@
 // Sensitivities by dual numbers.
 //
-// VariedTree is the tree whose constants are dual numbers; TreeConstants lists the constants of a tree in a fixed
-// order, so that those of three trees can be paired. VariationalRun integrates and samples.
+// VariedTree is the tree whose constants are dual numbers, with the scene's formula loads (motion/formula_tree.h);
+// TreeConstants lists the constants of a tree in a fixed order, so that those of three trees can be paired.
+// VariationalRun integrates and samples.
 #include "integrators/analysis/sensitivity.h"
 
 #include <fmt/format.h>
@@ -17,6 +18,8 @@
 #include "integrators/own/dormand_prince.h"
 #include "integrators/run/processor_time.h"
 #include "motion/dual.h"
+#include "motion/formula_mechanism.h"
+#include "motion/formula_tree.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 #include "motion/tree.h"
@@ -52,6 +55,11 @@ class TreeConstants {
             add(loop.first.point), add(loop.second.point), add(loop.across[0]), add(loop.across[1]);
             add(loop.second_axis), add(loop.length), add(loop.ratio), add(loop.offset);
         }
+    }
+    // Values of formulas that depend on no input, and the points of their forces.
+    void add(FormulaTree<P>& formulas) {
+        for (P& value : formulas.terms().uniform_values()) add(value);
+        for (Vector3<P>& point : formulas.points()) add(point);
     }
     void add(LinkLoads<P>& loads) {
         add(loads.gravity_W);
@@ -122,7 +130,9 @@ std::string unsupported_part(const Scene& scene) {
     }
     for (const Load& load : scene.loads) {
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques are not supported";
-        if (std::holds_alternative<FormulaLoad>(load)) return "loads given by formulas are not supported";
+        const auto* formula = std::get_if<FormulaLoad>(&load);
+        if (formula != nullptr && formula->kind == FormulaKind::potential)
+            return "potentials given by formulas are not supported; give the force and torque as formulas";
     }
     return "";
 }
@@ -130,23 +140,27 @@ std::string unsupported_part(const Scene& scene) {
 // An exact tree with its scene.
 struct ExactTree {
     explicit ExactTree(const Scene& any)
-        : scene(as_mechanism(any)), tree(scene, bodies_mass_properties<Wide>(scene)), start(any.initial) {
+        : scene(as_mechanism(any)),
+          form(scene, compile_formulas(scene, scene.name), bodies_mass_properties<Wide>(scene)),
+          start(any.initial) {
         rates_in_world = any.pivot && start.angular_velocity_frame == Frame::world;
     }
 
     std::vector<Wide> initial() const {
-        std::vector<Wide> y(static_cast<std::size_t>(tree.dimension()));
-        tree.initial(y.data());
+        std::vector<Wide> y(static_cast<std::size_t>(form.dimension()));
+        form.initial(y.data());
         if (!rates_in_world) return y;
-        const Link<Wide>& link = tree.links().links.front();
+        const Link<Wide>& link = tree().links().links.front();
         const Quaternion<Wide> q = normalized(cast<Wide>(start.orientation));
         const Vector3<Wide> w_B = rotate_back(q, cast<Wide>(start.angular_velocity));
         for (std::size_t i = 0; i < 3; ++i) y[static_cast<std::size_t>(link.rate) + i] = w_B[i];
         return y;
     }
 
+    const Tree<Wide>& tree() const { return form.tree(); }
+
     Scene scene;
-    Tree<Wide> tree;
+    FormulaTree<Wide> form;
     Initial start;
     bool rates_in_world = false;  // a pivoted body whose initial angular velocity is given in world axes
 };
@@ -155,23 +169,27 @@ struct ExactTree {
 class VariedTree {
   public:
     VariedTree(const Scene& scene, std::span<const SceneChange> changes)
-        : base_(scene), rounded_(base_.tree), tree_(rounded_) {
+        : base_(scene), rounded_(base_.form), form_(rounded_) {
         for (const SceneChange& change : changes)
             sides_.push_back({ExactTree(change.ahead), ExactTree(change.behind), change.by});
         // the tree is not const; its accessors are
-        auto& links = const_cast<Links<Varied>&>(tree_.links());                  // NOLINT
-        auto& loops = const_cast<std::vector<LinkLoop<Varied>>&>(tree_.loops());  // NOLINT
+        auto& links = const_cast<Links<Varied>&>(tree().links());                  // NOLINT
+        auto& loops = const_cast<std::vector<LinkLoop<Varied>>&>(tree().loops());  // NOLINT
         TreeConstants<Varied> constants;
         constants.add(links);
-        set_slopes(constants, [](const ExactTree& side) { return constants_of(side.tree.links()); });
+        set_slopes(constants, [](const ExactTree& side) { return constants_of(side.tree().links()); });
         TreeConstants<Varied> of_loops;
         of_loops.add(loops);
-        set_slopes(of_loops, [](const ExactTree& side) { return constants_of(side.tree.loops()); });
+        set_slopes(of_loops, [](const ExactTree& side) { return constants_of(side.tree().loops()); });
+        TreeConstants<Varied> of_formulas;
+        of_formulas.add(form_);
+        set_slopes(of_formulas, [](const ExactTree& side) { return constants_of(side.form); });
     }
 
     // Why the derivative does not exist; empty if it does.
     const std::string& fault() const { return fault_; }
-    const Tree<Varied>& tree() const { return tree_; }
+    const Tree<Varied>& tree() const { return form_.tree(); }
+    void derivative(const Varied* y, Varied* dy) const { form_.derivative(y, dy); }
 
     std::vector<Varied> initial() {
         std::vector<Varied> y = varied(base_.initial());
@@ -184,20 +202,27 @@ class VariedTree {
     // Applies the impulses at t (s) to y, and sets the loads that act from then on.
     void enter(double t, std::vector<Varied>& y) {
         apply_impulses(t, y);
-        rounded_.convert_loads(base_.tree.loads_at(base_.scene, t));
-        LinkLoads<Varied> loads = cast<Varied>(rounded_.loads());
+        y[static_cast<std::size_t>(form_.time_index())] = Varied(t);
+        form_.terms().enter(t);
+        if (form_.terms().has_switches()) {
+            fault_ = "loads given by formulas that switch are not supported";
+            return;
+        }
+        auto& rounded = const_cast<Tree<double>&>(rounded_.tree());  // NOLINT
+        rounded.convert_loads(base_.tree().loads_at(base_.scene, t));
+        LinkLoads<Varied> loads = cast<Varied>(rounded.loads());
         TreeConstants<Varied> constants;
         constants.add(loads);
-        set_slopes(constants, [&](const ExactTree& side) { return constants_of(side.tree.loads_at(side.scene, t)); });
-        tree_.convert_loads(loads);
+        set_slopes(constants, [&](const ExactTree& side) { return constants_of(side.tree().loads_at(side.scene, t)); });
+        const_cast<Tree<Varied>&>(tree()).convert_loads(loads);  // NOLINT
     }
 
     // Projects y onto the closed loops.
     void project(std::vector<Varied>& y) const {
-        if (!tree_.has_loops()) return;
+        if (!tree().has_loops()) return;
         std::vector<double> values;
         for (const Varied& number : y) values.push_back(number.value);
-        rounded_.project(values.data());
+        rounded_.tree().project(values.data());
         for (std::size_t i = 0; i < y.size(); ++i) y[i].value = values[i];
     }
 
@@ -208,8 +233,8 @@ class VariedTree {
     };
 
     ExactTree base_;
-    Tree<double> rounded_;
-    Tree<Varied> tree_;
+    FormulaTree<double> rounded_;
+    FormulaTree<Varied> form_;
     std::vector<Side> sides_;
     std::string fault_;
 
@@ -246,7 +271,7 @@ class VariedTree {
         std::vector<Wide> values;
         for (const Varied& number : y) values.push_back(Wide(number.value));
         std::vector<Wide> after = values;
-        if (!base_.tree.apply_impulses(base_.scene, t, after.data())) return;
+        if (!base_.tree().apply_impulses(base_.scene, t, after.data())) return;
         for (std::size_t i = 0; i < y.size(); ++i) y[i].value = static_cast<double>(after[i]);
         for (std::size_t c = 0; c < sides_.size(); ++c) {
             const Side& side = sides_[c];
@@ -255,8 +280,8 @@ class VariedTree {
                 const Wide change = Wide(side.by) / 2 * Wide(y[i].slope[c]);
                 ahead[i] += change, behind[i] -= change;
             }
-            side.ahead.tree.apply_impulses(side.ahead.scene, t, ahead.data());
-            side.behind.tree.apply_impulses(side.behind.scene, t, behind.data());
+            side.ahead.tree().apply_impulses(side.ahead.scene, t, ahead.data());
+            side.behind.tree().apply_impulses(side.behind.scene, t, behind.data());
             for (std::size_t i = 0; i < y.size(); ++i)
                 y[i].slope[c] = static_cast<double>((ahead[i] - behind[i]) / Wide(side.by));
         }
@@ -273,11 +298,7 @@ struct Limits {
 class VariationalRun {
   public:
     VariationalRun(const Problem& problem, VariedTree& tree, double tolerance, Limits& limits)
-        : scales_(mechanism_of(problem).scales()),
-          tree_(tree),
-          tolerance_(tolerance),
-          limits_(limits),
-          y_(tree.initial()) {}
+        : scales_(scales_of(problem)), tree_(tree), tolerance_(tolerance), limits_(limits), y_(tree.initial()) {}
 
     void enter(const Leg& leg) {
         tree_.enter(leg.begin, y_);
@@ -331,6 +352,13 @@ class VariationalRun {
     double t_ = 0, h_ = 0;  // s
     std::string fault_;
 
+    // Of the tree, then of the time and of auxiliaries, which these equations do not use.
+    static std::vector<double> scales_of(const Problem& problem) {
+        if (has_formula_loads(problem.scene)) return formula_mechanism_of(problem).scales();
+        std::vector<double> scales = mechanism_of(problem).scales();
+        scales.push_back(problem.scene.duration);
+        return scales;
+    }
     bool fail(std::string why) {
         fault_ = fmt::format("{} at t = {:g} s", why, t_);
         return false;
@@ -373,7 +401,7 @@ class VariationalRun {
             for (std::size_t i = 0; i < n; ++i) next_[i] = y_[i] + h * weighted(dop853.a[stage], stage, i);
             State& rate = rates_[static_cast<std::size_t>(stage)];
             rate.resize(n);
-            tree_.tree().derivative(next_.data(), rate.data());
+            tree_.derivative(next_.data(), rate.data());
         }
         std::array<double, columns> lengths{};
         for (std::size_t i = 0; i < n; ++i) {

@@ -11,6 +11,7 @@
 //     and cosines. Arguments of switches are auxiliaries, too, so that their Taylor polynomials are known.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -276,6 +277,11 @@ class Evaluation {
             // the rates are linear in those of the operands
             const V by_a = transcendental_rate<V>(node.operation, v, a.value, b.value, V(1), V(0));
             S result = with_slope(a, v, by_a);
+            // the exponent may depend on parameters
+            if (node.operation == Operation::power && std::ranges::any_of(b.slope, [](V x) { return x != V(0); })) {
+                const V by_b = v * Functions<V>::logarithm(a.value);
+                for (std::size_t i = 0; i < result.slope.size(); ++i) result.slope[i] += by_b * b.slope[i];
+            }
             if (node.operation == Operation::arctangent) {
                 const V by_b = transcendental_rate<V>(node.operation, v, a.value, b.value, V(0), V(1));
                 for (std::size_t i = 0; i < result.slope.size(); ++i) result.slope[i] += by_b * b.slope[i];

@@ -89,6 +89,8 @@ class FormulaValues {
     }
 
     const FormulaSet& set() const { return *set_; }
+    /// The values that depend on no input, by node, as constants of the equations.
+    std::vector<P>& uniform_values() { return uniform_; }
     /// The number of values that are held.
     int holds() const { return static_cast<int>(set_->periods.size()); }
     /// The number of variables of a system after the time: the values that are held, then one per auxiliary node.

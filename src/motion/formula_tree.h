@@ -133,6 +133,8 @@ class FormulaTree {
     const Tree<P>& tree() const { return tree_; }
     const FormulaValues<P>& terms() const { return terms_; }
     FormulaValues<P>& terms() { return terms_; }
+    /// By term: the point of application, from the link's origin in its axes, or a world point, m.
+    std::vector<Vector3<P>>& points() { return points_; }
     /// Index of the time in the state.
     int time_index() const { return tree_.dimension(); }
     int dimension() const { return time_index() + 1 + terms_.auxiliaries(); }

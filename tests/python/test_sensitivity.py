@@ -77,6 +77,8 @@ CASES = [
      ["/bodies/1/body/mass", "/bodies/0/body/shape/half_extents/2", "/joints/1/initial/angle"]),
     (lambda: polhode.scene("mechanisms/ball_joint_arm", duration=0.25), ["/joints/1/parent_point/2"]),
     (lambda: polhode.scene("mechanisms/four_bar", duration=0.125), ["/bodies/2/body/mass"]),
+    (lambda: polhode.scene("formulas/curved_ball", duration=1), ["/parameters/drag", "/body/mass", "/parameters/lift"]),
+    (lambda: polhode.scene("formulas/flywheel_servo", duration=2), ["/parameters/k", "/parameters/target", "/bodies/0/body/inertia/2"]),
 ]
 
 

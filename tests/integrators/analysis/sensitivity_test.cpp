@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "scene/scene_file.h"
+
 namespace polhode {
 namespace {
 
@@ -95,6 +97,56 @@ TEST(Sensitivities, AreThoseOfSinglePasses) {
     EXPECT_NEAR(derivative(all, 0, position_x, 3), 1, 1e-12);
 }
 
+double& parameter(Scene& scene, std::size_t i) { return scene.parameters[i].value; }
+
+// An oscillator, x = x0 cos(w t) with w^2 = k/m.
+TEST(Sensitivities, OfAFormulaByItsParameters) {
+    const Scene scene = parse_scene(R"({"name": "oscillator", "duration": 2, "body": {"mass": 2, "inertia": [1, 1, 1]},
+        "initial": {"position": [0.7, 0, 0]}, "parameters": {"k": 5},
+        "loads": [{"type": "force", "frame": "world", "formula": "-k*p"}]})",
+                                    "oscillator.json");
+    const SceneChange changes[] = {change_of(scene, [](Scene& s) -> double& { return parameter(s, 0); }),
+                                   change_of(scene, [](Scene& s) -> double& { return s.body.mass; })};
+    const double t = 2, k = 5, m = 2, w = std::sqrt(k / m);
+    const Sensitivities found = sensitivities(scene, changes, {t});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    EXPECT_NEAR(derivative(found, 0, position_x, 0), -0.7 * t * std::sin(w * t) / (2 * std::sqrt(k * m)), 1e-11);
+    EXPECT_NEAR(derivative(found, 0, position_x, 1), 0.7 * t * std::sin(w * t) * w / (2 * m), 1e-11);
+}
+
+// dv/dt = -c v^n: v^(1 - n) = v0^(1 - n) + (n - 1) c t.
+TEST(Sensitivities, OfAFormulaByAnExponent) {
+    const Scene scene = parse_scene(R"({"name": "drag", "duration": 1.5, "body": {"mass": 1, "inertia": [1, 1, 1]},
+        "initial": {"velocity": [3, 0, 0]}, "parameters": {"c": 0.4, "n": 1.7},
+        "loads": [{"type": "force", "frame": "world", "formula": "[-c*v.x^n, 0, 0]"}]})",
+                                    "drag.json");
+    const SceneChange changes[] = {change_of(scene, [](Scene& s) -> double& { return parameter(s, 0); }),
+                                   change_of(scene, [](Scene& s) -> double& { return parameter(s, 1); })};
+    const double t = 1.5, c = 0.4, n = 1.7, A = std::pow(3, 1 - n) + (n - 1) * c * t, v = std::pow(A, 1 / (1 - n));
+    const Sensitivities found = sensitivities(scene, changes, {t});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    EXPECT_NEAR(found.samples[0].velocity_W[0], v, 1e-11);
+    EXPECT_NEAR(derivative(found, 0, velocity_x, 0), -t * v / A, 1e-11);
+    const double slope_of_A = c * t - std::log(3) * std::pow(3, 1 - n);
+    EXPECT_NEAR(derivative(found, 0, velocity_x, 1),
+                v * (std::log(A) / ((1 - n) * (1 - n)) + slope_of_A / (A * (1 - n))), 1e-11);
+}
+
+// A damped rotor on a hinge whose motor is a formula: angle rate = w0 e^(-c t/I).
+TEST(Sensitivities, OfAMotorGivenByAFormula) {
+    const Scene scene = parse_scene(R"({"name": "rotor", "duration": 1,
+        "bodies": [{"name": "rotor", "body": {"mass": 1, "inertia": [1, 1, 0.5]}}],
+        "joints": [{"name": "hinge", "type": "revolute", "parent": "world", "child": "rotor", "axis": [0, 0, 1],
+                    "initial": {"rate": 4}}],
+        "parameters": {"c": 0.8},
+        "loads": [{"type": "motor", "joint": "hinge", "formula": "-c*hinge.rate"}]})",
+                                    "rotor.json");
+    const SceneChange changes[] = {change_of(scene, [](Scene& s) -> double& { return parameter(s, 0); })};
+    const Sensitivities found = sensitivities(scene, changes, {1});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    EXPECT_NEAR(derivative(found, 0, rate_z, 0), -4 / 0.5 * std::exp(-0.8 / 0.5), 1e-11);
+}
+
 TEST(Sensitivities, RefuseWhatTheyDoNotSupport) {
     Scene scene;
     scene.name = "body", scene.duration = 1;
@@ -107,6 +159,10 @@ TEST(Sensitivities, RefuseWhatTheyDoNotSupport) {
     EXPECT_EQ(sensitivities(scene, {}, {1}, {.max_steps = 1}).status, Status::failed);
     scene.planes.push_back({});
     EXPECT_EQ(sensitivities(scene, {}, {1}).status, Status::unsupported);
+    const Scene switching = parse_scene(R"({"name": "limited", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]},
+        "loads": [{"type": "torque", "frame": "body", "formula": "[clamp(1 - w.x, -0.1, 0.1), 0, 0]"}]})",
+                                        "limited.json");
+    EXPECT_EQ(sensitivities(switching, {}, {1}).message, "loads given by formulas that switch are not supported");
 }
 
 }  // namespace

@@ -60,6 +60,9 @@ Choice choose_method(const Problem& problem, double tolerance) {
     if (has_switches(problem))
         return {find_method("taylor"),
                 "a load given by a formula switches: a Taylor series locates the switching points"};
+    if (has_variable_roots(problem))
+        return {find_method("taylor"),
+                "a load given by a formula has a square root: a Taylor series locates where its argument vanishes"};
     if (favors_extrapolation(problem, tolerance))
         return {find_method("extrapolation"),
                 "the equations are long: evaluating eight right-hand sides in parallel is the fastest"};

@@ -27,6 +27,7 @@
 #include "integrators/own/record_system.h"
 #include "integrators/run/solver_run.h"
 #include "integrators/series/series.h"
+#include "integrators/series/singular_step.h"
 #include "integrators/tape/tape_series.h"
 #include "motion/formula_model.h"
 #include "motion/numbers.h"
@@ -318,6 +319,7 @@ class TaylorSession {
         system_.initial(y_.data());
         t_ = 0, steps_ = 0, switched_ = 0;
         crossing_.reset(), fault_.clear();
+        singular_.reset(), is_singular_ = false;
     }
     /// Handles an event: applies the impulses and sets the loads of this segment.
     int enter(const Segment& of_problem) {
@@ -328,6 +330,7 @@ class TaylorSession {
         begin_ = t_ = segment.begin, end_ = segment.end;
         segment_ = &segment;
         crossing_.reset(), fault_.clear();
+        singular_.reset(), is_singular_ = false;
         if (end_ > t_) series_.emplace(*scaled_, segment, system_, tolerance_).start(y_.data());
         return 0;
     }
@@ -337,14 +340,21 @@ class TaylorSession {
         advance();
         if (!fault_.empty()) return cannot_continue;
         ++steps_;
+        if constexpr (switches)
+            if (is_singular_) return take_singular_step();
         series_->expand();
         const double h = series_->step(tolerance_);
+        if constexpr (switches)
+            if (std::isnan(h) && system_.has_roots()) return take_singular_step();
         if (std::isnan(h)) return not_finite;
         const double next = t_ + h;
         if (!(next > t_)) return too_short;
         // A remainder of a few rounding errors is merged into the step.
         t_ = next >= end_ - 1e-14 * (end_ - t_) ? end_ : next;
-        if constexpr (switches) return end_at_crossing();
+        if constexpr (switches) {
+            if (system_.has_roots()) end_at_root_zero();
+            return end_at_crossing();
+        }
         return 0;
     }
 
@@ -356,7 +366,10 @@ class TaylorSession {
     /// The motion at a time within the last step.
     auto sample_inside(double at) {
         const double t = at * per_unit_;
-        series_->evaluate(t - begin_, y_.data());
+        if (singular_)
+            evaluate_singular((t - begin_) / (t_ - begin_));
+        else
+            series_->evaluate(t - begin_, y_.data());
         return std::optional(convert_to_seconds(system_.motion(t, y_.data())));
     }
     int inside_flag() const { return 0; }
@@ -391,6 +404,14 @@ class TaylorSession {
     }
     void advance() {
         if (!(t_ > begin_)) return;
+        if (singular_) {
+            evaluate_singular(1);
+            singular_.reset(), begin_ = t_;
+            if constexpr (SystemType::dimension == run_time)
+                if (system_.projects()) system_.project(y_.data());
+            series_->start(y_.data());
+            return;
+        }
         series_->advance(t_ - begin_), begin_ = t_;
         if constexpr (SystemType::dimension == run_time) {
             if (!system_.projects()) return;
@@ -399,6 +420,60 @@ class TaylorSession {
             if constexpr (switches) cross_switch();
             series_->start(y_.data());
         }
+    }
+
+    void evaluate_singular(double theta) {
+        std::vector<double> y(y_.size());
+        singular_->evaluate(theta, y.data());
+        std::copy(y.begin(), y.end(), y_.begin());
+    }
+    // Ends the step where a square root passes zero: its polynomial would change sign there.
+    void end_at_root_zero() {
+        constexpr int parts = 4;
+        constexpr double near_zero = 0.25, smallness = 1e-13;  // of the largest argument
+        const double h = t_ - begin_;
+        const auto at = [&](double after) {
+            series_->evaluate(after, y_.data());
+            return system_.root_arguments(y_.data());
+        };
+        std::vector<double> least = at(0), largest = least;
+        for (int i = 1; i <= parts; ++i) {
+            const std::vector<double> now = at(h * i / parts);
+            for (std::size_t j = 0; j < now.size(); ++j)
+                least[j] = std::min(least[j], now[j]), largest[j] = std::max(largest[j], now[j]);
+        }
+        bool may_pass = false;
+        for (std::size_t j = 0; j < least.size(); ++j) may_pass = may_pass || !(least[j] > near_zero * largest[j]);
+        if (!may_pass) return;
+        const std::optional<double> zero = find_root_zero<double>(at, h, smallness);
+        if (!zero) return;
+        t_ = std::min(t_, std::max(std::nextafter(begin_, end_), begin_ + *zero));
+        is_singular_ = t_ < end_;
+    }
+    // A step from a state at which a square root has no series.
+    int take_singular_step() {
+        constexpr int stages = 8;
+        constexpr double digits = 15.5;
+        is_singular_ = false;
+        std::vector<double> y(y_.begin(), y_.end()), scales(y.size()), end;
+        series_->state(y.data());
+        system_.scales(scales.data());
+        const std::vector<SwitchOf<double>> points = system_.switching_points();
+        const auto derivative = [&](const double* at, double* rates) { system_.derivative(0, at, rates); };
+        const auto accepts = [&](std::vector<double> state) {
+            system_.project(state.data());
+            return std::ranges::all_of(points, [&](const SwitchOf<double>& point) {
+                return point.sign * (state[static_cast<std::size_t>(point.component)] - point.threshold) >= 0;
+            });
+        };
+        singular_.emplace(stages);
+        const std::optional<double> h = singular_->solve(derivative, y, (end_ - t_) / 16, scales, digits, accepts);
+        if (!h || !(t_ + *h > t_)) {
+            singular_.reset();
+            return not_finite;
+        }
+        t_ += *h;
+        return 0;
     }
 
     // Ends the step at the first crossing of a switching point. The polynomial is searched at equally spaced times.
@@ -466,6 +541,8 @@ class TaylorSession {
     std::optional<Crossing> crossing_;  ///< ended the last step
     std::string fault_;                 ///< why the motion cannot be continued
     long switched_ = 0;
+    bool is_singular_ = false;                      ///< a square root is zero at t_
+    std::optional<SingularStep<double>> singular_;  ///< the last step, if it is not the series'
     Numbers<SystemType::dimension> y_{system_.size()};
     std::optional<Series> series_;
 };

@@ -41,6 +41,11 @@ class FormulaMechanismModel {
     std::string cross_switch(std::size_t which, double* y) {
         return form_.cross_switch(form_.terms().active_switches().at(which), y);
     }
+    /// Arguments of the square roots that depend on time or state.
+    std::vector<double> root_arguments(const double* y) const {
+        return form_.terms().root_arguments(form_.formula_state(y));
+    }
+    bool has_roots() const { return form_.terms().has_roots(); }
     /// Kinetic energy of all bodies, J.
     double kinetic_energy(const Bodies& bodies) const;
     /// 10^6 times the largest kinetic energy of a coarse run, J.

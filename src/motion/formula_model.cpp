@@ -140,6 +140,16 @@ bool has_switches(const Problem& problem) {
                                        : formula_model_of(problem).has_switches();
 }
 
+bool has_variable_roots(const Problem& problem) {
+    if (!has_formula_loads(problem.scene)) return false;
+    FormulaSystem system(problem);
+    std::vector<double> y(static_cast<std::size_t>(system.size()));
+    system.initial(y.data());
+    return std::ranges::any_of(problem.segments, [&](const Segment& segment) {
+        return system.enter(segment, y.data()) && system.has_roots();
+    });
+}
+
 template double formula_potential(const Scene&, double, const Quaternion<double>&, const Vector3<double>&);
 template Wide formula_potential(const Scene&, double, const Quaternion<Wide>&, const Vector3<Wide>&);
 

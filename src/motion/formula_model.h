@@ -42,6 +42,11 @@ class FormulaModel {
     std::string cross_switch(std::size_t which, double* y) {
         return body_.cross_switch(body_.terms().active_switches().at(which), y);
     }
+    /// Arguments of the square roots that depend on time or state.
+    std::vector<double> root_arguments(const double* y) const {
+        return body_.terms().root_arguments(body_.formula_state(y));
+    }
+    bool has_roots() const { return body_.terms().has_roots(); }
     double kinetic_energy(const Bodies& bodies) const;
     /// 10^6 times the largest kinetic energy of a coarse run, J.
     double energy_bound() const { return energy_bound_; }
@@ -69,6 +74,9 @@ const FormulaModel& formula_model_of(const Problem& problem);
 
 /// Whether the scene, of one or several bodies, has formula loads that switch.
 bool has_switches(const Problem& problem);
+
+/// Whether the scene has formula loads with square roots, such as norm(v), of terms that depend on time or state.
+bool has_variable_roots(const Problem& problem);
 
 /// The System of a problem with formula loads for methods that use recorded equations or locate switching points. Its
 /// projection sets the auxiliary variables to their values.
@@ -115,6 +123,13 @@ class FormulaSystem {
                 model.refresh(y);
             },
             model_);
+    }
+    /// Whether the equations have square roots of terms that depend on time or state, and their arguments.
+    bool has_roots() const {
+        return std::visit([](const auto& model) { return model.has_roots(); }, model_);
+    }
+    std::vector<double> root_arguments(const double* y) const {
+        return std::visit([&](const auto& model) { return model.root_arguments(y); }, model_);
     }
     std::vector<SwitchOf<double>> switching_points() const {
         return std::visit([](const auto& model) { return model.switching_points(); }, model_);

@@ -84,7 +84,8 @@ class FormulaValues {
           needed_(other.needed_),
           signs_(other.signs_),
           needed_by_signs_(other.needed_by_signs_),
-          active_(other.active_) {
+          active_(other.active_),
+          roots_(other.roots_) {
         for (const From& x : other.uniform_) uniform_.push_back(P(x));
     }
 
@@ -131,6 +132,17 @@ class FormulaValues {
             if (acts(set_->terms[i].load.window, begin)) acting_.push_back(i);
         needed_ = formula::find_needed(set_->expression, outputs());
         find_active();
+    }
+
+    /// Whether a load that acts has a square root whose argument depends on time or state.
+    bool has_roots() const { return !roots_.empty(); }
+    /// The arguments of these square roots at a state.
+    template <class State>
+    std::vector<P> root_arguments(const State& state) const {
+        const formula::Evaluation<P, P> values = evaluate<P>(state, nullptr, true);
+        std::vector<P> arguments;
+        for (const int node : roots_) arguments.push_back(values.value(node));
+        return arguments;
     }
 
     /// The switches on which the loads that act depend under the current signs, as indices of the expression's.
@@ -249,6 +261,7 @@ class FormulaValues {
     std::vector<signed char> signs_;     ///< by switch
     std::vector<char> needed_by_signs_;  ///< by node: whether an acting load depends on it, on the current branches
     std::vector<int> active_;            ///< switches of the current branches
+    std::vector<int> roots_;             ///< arguments of square roots of the current branches, as nodes
 
     std::vector<int> outputs() const {
         std::vector<int> all;
@@ -263,9 +276,11 @@ class FormulaValues {
     void find_active() {
         const formula::Expression& e = set_->expression;
         needed_by_signs_ = formula::find_needed(e, outputs(), signs_.data());
-        active_.clear();
+        active_.clear(), roots_.clear();
         for (std::size_t i = 0; i < needed_by_signs_.size(); ++i) {
             const formula::Node& node = e.nodes()[i];
+            if (needed_by_signs_[i] && node.operation == formula::Operation::square_root && !e.is_uniform(node.a))
+                roots_.push_back(node.a);
             if (!needed_by_signs_[i] || node.operation != formula::Operation::choose) continue;
             if (e.is_uniform(e.switches()[static_cast<std::size_t>(node.a)].argument)) continue;
             if (std::ranges::find(active_, node.a) == active_.end()) active_.push_back(node.a);

@@ -204,6 +204,10 @@ class VariedTree {
         apply_impulses(t, y);
         y[static_cast<std::size_t>(form_.time_index())] = Varied(t);
         form_.terms().enter(t);
+        if (form_.terms().holds() > 0) {
+            fault_ = "values of formulas that are held are not supported";
+            return;
+        }
         if (form_.terms().has_switches()) {
             fault_ = "loads given by formulas that switch are not supported";
             return;

@@ -356,7 +356,7 @@ class VariationalRun {
     double t_ = 0, h_ = 0;  // s
     std::string fault_;
 
-    // Of the tree, then of the time and of auxiliaries, which these equations do not use.
+    // The scales of the tree's components, then of the time and of auxiliaries, which these equations do not use.
     static std::vector<double> scales_of(const Problem& problem) {
         if (has_formula_loads(problem.scene)) return formula_mechanism_of(problem).scales();
         std::vector<double> scales = mechanism_of(problem).scales();

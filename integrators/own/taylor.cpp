@@ -430,7 +430,7 @@ class TaylorSession {
     // Ends the step where a square root passes zero: its polynomial would change sign there.
     void end_at_root_zero() {
         constexpr int parts = 4;
-        constexpr double near_zero = 0.25, smallness = 1e-13;  // of the largest argument
+        constexpr double near_zero = 0.25, smallness = 1e-13;  // relative to the largest argument
         const double h = t_ - begin_;
         const auto at = [&](double after) {
             series_->evaluate(after, y_.data());

@@ -1,7 +1,7 @@
 // A step over or from a point at which a right-hand side has no Taylor series although the motion has one.
 //
-// The length |u| of a vector u(t) that passes zero, as in the force -c |v| v of a body that starts from rest or turns
-// round on a line, is a square root with a double zero. Its series at that point does not exist in the arithmetic of
+// The length |u| of a vector u(t) that passes zero, as in the force -c |v| v of a body that starts from rest or
+// reverses on a line, is a square root with a double zero. Its series at that point does not exist in the arithmetic of
 // series, and the series from an earlier point continues it with the wrong sign: find_root_zero() finds the time at
 // which the argument of a square root vanishes. On each side the motion is analytic, so that collocation at points on
 // one side converges: SingularStep solves the Radau IIA equations by Picard's iteration, without derivatives.

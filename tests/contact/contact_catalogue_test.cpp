@@ -115,6 +115,27 @@ TEST(ContactCatalogue, BilliardBallWithSideSpinCurvesAndRolls) {
     expect_rolling_after_a_parabola("billiard_side_spin");
 }
 
+// The angular momentum about the chord between the contacts, b = 0.6 r below the centre, is constant.
+TEST(ContactCatalogue, BallInAGutterStartsToRollOnBothSides) {
+    const DecimalReference truth = reference_of("ball_in_gutter");
+    const long double end = 4 / (1 + 0.4L / 0.36L), rolls = (4 - end) / (0.25L * 9 / 0.6L);
+    ASSERT_EQ(events_of(truth), "rolls rolls ");
+    expect_equal(truth.contact_events[0].t, rolls);
+    expect_equal(truth.columns[1][velocity], end);
+    expect_equal(truth.columns[1][position], rolls * (4 + end) / 2 + (2 - rolls) * end, 1e-16L);
+}
+// Friction over mass is 2 at the floor and 0.375 at the wall. A slip changes by 7/2 of its own friction and by the
+// other one; the floor, where the ball rolls first, transmits 2/7 of the friction at the wall.
+TEST(ContactCatalogue, BallStartsToRollAtTheFloorAndAtTheWall) {
+    const DecimalReference truth = reference_of("ball_and_wall");
+    const long double first = 4 / (7 + 0.375L),
+                      second = first + (4 - (2 + 3.5L * 0.375L) * first) / (45.0L / 14 * 0.375L);
+    ASSERT_EQ(events_of(truth), "rolls rolls lifts_off ");
+    expect_equal(truth.contact_events[0].t, first);
+    expect_equal(truth.contact_events[1].t, second);
+    expect_equal(truth.columns[1][velocity], 4 - 2.375L * first - 5.0L / 7 * 0.375L * (second - first));
+}
+
 // First impact at 0.5 s with 4 m/s; all impacts end after 2 e v / (g (1 - e)) = 1 s.
 TEST(ContactCatalogue, DroppedBallComesToRest) {
     const DecimalReference truth = reference_of("ball_bounces_to_rest");

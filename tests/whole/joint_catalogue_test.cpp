@@ -11,14 +11,10 @@
 #include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/reference.h"
+#include "whole/exact_rows.h"
 
 namespace polhode {
 namespace {
-
-using Exact = Real<50>;
-
-// columns of a row of the reference after t
-constexpr std::size_t attitude = 0, spin = 4, position = 7, velocity = 10;
 
 DecimalReference reference_of(const std::string& name, long samples, int digits = 25) {
     DecimalReference truth = decimal_reference(find_scene("joints/" + name), samples, digits);
@@ -30,12 +26,6 @@ DecimalReference reference_of(const std::string& name, long samples, int digits 
 // the row of a body at a sample
 const DecimalColumns& row_of(const DecimalReference& truth, std::size_t sample, std::size_t body = 0) {
     return truth.columns.at(sample * static_cast<std::size_t>(truth.bodies) + body);
-}
-
-Exact number(const DecimalColumns& row, std::size_t column) { return Exact(row.at(column)); }
-
-void expect_equal(const Exact& actual, const Exact& expected, double tolerance = 1e-23) {
-    EXPECT_LE(double(abs(Exact(actual - expected))), tolerance) << actual << " instead of " << expected;
 }
 
 // the angle of a body that turns about y, in (-pi, pi]

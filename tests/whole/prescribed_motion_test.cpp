@@ -14,20 +14,12 @@
 #include "motion/problem.h"
 #include "scene/joint_motions.h"
 #include "scene/scene_file.h"
+#include "whole/exact_rows.h"
 
 namespace polhode {
 namespace {
 
 using massless::body_of, massless::joint_of, massless::scene_of;
-using Exact = Real<50>;
-
-constexpr std::size_t position = 7, velocity = 10;
-
-Exact number(const DecimalColumns& row, std::size_t column) { return Exact(row.at(column)); }
-
-void expect_equal(const Exact& actual, const Exact& expected, double tolerance) {
-    EXPECT_LE(double(abs(Exact(actual - expected))), tolerance) << actual << " instead of " << expected;
-}
 
 // r = r0 cosh(2 t) on a rod that turns at 2 rad/s; the drive's torque is the rate of 2 m r^2.
 TEST(PrescribedMotion, BeadOnARotatingRodFollowsTheClosedForm) {

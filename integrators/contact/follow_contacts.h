@@ -413,7 +413,7 @@ class ContactDriver {
     /// u_i . d of both contacts.
     std::array<P, 2> slips_along(const BallBetweenPlanes<P>& ball) const {
         const Vector3<P> w = rotate(motion_.q, motion_.angular_velocity_B);
-        std::array<P, 2> slips;
+        std::array<P, 2> slips{};
         for (std::size_t i = 0; i < 2; ++i)
             slips[i] = dot(ball.line_W, motion_.velocity_W - ball.radius * cross(w, ball.normal_W[i]));
         return slips;

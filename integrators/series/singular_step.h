@@ -31,7 +31,8 @@ class SingularStep {
                            const std::vector<double>& scales, double digits, const Accepts& accepts) {
         constexpr int most_reductions = 60;
         n_ = y.size();
-        for (int k = 0; k < most_reductions; ++k, h = h / P(4)) {
+        for (int k = 0; k < most_reductions; ++k) {
+            if (k > 0) h = h / P(4);
             if (!iterate(derivative, y, h, scales, digits)) continue;
             std::vector<P> end(n_);
             evaluate(P(1), end.data());

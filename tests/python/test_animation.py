@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +90,9 @@ def test_bad_requests_are_refused(tmp_path: Path) -> None:
 
 
 def test_the_command_writes_an_animated_picture(tmp_path: Path) -> None:
-    environment = {**os.environ, "PYTHONPATH": str(Path(polhode.__file__).parents[1])}
+    # the program runs python3: the one that this module was built for
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    environment = {**os.environ, "PYTHONPATH": str(Path(polhode.__file__).parents[1]), "PATH": path}
     command = [PROGRAM, "animate", "t_handle", "--duration", "2", "--frames", "3", "--output"]
     done = subprocess.run([*command, str(tmp_path / "turn.gif")], check=False, capture_output=True, text=True,
                           env=environment)

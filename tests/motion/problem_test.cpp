@@ -146,7 +146,12 @@ TEST(Pose, RefusesWhatSeveralBodiesWouldIgnore) {
     EXPECT_EQ(ignored_part(several, [](Scene&) {}), "");
     EXPECT_EQ(ignored_part(several, [&](Scene& s) { s.loads = {Gravity{}, torque}; }), "/loads/1");
     EXPECT_EQ(ignored_part(several, [](Scene& s) { s.pivot = Vector3<double>(); }), "/pivot");
-    EXPECT_EQ(ignored_part(several, [](Scene& s) { s.planes = {Plane{}}; }), "/planes");
+    const auto join = [](Scene& s) {
+        s.joints.resize(1);
+        s.joints[0].name = "hinge", s.joints[0].child = "a";
+    };
+    EXPECT_EQ(ignored_part(several, [&](Scene& s) { join(s), s.planes = {Plane{}}; }), "/planes");
+    EXPECT_EQ(ignored_part(several, [&](Scene& s) { join(s), s.contacts.resize(1); }), "/contacts");
     EXPECT_EQ(ignored_part(several, [](Scene& s) { s.body.mass = 2; }), "/body");
     EXPECT_EQ(ignored_part(several, [](Scene& s) { s.body.inertia_B[0][0] = 1.5; }), "/body");
     EXPECT_EQ(ignored_part(several, [](Scene& s) { s.body.center_of_mass = {1, 0, 0}; }), "/body");

@@ -143,7 +143,8 @@ TEST(SceneFile, MessagesSuggestNames) {
     EXPECT_EQ(
         fault_of(scene_with(R"("load": [])")),
         "file.json: /load: is an unknown key; did you mean loads? known keys: name, about, source, duration, body, "
-        "initial, pivot, bodies, joints, import, loops, couplings, loads, parameters, tables, let, planes, tolerated");
+        "initial, pivot, bodies, joints, import, loops, couplings, loads, parameters, tables, let, planes, contacts, "
+        "tolerated");
     EXPECT_EQ(fault_of(scene_with(R"("pivot": [0, "1", 0])")),
               "file.json: /pivot/1: is the string \"1\"; give a number");
     EXPECT_EQ(fault_of(R"({"name": "s", "duration": 1, "body": {"mass": 1, "inertia": [1, -1, 3]}})"),

@@ -1,7 +1,7 @@
 // Follows several free spheres from event to event: planes by the modes of each sphere, impacts between pairs.
 //
 // SphereDriver holds a ContactDriver for each sphere (follow_contacts.h). Each driver plans its next step, up to the
-// first event of its own. Up to the earliest end of all planned steps the gaps of the pairs are searched for a first
+// first event of its sphere. Up to the earliest end of all planned steps the gaps of the pairs are searched for a first
 // zero (ContactSearch of motion/contact.h, on the steps' polynomials). If there is one, the two spheres move there, the
 // impulse (sphere_impact.h) changes their velocities, and each selects its mode again. Otherwise the sphere whose step
 // ends first takes it. The other spheres keep their planned steps.

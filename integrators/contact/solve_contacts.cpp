@@ -33,9 +33,8 @@ std::string contact_refusal(const Scene& scene) {
 }
 
 Run<double> follow_in_binary64(const Problem& problem, const Settings& settings) {
-    const std::vector<double> times =
-        settings.times.empty() ? sample_times(problem.scene.duration, settings.samples) : settings.times;
-    return ContactDriver<double, ReducedForm<double>>(problem.scene, times, driver_settings<ContactSettings>(settings))
+    return ContactDriver<double, ReducedForm<double>>(problem.scene, times_of_samples(problem, settings),
+                                                      driver_settings<ContactSettings>(settings))
         .run();
 }
 
@@ -45,12 +44,8 @@ Trajectory solve_contacts(const Problem& problem, const Settings& settings) {
     const Run<double> run = follow_in_binary64(problem, settings);
     trajectory.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     trajectory.steps = trajectory.rhs_evaluations = run.steps;
-    for (std::size_t i = 0; i < run.motions.size(); ++i) {
-        const double t = settings.times.empty()
-                             ? sample_time(problem.scene.duration, static_cast<long>(i), settings.samples)
-                             : settings.times[i];
-        trajectory.samples.emplace_back(t, run.motions[i]);
-    }
+    const std::vector<double> times = times_of_samples(problem, settings);
+    for (std::size_t i = 0; i < run.motions.size(); ++i) trajectory.samples.emplace_back(times[i], run.motions[i]);
     if (!settings.record && trajectory.samples.size() > 1)
         trajectory.samples.erase(trajectory.samples.begin(), trajectory.samples.end() - 1);
     for (const Event<double>& event : run.record.events)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "integrators/contact/contact_record.h"
 #include "integrators/method.h"
@@ -36,6 +37,11 @@ inline void set_status(Trajectory& trajectory, const std::string& fault) {
     if (fault.empty()) return;
     trajectory.status = Status::failed, trajectory.message = fault;
     trajectory.limit_reached = fault == time_limit || fault.starts_with("the step limit");
+}
+
+/// The sample times of `settings`, s.
+inline std::vector<double> times_of_samples(const Problem& problem, const Settings& settings) {
+    return settings.times.empty() ? sample_times(problem.scene.duration, settings.samples) : settings.times;
 }
 
 /// Follows the body with Taylor series to the tolerance of `settings`. The samples are those of `settings`.

@@ -367,7 +367,7 @@ class TaylorSession {
     auto sample_inside(double at) {
         const double t = at * per_unit_;
         if (singular_)
-            evaluate_singular((t - begin_) / (t_ - begin_));
+            singular_->evaluate((t - begin_) / (t_ - begin_), y_.data());
         else
             series_->evaluate(t - begin_, y_.data());
         return std::optional(convert_to_seconds(system_.motion(t, y_.data())));
@@ -405,7 +405,7 @@ class TaylorSession {
     void advance() {
         if (!(t_ > begin_)) return;
         if (singular_) {
-            evaluate_singular(1);
+            singular_->evaluate(1.0, y_.data());
             singular_.reset(), begin_ = t_;
             if constexpr (SystemType::dimension == run_time)
                 if (system_.projects()) system_.project(y_.data());
@@ -422,11 +422,6 @@ class TaylorSession {
         }
     }
 
-    void evaluate_singular(double theta) {
-        std::vector<double> y(y_.size());
-        singular_->evaluate(theta, y.data());
-        std::copy(y.begin(), y.end(), y_.begin());
-    }
     // Ends the step where a square root passes zero: its polynomial would change sign there.
     void end_at_root_zero() {
         constexpr int parts = 4;
@@ -455,7 +450,7 @@ class TaylorSession {
         constexpr int stages = 8;
         constexpr double digits = 15.5;
         is_singular_ = false;
-        std::vector<double> y(y_.begin(), y_.end()), scales(y.size()), end;
+        std::vector<double> y(y_.size()), scales(y.size());
         series_->state(y.data());
         system_.scales(scales.data());
         const std::vector<SwitchOf<double>> points = system_.switching_points();

@@ -67,7 +67,8 @@ class FormulaRun {
     SampleQueue samples_;
     Output run_;
     long switches_ = 0;
-    std::vector<double> scales_;  // by component
+    std::vector<double> scales_;               // by component
+    std::optional<SingularStep<P>> singular_;  // made when first needed
 
     bool fail(const std::string& fault, const P& t) {
         run_.fault = fmt::format("{} at t = {:.10g} s", fault, t.template convert_to<double>());
@@ -166,7 +167,7 @@ class FormulaRun {
     // A step from a state at which a square root has no series. Returns false if there is none.
     bool take_singular_step(const Leg& leg, P& t) {
         constexpr int stages = 24;
-        SingularStep<P> singular(stages);
+        if (!singular_) singular_.emplace(stages);
         const std::vector<SwitchOf<P>> points = form_.switching_points();
         std::vector<P> scratch;
         const auto accepts = [&](const std::vector<P>& end) {
@@ -178,11 +179,11 @@ class FormulaRun {
         };
         const auto derivative = [&](const P* y, P* dy) { form_.derivative_by(y, dy, true); };
         const auto h =
-            singular.solve(derivative, y_, P((P(leg.end) - t) / P(16)), scales_, settings_.digits + 2, accepts);
+            singular_->solve(derivative, y_, P((P(leg.end) - t) / P(16)), scales_, settings_.digits + 2, accepts);
         if (!h || !(t + *h > t)) return false;
         const P reached = t + *h;
         const auto set = [&](const P& theta, std::vector<P>& y) {
-            singular.evaluate(theta, y.data());
+            singular_->evaluate(theta, y.data());
             form_.refresh(y.data());
         };
         for (; samples_.due(leg, reached); samples_.pop()) {

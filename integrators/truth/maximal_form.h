@@ -27,7 +27,7 @@ std::vector<Block> maximal_blocks(const maximal::System<P>& system, const Scales
         // the error of w is the error of L divided by the smallest moment
         const double moment = static_cast<double>(mechanism.bodies[b].least_moment());
         const double mass = static_cast<double>(mechanism.bodies[b].mass);
-        // centres that do not move have no scale of their own
+        // centres that do not move do not determine a scale
         const double reach = static_cast<double>(mechanism.bodies[b].reach());
         const double velocity = std::max(scales.velocity, scales.angular_velocity * reach);
         all.push_back({first, 4, 1});

@@ -15,7 +15,7 @@
 namespace polhode {
 
 /// The largest values of a run: for each kind of component, of all bodies, and the kinetic energy. A state may have
-/// more components than the coordinates and rates of the links; each of these is a kind of its own.
+/// more components than the coordinates and rates of the links; each of these is a separate kind.
 template <class Model>
 class LargestValues {
   public:

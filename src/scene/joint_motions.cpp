@@ -128,14 +128,13 @@ void check_joint_motions(const Scene& scene, const std::string& file) {
             check.fail(place, "is given together with friction or limits", "remove them, or the motion");
         if (joint.dependent) check.fail(place, "is given for a dependent joint", "remove \"dependent\", or the motion");
     }
-    if (!scene.loops.empty() || !scene.couplings.empty())
-        check.fail(motion_place(compile_joint_motions(scene, file).motions.front().joint),
-                   "is given in a scene with loops or couplings",
-                   "remove it: prescribed motions are supported in trees only");
     const JointMotions motions = compile_joint_motions(scene, file);
+    const std::string first = motion_place(motions.motions.front().joint);
+    if (!scene.loops.empty() || !scene.couplings.empty())
+        check.fail(first, "is given in a scene with loops or couplings",
+                   "remove it: prescribed motions are supported in trees only");
     if (has_formula_loads(scene))
-        check.fail(motion_place(motions.motions.front().joint), "is given in a scene with loads given by formulas",
-                   "use loads with constant values");
+        check.fail(first, "is given in a scene with loads given by formulas", "use loads with constant values");
     const std::vector<Start> starts = compute_starts(motions, scene);
     for (std::size_t k = 0; k < starts.size(); ++k) {
         const std::size_t j = motions.motions[k].joint;

@@ -205,7 +205,7 @@ struct Plane {
     std::string name = "";  ///< for messages and tables; empty: "plane 1" for the first, and so on
 };
 
-/// Contact of two spheres of a scene of several bodies without joints, or of all pairs without an entry of their own.
+/// Contact of two spheres of a scene of several bodies without joints, or of all pairs that no other entry names.
 struct SphereContact {
     std::string first;       ///< name of a body; empty if `all`
     std::string second;      ///< name of another body; empty if `all`

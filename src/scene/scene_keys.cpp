@@ -174,7 +174,7 @@ std::span<const FileKey> scene_keys() {
 
         {"contact", "first", "text", "", "required without all", "\"cue\"", "name of a body, a sphere"},
         {"contact", "second", "text", "", "required without all", "\"object\"", "name of another body, a sphere"},
-        {"contact", "all", "true", "", "none", "true", "instead of names: every pair that has no entry of its own"},
+        {"contact", "all", "true", "", "none", "true", "instead of names: every pair that no other entry names"},
         {"contact", "restitution", "number, 0 to 1", "", "required", "0.9",
          "coefficient of restitution: ratio of the normal relative speeds after and before an impact"},
         {"contact", "friction", "number >= 0", "", "0", "0.05", "coefficient mu of Coulomb friction"},

@@ -33,7 +33,7 @@ std::string force_load(const std::string& formula, const char* frame = "world") 
            "\"}";
 }
 
-// The file that an engine without errors of its own writes for a scene.
+// The file that an accurate engine writes for a scene.
 TrajectoryFile file_of(const Scene& scene) {
     Settings settings;
     settings.samples = formula_rows, settings.tolerance = 1e-13;

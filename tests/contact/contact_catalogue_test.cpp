@@ -124,8 +124,8 @@ TEST(ContactCatalogue, BallInAGutterStartsToRollOnBothSides) {
     expect_equal(truth.columns[1][velocity], end);
     expect_equal(truth.columns[1][position], rolls * (4 + end) / 2 + (2 - rolls) * end, 1e-16L);
 }
-// Friction over mass is 2 at the floor and 0.375 at the wall. A slip changes by 7/2 of its own friction and by the
-// other one; the floor, where the ball rolls first, transmits 2/7 of the friction at the wall.
+// Friction over mass is 2 at the floor and 0.375 at the wall. A slip changes by 7/2 of the friction at its contact and by the
+// other friction; the floor, where the ball rolls first, transmits 2/7 of the friction at the wall.
 TEST(ContactCatalogue, BallStartsToRollAtTheFloorAndAtTheWall) {
     const DecimalReference truth = reference_of("ball_and_wall");
     const long double first = 4 / (7 + 0.375L),

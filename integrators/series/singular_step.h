@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "body/elementary.h"
+#include "body/golden_section.h"
 #include "integrators/series/radau_nodes.h"
 
 namespace polhode {
@@ -121,7 +122,7 @@ P refine_root_zero(const Function& f, P time, const P& h) {
 /// the arguments, which are not negative; `smallness`: a value relative to the largest that counts as zero.
 template <class P, class At>
 std::optional<P> find_root_zero(const At& at, const P& h, double smallness) {
-    constexpr int parts = 32;
+    constexpr int parts = 32, golden_steps = 140;
     std::vector<std::vector<P>> values;
     for (int i = 0; i <= parts; ++i) values.push_back(at(P(h * P(i) / P(parts))));
     std::optional<P> first;
@@ -131,17 +132,11 @@ std::optional<P> find_root_zero(const At& at, const P& h, double smallness) {
         for (int i = 1; i <= parts; ++i) {
             const auto value = [&](int k) -> const P& { return values[static_cast<std::size_t>(k)][j]; };
             if (value(i) > value(i - 1) || (i < parts && value(i) > value(i + 1))) continue;
-            P a = h * P(i - 1) / P(parts), b = h * P(std::min(i + 1, parts)) / P(parts);
-            const P golden = (square_root(P(5)) - P(1)) / P(2);
-            P x1 = b - golden * (b - a), x2 = a + golden * (b - a), f1 = at(x1)[j], f2 = at(x2)[j];
-            for (int k = 0; k < 140 && a < x1 && x1 < x2 && x2 < b; ++k) {
-                if (f1 < f2)
-                    b = x2, x2 = x1, f2 = f1, x1 = b - golden * (b - a), f1 = at(x1)[j];
-                else
-                    a = x1, x1 = x2, f1 = f2, x2 = a + golden * (b - a), f2 = at(x2)[j];
-            }
-            if (!(std::min(f1, f2) <= P(smallness) * largest)) break;
-            const P zero = refine_root_zero([&](const P& time) { return at(time)[j]; }, P((a + b) / P(2)), h);
+            const auto function = [&](const P& time) { return at(time)[j]; };
+            const auto least = golden_section(function, P(h * P(i - 1) / P(parts)),
+                                              P(h * P(std::min(i + 1, parts)) / P(parts)), golden_steps);
+            if (!(least.value <= P(smallness) * largest)) break;
+            const P zero = refine_root_zero(function, least.x, h);
             if (!first || zero < *first) first = zero;
             break;
         }

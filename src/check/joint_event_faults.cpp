@@ -13,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "body/golden_section.h"
 #include "integrators/method.h"
 #include "motion/problem.h"
 #include "text/message.h"
@@ -218,21 +219,10 @@ Explanation explain(const FileComparison& comparison, const SceneFault& fault, d
     for (std::size_t i = 0; i < found.size(); ++i)
         if (found[i] < found[best]) best = i;
     // the effect of a number near the neutral one shows in the neighbours
-    double a = numbers[best > 0 ? best - 1 : 0], b = numbers[std::min(best + 1, numbers.size() - 1)];
-    const double golden = (std::sqrt(5.0) - 1) / 2;
-    double x1 = b - golden * (b - a), x2 = a + golden * (b - a), f1 = at(x1), f2 = at(x2);
-    for (int i = 0; i < golden_sections; ++i) {
-        if (f1 < f2) {
-            b = x2, x2 = x1, f2 = f1;
-            x1 = b - golden * (b - a), f1 = at(x1);
-        } else {
-            a = x1, x1 = x2, f1 = f2;
-            x2 = a + golden * (b - a), f2 = at(x2);
-        }
-    }
+    const double a = numbers[best > 0 ? best - 1 : 0], b = numbers[std::min(best + 1, numbers.size() - 1)];
+    const auto refined = golden_section(at, a, b, golden_sections);
     Explanation fitted{&fault, numbers[best], found[best]};
-    if (f1 < fitted.difference) fitted.number = x1, fitted.difference = f1;
-    if (f2 < fitted.difference) fitted.number = x2, fitted.difference = f2;
+    if (refined.value < fitted.difference) fitted.number = refined.x, fitted.difference = refined.value;
     return fitted;
 }
 

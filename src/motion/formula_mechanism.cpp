@@ -9,10 +9,8 @@
 namespace polhode {
 
 FormulaMechanismModel::FormulaMechanismModel(std::shared_ptr<const Scene> scene)
-    : scene_(std::move(scene)),
-      exact_(std::make_shared<const FormulaTree<Wide>>(*scene_, compile_formulas(*scene_, scene_->name),
-                                                       bodies_mass_properties<Wide>(*scene_))),
-      form_(*exact_) {
+    : FormulaModelBase(scene, FormulaTree<Wide>(*scene, compile_formulas(*scene, scene->name),
+                                                bodies_mass_properties<Wide>(*scene))) {
     FormulaMechanismModel model(*this);
     std::vector<double> y(static_cast<std::size_t>(dimension()));
     initial(y.data());
@@ -35,13 +33,6 @@ template void FormulaMechanismModel::derivative(const Traced<long double>*, Trac
 
 std::vector<Sample> FormulaMechanismModel::motion(const double* y) const {
     return samples_of_bodies(0, tree().motions(y));
-}
-
-void FormulaMechanismModel::enter(double t, double* y) {
-    FormulaTree<Wide> exact = *exact_;
-    exact.enter_loads(*scene_, t);
-    form_ = FormulaTree<double>(exact);
-    form_.apply_event(*scene_, t, y);
 }
 
 double FormulaMechanismModel::kinetic_energy(const Bodies& bodies) const {

@@ -22,9 +22,7 @@ constexpr long formula_scout_steps = 20000;
 }  // namespace
 
 FormulaModel::FormulaModel(std::shared_ptr<const Scene> scene)
-    : scene_(std::move(scene)),
-      exact_(std::make_shared<const FormulaBody<Wide>>(exact_formula_body<Wide>(*scene_))),
-      body_(*exact_) {
+    : FormulaModelBase(scene, exact_formula_body<Wide>(*scene)) {
     scout();
 }
 
@@ -32,20 +30,13 @@ std::vector<Sample> FormulaModel::motion(const double* y) const {
     Sample sample;
     sample.q = FormulaBody<double>::attitude(y);
     sample.angular_velocity_B = FormulaBody<double>::angular_velocity(y);
-    body_.center(y, sample.position_W, sample.velocity_W);
+    form_.center(y, sample.position_W, sample.velocity_W);
     return {sample};
-}
-
-void FormulaModel::enter(double t, double* y) {
-    FormulaBody<Wide> exact = *exact_;
-    exact.enter_loads(*scene_, t);
-    body_ = FormulaBody<double>(exact);
-    body_.apply_event(*scene_, t, y);
 }
 
 double FormulaModel::kinetic_energy(const Bodies& bodies) const {
     const Sample& sample = bodies[0];
-    const ExactBody<double>& b = body_.body();
+    const ExactBody<double>& b = form_.body();
     const Vector3<double>& w = sample.angular_velocity_B;
     double energy = dot(w, b.inertia_B * w) / 2;
     if (!b.pivoted) energy += b.mass * dot(sample.velocity_W, sample.velocity_W) / 2;
@@ -72,7 +63,7 @@ void FormulaModel::scout() {
         for (std::size_t i = 0; i < n; ++i) raise(sizes[i], std::abs(at[i]));
     };
     const auto scale_of = [&](std::size_t i) {
-        const std::size_t time = static_cast<std::size_t>(body_.time_index());
+        const std::size_t time = static_cast<std::size_t>(form_.time_index());
         if (i < 3) return largest.angular_velocity;
         if (i < 7) return 1.0;
         if (i == time) return scene_->duration;
@@ -99,7 +90,7 @@ void FormulaModel::scout() {
     bool going = true;
     for (const Leg& leg : itinerary(*scene_)) {
         model.enter(leg.begin, y.data());
-        has_switches_ = has_switches_ || model.body_.terms().has_switches();
+        has_switches_ = has_switches_ || model.form_.terms().has_switches();
         include(y);
         going = going && scout_leg(leg, y, steps, formula_scout_steps, rate, change_of, on_step);
     }
@@ -108,7 +99,7 @@ void FormulaModel::scout() {
     if (largest.velocity == 0) largest.velocity = largest.position / scene_->duration;
     for (std::size_t i = 0; i < n; ++i) scales_.push_back(scale_of(i) > 0 ? scale_of(i) : 1);
     body_scales_ = largest;
-    const ExactBody<double>& b = body_.body();
+    const ExactBody<double>& b = form_.body();
     if (most_energy == 0)
         for (int i = 0; i < 3; ++i)
             most_energy += b.inertia_B[i][i] * largest.angular_velocity * largest.angular_velocity / 2;

@@ -10,59 +10,27 @@
 
 #include "motion/formula_body.h"
 #include "motion/formula_mechanism.h"
+#include "motion/formula_model_base.h"
 #include "motion/problem.h"
 #include "motion/user_system.h"
 
 namespace polhode {
 
-/// One body with formula loads as a model (motion/user_system.h): its equations in binary64, each constant rounded once
-/// from 113 bits.
-class FormulaModel {
+/// One body with formula loads as a model (motion/user_system.h).
+class FormulaModel : public FormulaModelBase<FormulaBody> {
   public:
     /// From a valid scene of one body. Throws InputError at a fault in a formula.
     explicit FormulaModel(std::shared_ptr<const Scene> scene);
 
-    int dimension() const { return body_.dimension(); }
-    void initial(double* y) const { body_.initial(y); }
     template <class S>
     void derivative(const S* y, S* dy) const {
-        body_.derivative(y, dy);
+        form_.derivative(y, dy);
     }
-    std::vector<double> scales() const { return scales_; }
     std::vector<Sample> motion(const double* y) const;
-    void enter(double t, double* y);
-    /// Whether there are auxiliary variables. They are read by recorded equations only. refresh() sets them to their
-    /// values.
-    bool has_auxiliaries() const { return body_.terms().auxiliaries() > 0; }
-    void refresh(double* y) const { body_.refresh(y); }
-    /// Whether the equations switch at any time of the run.
-    bool has_switches() const { return has_switches_; }
-    /// Switches on which the equations depend now.
-    std::vector<SwitchOf<double>> switching_points() const { return body_.switching_points(); }
-    std::string cross_switch(std::size_t which, double* y) {
-        return body_.cross_switch(body_.terms().active_switches().at(which), y);
-    }
-    /// Arguments of the square roots that depend on time or state.
-    std::vector<double> root_arguments(const double* y) const {
-        return body_.terms().root_arguments(body_.formula_state(y));
-    }
-    bool has_roots() const { return body_.terms().has_roots(); }
     double kinetic_energy(const Bodies& bodies) const;
-    /// 10^6 times the largest kinetic energy of a coarse run, J.
-    double energy_bound() const { return energy_bound_; }
-    /// Estimates of the largest |w|, |p| and |v|.
-    const Scales& body_scales() const { return body_scales_; }
-    const FormulaBody<double>& body() const { return body_; }
+    const FormulaBody<double>& body() const { return form_; }
 
   private:
-    std::shared_ptr<const Scene> scene_;
-    std::shared_ptr<const FormulaBody<Wide>> exact_;
-    FormulaBody<double> body_;
-    std::vector<double> scales_;
-    double energy_bound_ = 0;
-    bool has_switches_ = false;
-    Scales body_scales_;
-
     void scout();
 };
 

@@ -27,6 +27,7 @@ class OdeintState {
   public:
     static constexpr std::size_t dimension = static_cast<std::size_t>(SystemType::dimension);
     using Scalar = typename SystemType::Scalar;
+    using Method = Scheme;
 
     explicit OdeintState(const Problem& problem) : problem_(&problem), system_(problem) { restart(); }
     void restart() {
@@ -80,9 +81,15 @@ class OdeintFixedStepper : public OdeintState<SystemType, Scheme<static_cast<std
   public:
     using Base::Base;
     void step(double t, double h) {
-        this->scheme_.do_step(OdeintRightHandSide<SystemType>{&this->system_, &this->evaluations_}, this->y_, Scalar(t),
-                              Scalar(h));
+        do_step(this->scheme_, {&this->system_, &this->evaluations_}, this->y_, Scalar(t), Scalar(h));
         this->project();
+    }
+
+  private:
+    // a function of its own: inlined into the loop over steps, GCC spills the stages
+    [[gnu::noinline]] static void do_step(typename Base::Method& scheme, OdeintRightHandSide<SystemType> f,
+                                          OdeintArray<Base::dimension, Scalar>& y, Scalar t, Scalar h) {
+        scheme.do_step(f, y, t, h);
     }
 };
 

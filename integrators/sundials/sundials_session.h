@@ -105,7 +105,7 @@ class SundialsSession {
     // A rate that is not finite ends the run; otherwise the solver would try ever smaller steps up to its limit. The
     // return value -1 requests this, but the nonlinear solvers of SUNDIALS 6.4 treat it as a convergence failure and
     // retry. Therefore all calls after the first -1 also return -1.
-    static int right_hand_side(double t, N_Vector y, N_Vector rate, void* session) {
+    [[gnu::flatten]] static int right_hand_side(double t, N_Vector y, N_Vector rate, void* session) {
         SundialsSession* self = static_cast<SundialsSession*>(session);
         if (self->not_finite_at_ || self->exception_) return -1;
         double* dy = Vector::data(rate);

@@ -22,12 +22,12 @@ Quaternion<S> quaternion_at(const S* y, int i) {
 }
 /// Writes a vector to y[i], y[i + 1], y[i + 2].
 template <class S>
-void put(S* y, int i, const Vector3<S>& v) {
+[[gnu::always_inline]] inline void put(S* y, int i, const Vector3<S>& v) {
     y[i] = v[0], y[i + 1] = v[1], y[i + 2] = v[2];
 }
 /// Writes a quaternion (w, x, y, z) to y[i] .. y[i + 3].
 template <class S>
-void put(S* y, int i, const Quaternion<S>& q) {
+[[gnu::always_inline]] inline void put(S* y, int i, const Quaternion<S>& q) {
     y[i] = q.w, y[i + 1] = q.x, y[i + 2] = q.y, y[i + 3] = q.z;
 }
 

@@ -134,7 +134,8 @@ Vector3<Product<P, S>> torque(const Forcing<P>& f, double t, const Vector3<S>& w
 
 /// dq/dt = 1/2 q (0, w); `half` is one half in the scalar of the parameters.
 template <class S, class P>
-Quaternion<Product<P, S>> attitude_rate(const P& half, const Quaternion<S>& q, const Vector3<S>& w) {
+[[gnu::always_inline]] inline Quaternion<Product<P, S>> attitude_rate(const P& half, const Quaternion<S>& q,
+                                                                      const Vector3<S>& w) {
     const Vector3<Product<P, S>> h = half * w;
     return {-q.x * h[0] - q.y * h[1] - q.z * h[2], q.w * h[0] + q.y * h[2] - q.z * h[1],
             q.w * h[1] + q.z * h[0] - q.x * h[2], q.w * h[2] + q.x * h[1] - q.y * h[0]};

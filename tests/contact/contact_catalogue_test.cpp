@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <variant>
@@ -124,8 +125,8 @@ TEST(ContactCatalogue, BallInAGutterStartsToRollOnBothSides) {
     expect_equal(truth.columns[1][velocity], end);
     expect_equal(truth.columns[1][position], rolls * (4 + end) / 2 + (2 - rolls) * end, 1e-16L);
 }
-// Friction over mass is 2 at the floor and 0.375 at the wall. A slip changes by 7/2 of the friction at its contact and by the
-// other friction; the floor, where the ball rolls first, transmits 2/7 of the friction at the wall.
+// Friction over mass is 2 at the floor and 0.375 at the wall. A slip changes by 7/2 of the friction at its contact and
+// by the other friction; the floor, where the ball rolls first, transmits 2/7 of the friction at the wall.
 TEST(ContactCatalogue, BallStartsToRollAtTheFloorAndAtTheWall) {
     const DecimalReference truth = reference_of("ball_and_wall");
     const long double first = 4 / (7 + 0.375L),
@@ -175,6 +176,66 @@ TEST(ContactCatalogue, SuperballReturnsFromTheTable) {
     }
     expect_equal(truth.columns[1][velocity], v);
     expect_equal(truth.columns[1][spin + 1], w, 1e-15L);
+}
+
+// The last row of each body.
+const DecimalColumns& end_of(const DecimalReference& truth, std::size_t bodies, std::size_t body) {
+    return truth.columns[truth.columns.size() - bodies + body];
+}
+const DecimalContactEvent& first_impact_of(const DecimalReference& truth) {
+    return *std::find_if(truth.contact_events.begin(), truth.contact_events.end(),
+                         [](const DecimalContactEvent& event) { return event.event == "impact"; });
+}
+
+// Rolling with 5/7 of the first speed, a half-ball hit leaves the cue ball its component along the tangent and its
+// rotation. Alciatore's TP 3.3: tan = sin a cos a / (sin^2 a + 2/5) for a = 30 degrees.
+TEST(ContactCatalogue, CueBallRollsAtTheNaturalAngle) {
+    const DecimalReference truth = reference_of("billiard_natural_angle");
+    EXPECT_EQ(events_of(truth), "rolls impact slides slides rolls rolls ");
+    const long double v = 1.5L * 5 / 7, sine = 0.5L, cosine = std::sqrt(0.75L);
+    const auto &cue = end_of(truth, 2, 0), &object = end_of(truth, 2, 1);
+    expect_equal(cue[velocity], v * (5 * sine * sine + 2) / 7);
+    expect_equal(cue[velocity + 1], -v * 5 * sine * cosine / 7);
+    expect_equal(object[velocity], v * cosine * 5 / 7 * cosine);
+    expect_equal(object[velocity + 1], v * cosine * 5 / 7 * sine);
+}
+
+// The cue ball slides up to the impact; the slip at the impact does not end, so friction is mu times the normal
+// impulse.
+TEST(ContactCatalogue, ObjectBallIsThrown) {
+    const Scene scene = find_scene("contact/billiard_throw");
+    const DecimalReference truth = reference_of("billiard_throw");
+    const long double r = 0.028575, e = 0.95, mu = 0.06, cloth = 0.2, g = 9.8, m = 0.17;
+    const long double cosine = std::sqrt(0.75L), v = std::sqrt(4 - 2 * cloth * g * (0.0625L - 2 * r * cosine));
+    const DecimalContactEvent& hit = first_impact_of(truth);
+    expect_equal(hit.normal_impulse, (1 + e) / 2 * m * v * cosine);
+    long double square = 0;
+    for (const std::string& component : hit.tangential_impulse) square += number(component) * number(component);
+    EXPECT_NEAR(double(std::sqrt(square) / (mu * number(hit.normal_impulse))), 1, 1e-15);
+}
+
+// The speed is multiplied by (1 + e)/2 at each of the first four impacts.
+TEST(ContactCatalogue, CradlePassesMomentumThroughItsGaps) {
+    const DecimalReference truth = reference_of("newtons_cradle");
+    const long double e = 0.95, passed = (1 + e) / 2;
+    long double impulse = 0.125L;
+    ASSERT_GE(truth.contact_events.size(), 4u);
+    for (std::size_t k = 0; k < 4; ++k) expect_equal(truth.contact_events[k].normal_impulse, impulse *= passed);
+    long double momentum = 0;
+    for (std::size_t body = 0; body < 5; ++body) momentum += 0.125L * number(end_of(truth, 5, body)[velocity]);
+    EXPECT_NEAR(double(momentum), 0.125, 1e-17);
+}
+
+// Harter 1971: the large ball returns with the speed v of the fall, and both balls meet at 2 v.
+TEST(ContactCatalogue, LowerBallThrowsTheUpperOne) {
+    const DecimalReference truth = reference_of("stacked_ball_drop");
+    const long double g = 9.8, large = 0.9, small = 0.1, v = std::sqrt(2 * g);
+    ASSERT_EQ(events_of(truth), "impact impact impact impact ");
+    expect_equal(truth.contact_events[0].normal_impulse, 2 * large * v, 2e-17L);
+    const long double meets = number(truth.contact_events[1].t);
+    const long double impulse = 2 * (large * small / (large + small)) * 2 * v;
+    expect_equal(truth.contact_events[1].normal_impulse, impulse, 2e-17L);
+    expect_equal(end_of(truth, 2, 1)[velocity + 2], -g * meets + impulse / small - g * (2 - meets), 1e-15L);
 }
 
 // Up with -(g sin a + mu g cos a) = 10 m/s^2, down with 2 m/s^2.

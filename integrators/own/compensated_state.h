@@ -8,6 +8,7 @@
 
 #include "integrators/lanes/rotation_lanes.h"
 #include "integrators/run/march.h"
+#include "integrators/run/march_controlled.h"
 #include "motion/numbers.h"
 
 namespace polhode {
@@ -57,6 +58,12 @@ class GeneralState {
         if (project_step(system_, y_.data())) clear_rounding_error();
     }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
+    std::vector<double> switch_values() const requires SwitchingSystem<SystemType> {
+        return system_.switch_values(y_.data());
+    }
+    std::string cross_switch(std::size_t which) requires SwitchingSystem<SystemType> {
+        return system_.cross_switch(which, y_.data());
+    }
 
   protected:
     /// next = y + lost + large + small, component i.
@@ -72,6 +79,13 @@ class GeneralState {
     SystemType system_;
     Y scales_{system_.size()}, squared_scale_ = scales_, y_ = scales_, lost_ = scales_, next_ = scales_,
                                next_lost_ = scales_;
+};
+
+/// A state whose right-hand side switches; see march_controlled().
+template <class State>
+concept SwitchingState = requires(State s, std::size_t which) {
+    s.switch_values();
+    s.cross_switch(which);
 };
 
 /// The compensated state in registers, for rotations whose torques have coefficients.

@@ -10,6 +10,7 @@
 #include "integrators/run/amplification.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
+#include "motion/formula_model.h"
 
 namespace polhode {
 namespace {
@@ -157,6 +158,8 @@ class ControlledDop853 {
         t += tried;
         return Attempt::accepted;
     }
+    std::vector<double> switch_values() const requires SwitchingState<State> { return state_.switch_values(); }
+    std::string cross_switch(std::size_t which) requires SwitchingState<State> { return state_.cross_switch(which); }
     auto sample(double t) const { return state_.sample(t); }
     auto sample_inside(double t) {
         if (!has_interpolant_) {
@@ -181,6 +184,8 @@ Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
     if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
     const double aim = local_tolerance(tolerance);
+    if (has_formula_loads(problem.scene) && has_switches(problem))
+        return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SwitchedSystem>>(problem, aim));
     return with_system(problem, [&]<class SystemType>() {
         if constexpr (is_rotation<SystemType>)
             if (RotationLanes<SystemType>::supports(problem))

@@ -253,6 +253,10 @@ class ControlledExtrapolation {
         t += tried;
         return Attempt::accepted;
     }
+    std::vector<double> switch_values() const requires SwitchingState<Columns> { return columns_.switch_values(); }
+    std::string cross_switch(std::size_t which) requires SwitchingState<Columns> {
+        return columns_.cross_switch(which);
+    }
     auto sample(double t) const { return columns_.sample(t); }
     long rhs_evaluations() const { return evaluations_; }
 
@@ -270,7 +274,7 @@ Trajectory solve_extrapolation(const Problem& problem, const Settings& settings)
         // recorded equations do not switch
         if (has_switches(problem))
             return march_controlled(problem, settings,
-                                    ControlledExtrapolation<GeneralColumns<FormulaSystem>>(problem, tolerance));
+                                    ControlledExtrapolation<GeneralColumns<SwitchedSystem>>(problem, tolerance));
         return march_controlled(problem, settings,
                                 ControlledExtrapolation<RecordedColumns<FormulaSystem>>(problem, tolerance));
     }

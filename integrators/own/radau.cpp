@@ -19,6 +19,7 @@
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/refusals.h"
 #include "integrators/run/tolerance.h"
+#include "motion/formula_model.h"
 #include "motion/jacobian.h"
 #include "motion/numbers.h"
 
@@ -31,8 +32,8 @@ template <class SystemType>
 struct LinearSystems {
     using Type = FourSystems<SystemType::dimension, SystemType::rates>;
 };
-template <>
-struct LinearSystems<ErasedSystem> {
+template <class SystemType>
+requires(SystemType::dimension == run_time) struct LinearSystems<SystemType> {
     using Type = DenseSystems;
 };
 
@@ -66,8 +67,10 @@ template <class SystemType>
                                                        int) {
     system.derivative(t, y, dy);
 }
-[[gnu::noinline]] inline void compute_stage_rates(const ErasedSystem& system, double t, const Stages* y, Stages* dy,
-                                                  int stages) {
+template <class SystemType>
+requires(SystemType::dimension == run_time)
+    [[gnu::noinline]] void compute_stage_rates(const SystemType& system, double t, const Stages* y, Stages* dy,
+                                               int stages) {
     Numbers<run_time> at(system.size()), rate(system.size());
     for (int j = 0; j < stages; ++j) {
         for (int n = 0; n < system.size(); ++n) at[n] = y[n].lane[j];
@@ -369,6 +372,13 @@ class ControlledRadau : public Radau<SystemType> {
         Base::enter(segment);
         reset_control();
     }
+    std::vector<double> switch_values() const requires SwitchingSystem<SystemType> {
+        return system_.switch_values(y_.data());
+    }
+    std::string cross_switch(std::size_t which) requires SwitchingSystem<SystemType> {
+        reset_control();
+        return system_.cross_switch(which, y_.data());
+    }
     long newton_failures() const { return newton_failures_; }
 
     /// First step size, from the time scale |y'| / |y''| of the initial motion.
@@ -473,6 +483,9 @@ class ControlledRadau : public Radau<SystemType> {
 
 Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages) {
     if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
+    if (!settings.step && has_formula_loads(problem.scene) && has_switches(problem))
+        return march_controlled(problem, settings,
+                                ControlledRadau<SwitchedSystem>(problem, local_tolerance(*settings.tolerance), stages));
     return with_system(problem, [&]<class SystemType>() {
         if (settings.step) return march<FixedRadau<SystemType>>(problem, settings, stages);
         return march_controlled(problem, settings,

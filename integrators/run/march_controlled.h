@@ -1,10 +1,14 @@
 // Driver of steppers that choose their own steps by a tolerance. Samples lie inside steps and do not cut them.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "integrators/run/watch.h"
 
@@ -23,6 +27,14 @@ concept ControlledStepper = std::copyable<S> && requires(S s, const S c, const S
     { s.attempt(t, h) } -> std::same_as<Attempt>;
     { c.sample(t) } -> std::convertible_to<Bodies>;
     { c.rhs_evaluations() } -> std::same_as<long>;
+};
+
+/// A system whose right-hand side switches where one of its switch_values() falls to zero, for the side that
+/// cross_switch() selects.
+template <class SystemType>
+concept SwitchingSystem = requires(SystemType s, double* y, std::size_t which) {
+    { s.switch_values(y) } -> std::same_as<std::vector<double>>;
+    { s.cross_switch(which, y) } -> std::same_as<std::string>;
 };
 
 /// One run of march_controlled(): the stepper, its time and next step size, and the samples still to come.
@@ -49,12 +61,22 @@ class ControlledRun {
         if (!settings_.record && trajectory_.status == Status::ok)
             watch_.record(stepper_.sample(problem_.scene.duration));
         trajectory_.sample_evaluations = sample_evaluations();
-        trajectory_.rhs_evaluations = stepper_.rhs_evaluations() + trajectory_.sample_evaluations;
+        trajectory_.rhs_evaluations = stepper_.rhs_evaluations() + trajectory_.sample_evaluations + search_evaluations_;
     }
 
   private:
     static constexpr int attempts_per_step = 1000;
     static constexpr bool has_dense_output = requires(S s, double t) { s.sample_inside(t); };
+    static constexpr bool locates_switches = requires(S s, std::size_t which) {
+        s.switch_values();
+        s.cross_switch(which);
+    };
+    struct Crossing {
+        double t = std::numeric_limits<double>::infinity();  ///< s; infinite: none
+        std::size_t which = 0;                               ///< index of the switch value
+
+        bool exists() const { return t < std::numeric_limits<double>::infinity(); }
+    };
 
     const Problem& problem_;
     const Settings& settings_;
@@ -64,6 +86,8 @@ class ControlledRun {
     SampleQueue samples_;
     double t_ = 0, h_ = 0;                           // s; h_: the next step
     long rejected_ = 0, evaluations_of_copies_ = 0;  // in this repetition
+    long search_evaluations_ = 0;                    // of steps that were repeated to locate switches
+    long crossings_ = 0;
 
     static long sample_evaluations_of(const S& s) {
         if constexpr (requires { s.sample_evaluations(); }) return s.sample_evaluations();
@@ -74,7 +98,7 @@ class ControlledRun {
     // One repetition; returns false if the run has ended.
     bool run_once(bool recording) {
         stepper_.restart();
-        rejected_ = evaluations_of_copies_ = 0;
+        rejected_ = evaluations_of_copies_ = search_evaluations_ = crossings_ = 0;
         watch_.restart();
         samples_ = recording ? sample_queue(problem_, settings_) : SampleQueue();
         t_ = 0, h_ = 0;
@@ -90,24 +114,93 @@ class ControlledRun {
 
     // Steps to the end of the segment; returns false if the run has ended.
     bool run_segment(const Segment& segment) {
+        Crossing crossing;
         while (t_ < segment.end) {
-            if (!watch_.may_step(stepper_.rhs_evaluations() + sample_evaluations())) return false;
-            const bool needs_copy = !has_dense_output && samples_.front() <= t_ + h_ * 1.0000001;
+            if (!watch_.may_step(evaluations())) return false;
+            const bool needs_copy = locates_switches || (!has_dense_output && samples_.front() <= t_ + h_ * 1.0000001);
             std::optional<S> before;
             if (needs_copy) before = stepper_;
             const double begin = t_, size = h_;
-            if (!advance(stepper_, t_, h_, segment.end)) return false;
-            if (!watch_.makes_progress(t_)) return false;
+            if (!advance(stepper_, t_, h_, std::min(crossing.t, segment.end))) return false;
+            if constexpr (locates_switches) {
+                if (!crossing.exists()) {
+                    if (!find_crossing(*before, begin, size, crossing)) return false;
+                    if (crossing.exists()) {
+                        // repeats the step up to the crossing
+                        search_evaluations_ += evaluations_of(stepper_) - evaluations_of(*before);
+                        stepper_ = *before, t_ = begin, h_ = size;
+                        if (crossing.t > begin) continue;
+                    }
+                }
+            }
+            if (t_ > begin && !watch_.makes_progress(t_)) return false;
             if (!record_samples(segment, before, begin, size)) return false;
             if (!watch_.stays_bounded([&] { return stepper_.sample(t_); })) return false;
+            if constexpr (locates_switches)
+                if (t_ == crossing.t && !cross(crossing)) return false;
         }
+        return true;
+    }
+    static long evaluations_of(const S& s) { return s.rhs_evaluations() + sample_evaluations_of(s); }
+    long evaluations() const { return stepper_.rhs_evaluations() + sample_evaluations() + search_evaluations_; }
+
+    // Finds the first switch value that is negative after a step from `begin`, at whose start the stepper was `before`
+    // with the next step size `size`. Returns false if the run has ended.
+    bool find_crossing(const S& before, double begin, double size, Crossing& first) {
+        const std::vector<double> from = before.switch_values(), to = stepper_.switch_values();
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            if (!(to[i] < 0)) continue;
+            Crossing found{begin, i};
+            // a value that is not positive at the start has been crossed there, up to rounding
+            if (from[i] > 0 && !locate(before, begin, size, from[i], to[i], found)) return false;
+            if (found.t < first.t) first = found;
+        }
+        return true;
+    }
+    // Locates a crossing between found.t and t_, where the switch has the values `positive` and `negative`, by the
+    // Illinois variant of regula falsi (Dowell & Jarratt 1971, BIT 11, 168). Each trial integrates from `before`.
+    bool locate(const S& before, double begin, double size, double positive, double negative, Crossing& found) {
+        constexpr int most_trials = 100;
+        double a = begin, b = t_;
+        int side = 0;
+        for (int i = 0; i < most_trials && b - a > 4e-16 * b; ++i) {
+            double middle = a + (b - a) * (positive / (positive - negative));
+            if (!(middle > a && middle < b)) middle = a + (b - a) / 2;
+            if (!(middle > a && middle < b)) break;
+            S copy = before;
+            for (double t = begin, h = size; t < middle;)
+                if (!advance(copy, t, h, middle)) return false;
+            search_evaluations_ += evaluations_of(copy) - evaluations_of(before);
+            const double value = copy.switch_values()[found.which];
+            if (value > 0) {
+                a = middle, positive = value;
+                if (side > 0) negative /= 2;
+                side = 1;
+            } else {
+                b = middle, negative = value;
+                if (value == 0) break;
+                if (side < 0) positive /= 2;
+                side = -1;
+            }
+        }
+        found.t = b;
+        return true;
+    }
+    // Changes the equations at a crossing. Returns false if the run has ended.
+    bool cross(Crossing& crossing) {
+        constexpr long most_crossings = 100'000;
+        std::string fault = stepper_.cross_switch(crossing.which);
+        if (++crossings_ > most_crossings) fault = "too many switches";
+        if (!fault.empty()) return watch_.fail(Status::failed, fault + ", at " + format_time(t_));
+        crossing = {};
+        h_ = stepper_.first_step(t_);
         return true;
     }
 
     // Advances from t to at most `stop` by one accepted step; returns false if the run has ended.
     bool advance(S& s, double& t, double& h, double stop) {
         for (int i = 0; i < attempts_per_step; ++i) {
-            if (!watch_.may_attempt(s.rhs_evaluations() + sample_evaluations())) return false;
+            if (!watch_.may_attempt(s.rhs_evaluations() + sample_evaluations() + search_evaluations_)) return false;
             const double left = stop - t;
             // a remainder of a few rounding errors is added to the step
             const bool last = h >= left * (1 - 1e-14);
@@ -149,12 +242,11 @@ class ControlledRun {
                 if (!watch_.record(stepper_.sample_inside(at))) return false;
             } else {
                 if (!before) return watch_.fail(Status::failed, "internal error: a sample time was skipped");
-                const auto evaluations = [&] { return before->rhs_evaluations() + sample_evaluations_of(*before); };
-                const long counted = evaluations();
+                const long counted = evaluations_of(*before);
                 while (from < at)
                     if (!advance(*before, from, h, at)) return false;
                 const auto inside = before->sample(at);
-                evaluations_of_copies_ += evaluations() - counted;
+                evaluations_of_copies_ += evaluations_of(*before) - counted;
                 if (!watch_.record(inside)) return false;
             }
         }
@@ -168,6 +260,11 @@ class ControlledRun {
 /// evaluations. Optional members:
 /// - `long sample_evaluations() const`, if samples cost evaluations: their number since restart(), which
 ///   rhs_evaluations() does not include.
+/// - `std::vector<double> switch_values() const` and `std::string cross_switch(std::size_t which)`, if the right-hand
+/// side
+///   switches where one of these values falls to zero: a step in which this happens is repeated up to that time, where
+///   cross_switch() changes the equations. Its result is why the motion cannot go on, or empty. Two crossings of one
+///   switch within a step are not found.
 /// - `long newton_failures() const`, if implicit equations are solved: the number of attempts since restart() that were
 ///   rejected because Newton's iteration did not converge.
 template <ControlledStepper S>

@@ -1,13 +1,87 @@
 // CVODE's variable-order, variable-step linear multistep methods.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "integrators/run/refusals.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/cvode_session.h"
 #include "integrators/sundials/sundials_run.h"
+#include "motion/formula_model.h"
 
 namespace polhode {
 namespace {
 
+/// CVODE for formula loads that switch. A step after which a switch value is negative ends where it falls to zero on
+/// CVODE's interpolating polynomial; the next step restarts there with the equations of the other side.
+class SwitchedCvodeSession : public CvodeSession<SwitchedSystem> {
+    using Base = CvodeSession<SwitchedSystem>;
+
+  public:
+    using Base::Base;
+
+    void restart() {
+        Base::restart();
+        crossing_.reset(), fault_.clear();
+    }
+    int enter(const Segment& segment) {
+        crossing_.reset();
+        return Base::enter(segment);
+    }
+    int step() {
+        if (crossing_ && !cross()) return cannot_continue;
+        const double begin = time();
+        const std::vector<double> from = system_.switch_values(y());
+        const int flag = Base::step();
+        if (flag < 0) return flag;
+        const std::vector<double> to = system_.switch_values(y());
+        std::optional<double> first;
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            if (!(to[i] < 0)) continue;
+            // a value that is not positive at the start has been crossed there, up to rounding
+            const double at = from[i] > 0 ? locate(i, begin) : std::nextafter(begin, time());
+            if (!first || at < *first) first = at, crossing_ = i;
+        }
+        if (first) rewind(*first);
+        return flag;
+    }
+    SolverFailure failure(int flag) {
+        if (flag == cannot_continue) return {Status::failed, fmt::format("{}, at {}", fault_, format_time(time()))};
+        return Base::failure(flag);
+    }
+
+  private:
+    static constexpr int cannot_continue = -1000;  // not a flag of CVODE
+    std::optional<std::size_t> crossing_;          // ended the last step
+    std::string fault_;
+
+    bool cross() {
+        fault_ = system_.cross_switch(*crossing_, y());
+        crossing_.reset();
+        if (fault_.empty() && resume() != CV_SUCCESS) fault_ = "CVODE did not restart after a switch";
+        return fault_.empty();
+    }
+    // the end of the bracket at which the value is not positive, by bisection
+    double locate(std::size_t which, double positive) {
+        double negative = time();
+        for (int i = 0; i < 100; ++i) {
+            const double middle = positive + (negative - positive) / 2;
+            if (!(middle > positive && middle < negative)) break;
+            (system_.switch_values(interpolated_state(middle))[which] > 0 ? positive : negative) = middle;
+        }
+        return negative;
+    }
+};
+
 Trajectory solve_cvode(const Problem& problem, const Settings& settings, Multistep multistep, Iteration iteration) {
+    if (has_formula_loads(problem.scene) && has_switches(problem)) {
+        SwitchedCvodeSession session(problem, multistep, iteration, *settings.tolerance);
+        return run_sundials(problem, settings, session);
+    }
     return with_system(problem, [&]<class SystemType>() {
         CvodeSession<SystemType> session(problem, multistep, iteration, *settings.tolerance);
         return run_sundials(problem, settings, session);

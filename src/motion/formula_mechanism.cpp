@@ -31,6 +31,14 @@ template void FormulaMechanismModel::derivative(const Dual<jacobian_directions>*
 template void FormulaMechanismModel::derivative(const Traced<double>*, Traced<double>*) const;
 template void FormulaMechanismModel::derivative(const Traced<long double>*, Traced<long double>*) const;
 
+template <class S>
+void FormulaMechanismModel::derivative_by_signs(const S* y, S* dy) const {
+    form_.derivative_by(y, dy, true);
+}
+template void FormulaMechanismModel::derivative_by_signs(const double*, double*) const;
+template void FormulaMechanismModel::derivative_by_signs(const Dual<jacobian_directions>*,
+                                                         Dual<jacobian_directions>*) const;
+
 std::vector<Sample> FormulaMechanismModel::motion(const double* y) const {
     return samples_of_bodies(0, tree().motions(y));
 }

@@ -22,6 +22,9 @@ class FormulaMechanismModel : public FormulaModelBase<FormulaTree> {
     /// dy/dt. Instantiated for the scalars of ErasedModel.
     template <class S>
     void derivative(const S* y, S* dy) const;
+    /// dy/dt with the branches of the current signs. Instantiated for double and dual numbers.
+    template <class S>
+    void derivative_by_signs(const S* y, S* dy) const;
     std::vector<Sample> motion(const double* y) const;
     /// Projects y back onto the loop constraints.
     bool projects() const { return tree().has_loops(); }
@@ -35,6 +38,9 @@ extern template void FormulaMechanismModel::derivative(const double*, double*) c
 extern template void FormulaMechanismModel::derivative(const Dual<jacobian_directions>*,
                                                        Dual<jacobian_directions>*) const;
 extern template void FormulaMechanismModel::derivative(const Traced<double>*, Traced<double>*) const;
+extern template void FormulaMechanismModel::derivative_by_signs(const double*, double*) const;
+extern template void FormulaMechanismModel::derivative_by_signs(const Dual<jacobian_directions>*,
+                                                                Dual<jacobian_directions>*) const;
 extern template void FormulaMechanismModel::derivative(const Traced<long double>*, Traced<long double>*) const;
 /// @endcond
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "motion/formula_potential.h"
@@ -143,5 +144,21 @@ bool has_variable_roots(const Problem& problem) {
 
 template double formula_potential(const Scene&, double, const Quaternion<double>&, const Vector3<double>&);
 template Wide formula_potential(const Scene&, double, const Quaternion<Wide>&, const Vector3<Wide>&);
+
+void FormulaSystem::scales(double* scales) const {
+    const std::vector<double> s = std::visit([](const auto& model) { return model.scales(); }, model_);
+    std::copy(s.begin(), s.end(), scales);
+}
+
+std::vector<double> SwitchedSystem::switch_values(const double* y) const {
+    std::vector<double> refreshed(y, y + size()), all;
+    std::visit([&](const auto& model) { model.refresh(refreshed.data()); }, model_);
+    for (const SwitchOf<double>& point : switching_points()) {
+        const double distance = refreshed[static_cast<std::size_t>(point.component)] - point.threshold;
+        const double rounding = 1e-12 * std::max(1.0, std::abs(point.threshold));
+        all.push_back(point.sign == 0 ? rounding - std::abs(distance) : point.sign * distance);
+    }
+    return all;
+}
 
 }  // namespace polhode

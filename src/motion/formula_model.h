@@ -26,6 +26,11 @@ class FormulaModel : public FormulaModelBase<FormulaBody> {
     void derivative(const S* y, S* dy) const {
         form_.derivative(y, dy);
     }
+    /// dy/dt with the branches of the current signs.
+    template <class S>
+    void derivative_by_signs(const S* y, S* dy) const {
+        form_.derivative_by(y, dy, true);
+    }
     std::vector<Sample> motion(const double* y) const;
     double kinetic_energy(const Bodies& bodies) const;
     const FormulaBody<double>& body() const { return form_; }
@@ -105,19 +110,53 @@ class FormulaSystem {
     std::string cross_switch(std::size_t which, double* y) {
         return std::visit([&](auto& model) { return model.cross_switch(which, y); }, model_);
     }
-    void scales(double* scales) const {
-        const std::vector<double> s = std::visit([](const auto& model) { return model.scales(); }, model_);
-        std::copy(s.begin(), s.end(), scales);
-    }
+    void scales(double* scales) const;
 
-  private:
+  protected:
     using Model = std::variant<FormulaModel, FormulaMechanismModel>;
     Model model_;
 
+  private:
     static Model model_of(const Problem& problem) {
         if (is_mechanism(problem.scene)) return formula_mechanism_of(problem);
         return formula_model_of(problem);
     }
 };
+
+/// The System of a problem with formula loads that switch, for methods that locate the switching points in their steps.
+/// The equations remain on the current branches until cross_switch().
+class SwitchedSystem : public FormulaSystem {
+  public:
+    using FormulaSystem::FormulaSystem;
+
+    template <class S>
+    void derivative(double, const S* y, S* dy) const {
+        std::visit([&](const auto& model) { model.derivative_by_signs(y, dy); }, model_);
+    }
+    /// Loop constraints; auxiliary variables are not needed.
+    bool projects() const {
+        return std::visit(
+            [](const auto& model) {
+                if constexpr (requires { model.projects(); }) return model.projects();
+                return false;
+            },
+            model_);
+    }
+    void project(double* y) const {
+        std::visit(
+            [&](const auto& model) {
+                if constexpr (requires { model.project(y); })
+                    if (model.projects()) model.project(y);
+            },
+            model_);
+    }
+    /// By switching point: the distance of its argument from the threshold, negative beyond it. A switch that stays at
+    /// its threshold has a negative value when its argument leaves it, which is a fault of cross_switch().
+    std::vector<double> switch_values(const double* y) const;
+};
+
+inline void jacobian(const SwitchedSystem& system, double t, const double* y, double* J) {
+    jacobian_by_columns<jacobian_directions>(system, t, y, J);
+}
 
 }  // namespace polhode

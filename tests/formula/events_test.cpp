@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "formula/formula_scene.h"
 
@@ -34,6 +36,39 @@ TEST(FormulaEvents, AreLocatedByTheReferenceAndTaylor) {
             EXPECT_NEAR(truth.samples[i].position_W[0].high, zigzag(truth.samples[i].t), 2e-14);
             EXPECT_NEAR(taylor.samples[i].position_W[0], zigzag(truth.samples[i].t), 3e-13);
         }
+    }
+}
+
+// Methods that locate switches in their steps, or on the dense output.
+TEST(FormulaEvents, AreLocatedByMethodsWithAToleranceToo) {
+    const Scene jumps =
+        formula_scene(R"json("loads": [{"type": "force", "frame": "world", "formula": "[-mass*sign(p.x), 0, 0]"}])json",
+                      R"json("position": [1, 0, 0], "angular_velocity": [0, 0, 1])json", 20);
+    // I w' = clamp(-10 w, -1, 1) with I = 0.5: see FollowASaturatedRegulator
+    const Scene saturated = formula_scene(
+        R"json("loads": [{"type": "torque", "frame": "body", "formula": "[0, 0, clamp(-10*w.z, -1, 1)]"}])json",
+        R"json("angular_velocity": [0, 0, 2])json", 2);
+    const Scene slides = formula_scene(
+        R"json("loads": [{"type": "force", "frame": "world", "formula": "[-2*mass*sign(v.x) + 0.1, 0, 0]"}])json",
+        R"json("velocity": [1, 0, 0])json", 2);
+    for (const auto& [name, allowed] : {std::pair{"extrapolation", 1e-8},
+                                        {"dop853", 1e-8},
+                                        {"radau", 1e-8},
+                                        {"cvode_adams", 2e-6},
+                                        {"cvode_bdf", 2e-5}}) {
+        const Trajectory run = solve_with(jumps, name, 1e-10, 40);
+        ASSERT_EQ(run.status, Status::ok) << name << ": " << run.message;
+        for (const Sample& sample : run.samples)
+            EXPECT_NEAR(sample.position_W[0], zigzag(sample.t), allowed) << name << " at " << sample.t;
+        const Trajectory stopped = solve_with(saturated, name, 1e-10, 8);
+        ASSERT_EQ(stopped.status, Status::ok) << name << ": " << stopped.message;
+        for (const Sample& sample : stopped.samples)
+            EXPECT_NEAR(sample.angular_velocity_B[2],
+                        sample.t < 0.95 ? 2 - 2 * sample.t : 0.1 * std::exp(-20 * (sample.t - 0.95)), allowed)
+                << name << " at " << sample.t;
+        const Trajectory chatters = solve_with(slides, name, 1e-10, 2);
+        EXPECT_EQ(chatters.status, Status::failed) << name;
+        EXPECT_NE(chatters.message.find("chattering"), std::string::npos) << name << ": " << chatters.message;
     }
 }
 

@@ -8,8 +8,8 @@
 
 namespace polhode {
 
-/// Parses the three members of the scene at `root`. Throws InputError.
-void parse_formula_members(const JsonNode& root, Scene& scene);
+/// Parses the three members of the scene at `root`. Files of tables are relative to `directory`. Throws InputError.
+void parse_formula_members(const JsonNode& root, const std::string& directory, Scene& scene);
 
 /// The values of the three members as canonical JSON; empty for a member without entries.
 std::string write_parameters(const Scene& scene);

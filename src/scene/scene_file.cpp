@@ -58,7 +58,7 @@ Scene scene(const JsonNode& root, const std::string& directory) {
         if (const JsonNode* pivot = root.find("pivot")) s.pivot = vector3(*pivot);
         if (const JsonNode* start = root.find("initial")) s.initial = parse_initial(*start, s.pivot.has_value());
     }
-    parse_formula_members(root, s);
+    parse_formula_members(root, directory, s);
     if (const JsonNode* loads = root.find("loads"))
         for (const JsonNode* one : loads->elements()) s.loads.push_back(parse_load(*one, s.joints));
     if (const JsonNode* planes = root.find("planes"))

@@ -150,9 +150,13 @@ std::span<const FileKey> scene_keys() {
         {"load point_spring", "until", "number", "s", "end of the run", "2",
          "the load acts until this time, exclusive"},
 
-        {"table", "x", "list of numbers", "", "required", "[0, 0.5, 2]", "points in increasing order"},
-        {"table", "y", "list of numbers", "", "required", "[0, 90, 80]",
+        {"table", "x", "list of numbers", "", "required without file", "[0, 0.5, 2]", "points in increasing order"},
+        {"table", "y", "list of numbers", "", "required without file", "[0, 90, 80]",
          "values at the points; outside their range the table has the value of the nearest end"},
+        {"table", "file", "text", "", "none", "\"thrust.csv\"",
+         "CSV file with the points, relative to the scene's folder; its first line may name the columns"},
+        {"table", "columns", "list of two texts", "", "the first two columns", "[\"t\", \"F\"]",
+         "names of the file's columns of x and y"},
         {"table", "between", "\"linear\" or \"cubic\"", "", "\"linear\"", "\"cubic\"",
          "interpolation: piecewise linear, or cubic with a continuous derivative and monotone between the points"},
 

@@ -70,8 +70,8 @@ class JointDriver {
             t_ = P(leg.begin);
             y_.resize(base_);
             form_.enter(leg.begin, y_.data());
-            if (leg.index == 0) find_limits();
-            collide();
+            if (leg.index == 0) require_independence(), find_limits();
+            if (!fails()) collide();
             if (!fails()) choose_modes();
             for (; !fails() && samples_.due(leg, leg.begin); samples_.pop()) show(y_.data());
             while (!fails() && t_ < P(leg.end)) advance(leg);
@@ -120,8 +120,15 @@ class JointDriver {
         if (run_.fault.empty()) run_.fault = fmt::format("{} at t = {:.10g} s", fault, static_cast<double>(t_));
     }
     const EventJoint<P>& joint(std::size_t e) const { return form_.joints()[e]; }
-    void record(std::size_t e, JointEventKind kind, const P& impulse = P(0)) {
-        run_.events.push_back({t_, joint(e).joint, kind, impulse});
+    // friction: the event names the joint; a limit: the joint that the limit belongs to, and the impulse on its
+    // coordinate
+    void record(std::size_t e, JointEventKind kind) { run_.events.push_back({t_, joint(e).joint, kind, P(0)}); }
+    void record(std::size_t e, AtLimit at, JointEventKind kind, const P& impulse = P(0)) {
+        const CoupledJoint<P>& one = limit(e, at).limited_joint;
+        run_.events.push_back({t_, one.joint, kind, P(impulse / one.ratio)});
+    }
+    const CoordinateLimit<P>& limit(std::size_t e, AtLimit at) const {
+        return at == AtLimit::lower ? joint(e).lower : joint(e).upper;
     }
     P coordinate(std::size_t e) const { return y_[static_cast<std::size_t>(form_.coordinate(e))]; }
 
@@ -135,12 +142,38 @@ class JointDriver {
         }
     }
 
+    // Loops can make the coordinates of several joints depend on each other; the forces that hold them are then not
+    // unique. The pivots of the matrix of responses measure this.
+    void require_independence() {
+        if (scene_->loops.empty()) return;
+        const std::size_t n = states_.size();
+        const std::vector<P> response = form_.response(y_.data());
+        std::vector<P> A = response;
+        for (std::size_t k = 0; k < n; ++k) {
+            const P& diagonal = response[k * n + k];
+            if (!(A[k * n + k] > P(1e-9) * diagonal))
+                return fail(fmt::format("friction or limits of joint {} depend on those of other joints by a loop",
+                                        scene_->joints[joint(k).joint].name));
+            for (std::size_t i = k + 1; i < n; ++i) {
+                const P factor = A[i * n + k] / A[k * n + k];
+                for (std::size_t j = k; j < n; ++j) A[i * n + j] = A[i * n + j] - factor * A[k * n + j];
+            }
+        }
+    }
     // joints that start at a limit up to rounding
     void find_limits() {
         for (std::size_t e = 0; e < states_.size(); ++e) {
             const P x = coordinate(e), small = P(1e-12);
-            if (joint(e).has_lower && x - joint(e).lower <= small) states_[e].at = AtLimit::lower;
-            if (joint(e).has_upper && joint(e).upper - x <= small) states_[e].at = AtLimit::upper;
+            for (const AtLimit at : {AtLimit::lower, AtLimit::upper}) {
+                if (!limit(e, at).exists) continue;
+                const P gap =
+                    at == AtLimit::lower ? P(x - joint(e).lower.coordinate) : P(joint(e).upper.coordinate - x);
+                if (gap <= small) states_[e].at = at;
+                // the scene's check does not know where dependent joints start
+                if (!(gap >= -small))
+                    fail(fmt::format("joint {} is outside of its limits",
+                                     scene_->joints[limit(e, at).limited_joint.joint].name));
+            }
         }
     }
 
@@ -180,7 +213,7 @@ class JointDriver {
         for (std::size_t i = 0; i < n; ++i) {
             const P v = rates[at[i]];
             const bool approaches = separation(at[i], rates) < P(0);
-            a.push_back(approaches ? P((P(1) + joint(at[i]).restitution) * v) : v);
+            a.push_back(approaches ? P((P(1) + limit(at[i], states_[at[i]].at).restitution) * v) : v);
             (states_[at[i]].at == AtLimit::lower ? boxes[i].has_high : boxes[i].has_low) = false;
             for (std::size_t j = 0; j < n; ++j) A[i * n + j] = response[at[i] * all + at[j]];
         }
@@ -190,16 +223,19 @@ class JointDriver {
             const P& impulse = found->forces[i];
             if (impulse == P(0)) continue;
             form_.push(at[i], impulse, y_.data());
-            record(at[i], JointEventKind::impact, impulse);
+            record(at[i], states_[at[i]].at, JointEventKind::impact, impulse);
         }
         const std::vector<P> after = form_.rates(y_.data());
         for (auto event = run_.events.rbegin(); event != run_.events.rend() && event->t == t_; ++event)
             for (const std::size_t e : at)
-                if (joint(e).joint == event->joint && event->kind == JointEventKind::impact &&
+                if (limited_joint(e) == event->joint && event->kind == JointEventKind::impact &&
                     separation(e, after) <= least_rate(e))
                     event->kind = JointEventKind::rests;
         return true;
     }
+
+    // the joint of the limit that a joint is at
+    std::size_t limited_joint(std::size_t e) const { return limit(e, states_[e].at).limited_joint.joint; }
 
     /// Decides which joints at rest are held, and where the others start to move.
     void choose_modes() {
@@ -260,16 +296,24 @@ class JointDriver {
             const std::size_t e = at_rest[i];
             State& state = states_[e];
             const JointMode former = state.mode;
-            const bool has_friction = joint(e).friction > P(0), at_limit = state.at != AtLimit::none;
+            const AtLimit at = state.at;
+            const bool has_friction = joint(e).friction > P(0), at_limit = at != AtLimit::none;
             if (found->sides[i] == BoxSide::within) {
                 state.mode = JointMode::held;
                 if (former != JointMode::held && has_friction && !at_limit) record(e, JointEventKind::sticks);
                 continue;
             }
             start_moving(e, found->sides[i] == BoxSide::low, 1);
-            if (former == JointMode::held) record(e, at_limit ? JointEventKind::leaves : JointEventKind::slips);
+            if (former == JointMode::held) record_start(e, at);
         }
         return true;
+    }
+    // a held joint starts to move
+    void record_start(std::size_t e, AtLimit at) {
+        if (at != AtLimit::none)
+            record(e, at, JointEventKind::leaves);
+        else
+            record(e, JointEventKind::slips);
     }
     /// `zeros`: order of the zero of the rate.
     void start_moving(std::size_t e, bool forward, std::size_t zeros) {
@@ -333,6 +377,7 @@ class JointDriver {
             show(at_sample.data());
         }
         series_->evaluate(h, y_.data());
+        if constexpr (requires { form_.project(y_.data()); }) form_.project(y_.data());
         t_ = reached;
         if (h > P(0))
             for (State& state : states_) state.limit_zeros = state.rate_zeros = 0;
@@ -357,7 +402,7 @@ class JointDriver {
                 return choose_modes();
             case Cause::low_force:
             case Cause::high_force: {
-                record(e, state.at != AtLimit::none ? JointEventKind::leaves : JointEventKind::slips);
+                record_start(e, state.at);
                 start_moving(e, found.cause == Cause::low_force, 2);
                 return select();
             }
@@ -369,8 +414,8 @@ class JointDriver {
     void record_rest(std::size_t e) {
         if (states_[e].mode != JointMode::held) return;
         for (auto event = run_.events.rbegin(); event != run_.events.rend() && event->t == t_; ++event)
-            if (event->joint == joint(e).joint && event->kind == JointEventKind::rests) return;
-        record(e, JointEventKind::rests);
+            if (event->joint == limited_joint(e) && event->kind == JointEventKind::rests) return;
+        record(e, states_[e].at, JointEventKind::rests);
     }
 
     /// The first event in a step of length h. Rates that fall to the error of the steps count as zero.
@@ -402,15 +447,15 @@ class JointDriver {
             for (int k = 0; k <= order; ++k) x.push_back(P(series_->coefficient(place, k)));
             for (int k = 0; k < order; ++k) rate.push_back(P(k + 1) * x[static_cast<std::size_t>(k) + 1]);
             state.largest_rate = std::max(state.largest_rate, std::abs(static_cast<double>(rate[0])));
-            if (joint(e).has_lower) {
+            if (joint(e).lower.exists) {
                 std::vector<P> gap = x;
-                gap[0] = gap[0] - joint(e).lower;
+                gap[0] = gap[0] - joint(e).lower.coordinate;
                 look(e, Cause::lower_limit, gap, state.left == AtLimit::lower ? state.limit_zeros : 0, 0);
             }
-            if (joint(e).has_upper) {
+            if (joint(e).upper.exists) {
                 std::vector<P> gap = x;
                 for (P& c : gap) c = -c;
-                gap[0] = gap[0] + joint(e).upper;
+                gap[0] = gap[0] + joint(e).upper.coordinate;
                 look(e, Cause::upper_limit, gap, state.left == AtLimit::upper ? state.limit_zeros : 0, 0);
             }
             if (state.mode == JointMode::free) continue;

@@ -8,33 +8,29 @@
 
 #include "body/body_motion.h"
 #include "motion/trajectory.h"
+#include "scene/coupled_joints.h"
 #include "scene/scene.h"
 
 namespace polhode::contact {
 
-/// A joint of one coordinate with friction or limits.
+/// A joint of one coordinate with friction or limits. Joints that are coupled with it move with it: their friction and
+/// limits are converted to its coordinate.
 template <class P>
-struct EventJoint {
+struct EventJoint : CoupledLaws<P> {
     std::size_t joint = 0;  ///< index in scene.joints
-    P friction{0};          ///< N m or N
-    bool has_lower = false, has_upper = false;
-    P lower{0}, upper{0};  ///< rad or m
-    P restitution{0};
 };
 
-/// The joints of a scene with friction or limits.
+/// The joints of a scene with friction or limits; of coupled joints, only the first.
 template <class P>
 std::vector<EventJoint<P>> event_joints(const Scene& scene) {
     std::vector<EventJoint<P>> all;
+    std::vector<char> is_known(scene.joints.size(), 0);
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
         const Joint& joint = scene.joints[j];
-        const JointLimits &limits = joint.limits, none;
-        if (joint.friction == 0 && !limits.any()) continue;
-        EventJoint<P> one{j,    P(joint.friction),    limits.lower > none.lower, limits.upper < none.upper, P(0),
-                          P(0), P(limits.restitution)};
-        if (one.has_lower) one.lower = P(limits.lower);
-        if (one.has_upper) one.upper = P(limits.upper);
-        all.push_back(one);
+        if (is_known[j] || (joint.friction == 0 && !joint.limits.any())) continue;
+        const std::vector<CoupledJoint<P>> group = coupled_joints<P>(scene, j);
+        for (const CoupledJoint<P>& one : group) is_known[one.joint] = 1;
+        all.push_back({coupled_laws(scene, group), j});
     }
     return all;
 }

@@ -9,12 +9,13 @@
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/joint_events.h"
 #include "integrators/contact/prescribed_motions.h"
-#include "integrators/contact/small_system.h"
 #include "motion/mechanism_motion_of.h"
 #include "motion/tree.h"
 
@@ -34,25 +35,25 @@ class JointTreeForm {
         for (const EventJoint<P>& one : joints_) links_.push_back(tree_.links().link_of_joint[one.joint]);
         for (std::size_t k = 0; k < motions_.size(); ++k)
             driven_.push_back(tree_.links().link_of_joint[motions_.joint(k)]);
+        if (driven_.empty()) return;
+        std::vector<typename Tree<P>::Start> starts;
+        const auto states = motions_.states(P(0));
+        for (std::size_t k = 0; k < driven_.size(); ++k)
+            starts.push_back({driven_[k], states[k].coordinate, states[k].rate});
+        tree_.restart(starts);
     }
 
     const std::vector<EventJoint<P>>& joints() const { return joints_; }
     std::vector<P> initial() const {
         std::vector<P> y(static_cast<std::size_t>(tree_.dimension()));
         tree_.initial(y.data());
-        if (driven_.empty()) return y;
-        const auto states = motions_.states(P(0));
-        for (std::size_t k = 0; k < driven_.size(); ++k) {
-            const Link<P>& one = tree_.links().links[static_cast<std::size_t>(driven_[k])];
-            y[static_cast<std::size_t>(one.coordinate)] = states[k].coordinate;
-            y[static_cast<std::size_t>(one.rate)] = states[k].rate;
-        }
-        y.push_back(P(0));
+        if (!driven_.empty()) y.push_back(P(0));
         return y;
     }
     /// Selects the loads from `begin` (s) on and applies the impulses there. All joints are free then.
     void enter(double begin, P* y) {
         begin_ = begin;
+        locked_.clear(), held_ = 0;
         tree_.lock({}, driven_);
         tree_.set_loads(*scene_, begin);
         if (driven_.empty()) {
@@ -71,7 +72,8 @@ class JointTreeForm {
             if (!(forces[e] == P(0))) tree_.add_motor(links_[e], forces[e]);
         std::vector<int> locked;
         for (const std::size_t e : held) locked.push_back(links_[e]);
-        tree_.lock(locked, driven_);
+        locked_ = std::move(locked);
+        tree_.lock(locked_, driven_);
         held_ = held.size();
     }
 
@@ -91,7 +93,9 @@ class JointTreeForm {
             dy[tree_.dimension()] = S(P(1));
         }
         const TreeWork<S>& at = tree_.template work<S>();
-        for (std::size_t k = 0; k < held_; ++k) dy[holding_force(k)] = at.multipliers[k];
+        // the multipliers of loops and couplings come first, those of driven joints last
+        const std::size_t first = tree_.independent_loop_rows() - held_ - driven_.size();
+        for (std::size_t k = 0; k < held_; ++k) dy[holding_force(k)] = at.multipliers[first + k];
     }
 
     std::vector<P> rates(const P* y) const {
@@ -100,7 +104,7 @@ class JointTreeForm {
         return all;
     }
     /// The rates of all joints after a unit impulse on each joint, minus those before: row i, joint j.
-    std::vector<P> response(const P* y) const {
+    std::vector<P> response(const P* y) {
         const std::size_t n = links_.size();
         std::vector<P> matrix(n * n);
         for (std::size_t j = 0; j < n; ++j) {
@@ -111,12 +115,19 @@ class JointTreeForm {
         return matrix;
     }
     /// Applies an impulse on a joint's coordinate.
-    void push(std::size_t e, const P& impulse, P* y) const {
+    void push(std::size_t e, const P& impulse, P* y) {
         const std::vector<P> change = unit_response(e, y);
         for (std::size_t k = 0; k < change.size(); ++k) {
             P& rate = y[static_cast<std::size_t>(tree_.links().coordinates) + k];
             rate = rate + impulse * change[k];
         }
+    }
+    /// Moves y back onto the constraints of loops and couplings, from which rounding in binary64 leads away.
+    void project(P* y) requires std::is_same_v<P, double> {
+        if (scene_->loops.empty() && scene_->couplings.empty()) return;
+        tree_.lock({});
+        tree_.project(y);
+        tree_.lock(locked_, driven_);
     }
     /// Sets the rate of a joint that is at rest up to rounding to zero.
     void stop(std::size_t e, P* y) const { y[link(e).rate] = P(0); }
@@ -153,6 +164,7 @@ class JointTreeForm {
     std::vector<EventJoint<P>> joints_;
     PrescribedMotions<P> motions_;
     std::vector<int> links_;   // by event joint
+    std::vector<int> locked_;  // links that are held
     std::vector<int> driven_;  // links with prescribed motions
     double begin_ = 0;
     std::size_t held_ = 0;
@@ -165,26 +177,11 @@ class JointTreeForm {
         for (const S& a : motions_.accelerations(y[n])) longer.push_back(a);
         return longer;
     }
-    // The changes of all rates by a unit impulse on an event joint, at constant rates of the driven links.
-    std::vector<P> unit_response(std::size_t e, const P* y) const {
-        std::vector<P> change = tree_.unit_response(links_[e], y);
-        if (driven_.empty()) return change;
-        const auto rate_of = [&](const std::vector<P>& all, std::size_t k) {
-            const Link<P>& one = tree_.links().links[static_cast<std::size_t>(driven_[k])];
-            return all[static_cast<std::size_t>(one.rate - tree_.links().coordinates)];
-        };
-        const std::size_t n = driven_.size();
-        std::vector<std::vector<P>> by;
-        for (const int driven : driven_) by.push_back(tree_.unit_response(driven, y));
-        std::vector<P> A, x;
-        for (std::size_t i = 0; i < n; ++i) {
-            x.push_back(rate_of(change, i));
-            for (std::size_t j = 0; j < n; ++j) A.push_back(rate_of(by[j], i));
-        }
-        solve_definite(A, x);
-        for (std::size_t j = 0; j < n; ++j)
-            for (std::size_t k = 0; k < change.size(); ++k) change[k] = change[k] - x[j] * by[j][k];
-        return change;
+    // The changes of all rates by a unit impulse on an event joint, at constant rates of the driven links. Releases the
+    // held joints; the driver selects a mode afterwards.
+    std::vector<P> unit_response(std::size_t e, const P* y) {
+        tree_.lock({}, driven_);
+        return tree_.unit_response(links_[e], driven_.empty() ? y : with_accelerations(y).data());
     }
     const Link<P>& link(std::size_t e) const { return tree_.links().links[static_cast<std::size_t>(links_[e])]; }
 };

@@ -72,7 +72,7 @@ class JointMaximalForm {
         for (std::size_t e = 0; e < joints_.size(); ++e)
             dy[coordinate(e)] = system_->view(system_->mechanism().links[joints_[e].joint], at).rates()[0];
         for (std::size_t k = 0; k < held_; ++k) {
-            const int row = system_->dynamics().first_row(scene_->joints.size() + k);
+            const int row = system_->dynamics().first_row(first_lock() + k);
             dy[holding_force(k)] = multipliers[static_cast<std::size_t>(row)];
         }
     }
@@ -164,6 +164,10 @@ class JointMaximalForm {
         apply(rest.data());
         for_momenta([&](int i) { y[i] = y[i] + rest[static_cast<std::size_t>(i)]; });
     }
+    // Index of the first locked joint among the links: joints, loops and the two coordinates of each coupling precede.
+    std::size_t first_lock() const {
+        return scene_->joints.size() + scene_->loops.size() + 2 * scene_->couplings.size();
+    }
     // Index of the time in the state, if motions are prescribed.
     int time() const { return free_.dimension() + static_cast<int>(joints_.size()); }
     // System::rates() with the accelerations of driven joints in place of zero.
@@ -173,7 +177,7 @@ class JointMaximalForm {
         maximal::Rows<S> rows = system_->dynamics().constraints(at);
         const std::vector<S> accelerations = motions_.accelerations(y[time()]);
         for (std::size_t k = 0; k < accelerations.size(); ++k) {
-            maximal::Row<S>& row = rows[scene_->joints.size() + held_ + k].front();
+            maximal::Row<S>& row = rows[first_lock() + held_ + k].front();
             row.bias = row.bias - accelerations[k];
         }
         std::vector<maximal::Wrench<S>> on(at.size());

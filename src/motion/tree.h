@@ -182,14 +182,20 @@ class Tree {
     /// The reactions of the joints, then of the loops, in the scene's order.
     template <class S>
     std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
-    /// Locks the coordinates of these links: their accelerations vanish. Replaces former locks. The tree must have no
-    /// loops and no couplings. The coordinates of the links `driven` have given accelerations: those at the end of the
-    /// argument y of all functions of the state, which is longer by them.
+    /// Locks the coordinates of these links: their accelerations vanish. Replaces former locks. The coordinates of the
+    /// links `driven` have given accelerations: those at the end of the argument y of all functions of the state, which
+    /// is longer by them. The multipliers of the locks follow those of the loops and couplings.
     void lock(const std::vector<int>& links, const std::vector<int>& driven = {});
     /// Adds a generalized force to a link's coordinate until loads are set again.
     void add_motor(int link, const P& force);
-    /// Changes the rates by a generalized impulse of size 1 on a link's coordinate; locked coordinates are free.
+    /// The changes of the rates by a generalized impulse of size 1 on a link's coordinate. Locks and couplings hold.
     std::vector<P> unit_response(int link, const P* y) const;
+    /// Replaces the coordinate and the rate of links of one coordinate at t = 0. Dependent joints then close the loops.
+    struct Start {
+        int link;
+        P coordinate, rate;
+    };
+    void restart(const std::vector<Start>& starts);
     /// Projects y onto the loop constraints by the smallest step in the mass metric, then its rates in the same way.
     void project(P* y) const;
     /// The largest violation of the loop constraints and of their rates at y (m, rad, SI).
@@ -219,13 +225,15 @@ class Tree {
     std::vector<LinkLoop<P>> loops_;
     std::vector<int> loop_of_row_;
     std::size_t all_rows_ = 0;
-    std::vector<int> chosen_;  ///< indices of independent rows
+    std::vector<int> chosen_;                         ///< indices of independent rows
+    std::size_t scene_loops_ = 0, scene_chosen_ = 0;  ///< sizes of loops_ and chosen_ without locks
     std::vector<P> start_;
 
     /// Whether the accelerations need the world poses of the links.
     bool uses_frames() const { return has_loops() || loads_.needs_frames(); }
     void find_loops(const Scene& scene);
     void find_start(const Scene& scene);
+    std::vector<int> dependent_links() const;
     void close_by_dependent(const std::vector<int>& dependent);
     void choose_rows();
     void require_inertia(const Scene& scene) const;
@@ -255,6 +263,7 @@ class Tree {
     void add_generalized_force(int link, const S& size, TreeWork<S>& at) const;
     template <class S>
     void start_response(std::size_t row, TreeWork<S>& at) const;
+    void hold_rows(TreeWork<P>& at, const Pair6<P>* jumps, P* jump) const;
     template <class S>
     void solve_rows(TreeWork<S>& at, std::vector<S>& right) const;
     template <class S>

@@ -73,7 +73,9 @@ Tree<P>::Tree(const Tree<Other>& other)
       loads_(cast<P>(other.loads_)),
       loop_of_row_(other.loop_of_row_),
       all_rows_(other.all_rows_),
-      chosen_(other.chosen_) {
+      chosen_(other.chosen_),
+      scene_loops_(other.scene_loops_),
+      scene_chosen_(other.scene_chosen_) {
     for (const LinkLoop<Other>& loop : other.loops_)
         loops_.push_back({loop.type,
                           cast<P>(loop.first),

@@ -260,17 +260,19 @@ void Tree<P>::solve_rows(TreeWork<S>& at, std::vector<S>& x) const {
 
 template <class P>
 void Tree<P>::lock(const std::vector<int>& links, const std::vector<int>& driven) {
-    loops_.clear(), loop_of_row_.clear(), chosen_.clear();
+    const auto locks = static_cast<std::ptrdiff_t>(loops_.size() - scene_loops_);
+    loop_of_row_.erase(loop_of_row_.end() - locks, loop_of_row_.end());
+    loops_.resize(scene_loops_), chosen_.resize(scene_chosen_);
     const auto add = [&](int link, int drive) {
         LinkLoop<P> own;
         own.couples = true, own.second.link = link, own.drive = drive;
-        chosen_.push_back(static_cast<int>(loops_.size()));
+        chosen_.push_back(static_cast<int>(loop_of_row_.size()));
         loop_of_row_.push_back(static_cast<int>(loops_.size()));
         loops_.push_back(own);
     };
     for (const int link : links) add(link, -1);
     for (std::size_t k = 0; k < driven.size(); ++k) add(driven[k], dimension() + static_cast<int>(k));
-    all_rows_ = loops_.size();
+    all_rows_ = loop_of_row_.size();
 }
 
 template <class P>
@@ -284,14 +286,31 @@ template <class P>
 std::vector<P> Tree<P>::unit_response(int link, const P* y) const {
     TreeWork<P>& at = work<P>();
     move(y, at);
+    if (has_loops()) compute_frames(y, at);
     for (LinkWork<P>& one : at.links) one.force = {};
     articulate(at);
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.wrench[i] = {};
     add_generalized_force(link, P(1), at);
     std::vector<Pair6<P>> accelerations(links_.links.size());
-    std::vector<P> rates(static_cast<std::size_t>(links_.rates));
-    respond(at, accelerations.data(), rates.data());
-    return rates;
+    std::vector<P> jump(static_cast<std::size_t>(links_.rates));
+    respond(at, accelerations.data(), jump.data());
+    hold_rows(at, accelerations.data(), jump.data());
+    return jump;
+}
+
+/// Corrects changes of the motions of links and of rates so that they keep to the rows. Requires articulate() and, with
+/// rows, frames.
+template <class P>
+void Tree<P>::hold_rows(TreeWork<P>& at, const Pair6<P>* jumps, P* jump) const {
+    if (!has_loops()) return;
+    const std::size_t rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
+    find_rows(at), respond_to_rows(at);
+    at.multipliers.resize(rows);
+    for (std::size_t r = 0; r < rows; ++r)
+        at.multipliers[r] = -applied(static_cast<std::size_t>(chosen_[r]), at, jumps, jump);
+    solve_rows(at, at.multipliers);
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t k = 0; k < rates; ++k) jump[k] = jump[k] + at.multipliers[r] * at.rates[r * rates + k];
 }
 
 template <class P>

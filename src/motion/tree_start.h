@@ -20,6 +20,25 @@ Tree<P>::Tree(const Scene& scene, const std::vector<MassProperties<P>>& properti
     : links_(links_of(scene, properties)) {
     find_loops(scene);
     find_start(scene);
+    scene_loops_ = loops_.size(), scene_chosen_ = chosen_.size();
+}
+
+template <class P>
+std::vector<int> Tree<P>::dependent_links() const {
+    std::vector<int> all;
+    for (std::size_t i = 0; i < links_.links.size(); ++i)
+        if (links_.links[i].coordinates() == 1 && links_.links[i].dependent) all.push_back(static_cast<int>(i));
+    return all;
+}
+
+template <class P>
+void Tree<P>::restart(const std::vector<Start>& starts) {
+    for (const Start& one : starts) {
+        const Link<P>& link = links_.links[static_cast<std::size_t>(one.link)];
+        start_[static_cast<std::size_t>(link.coordinate)] = one.coordinate;
+        start_[static_cast<std::size_t>(link.rate)] = one.rate;
+    }
+    if (const std::vector<int> dependent = dependent_links(); !dependent.empty()) close_by_dependent(dependent);
 }
 
 template <class P>
@@ -69,13 +88,12 @@ void Tree<P>::find_loops(const Scene& scene) {
 template <class P>
 void Tree<P>::find_start(const Scene& scene) {
     start_.assign(static_cast<std::size_t>(dimension()), P(0));
-    std::vector<int> dependent;
+    const std::vector<int> dependent = dependent_links();
     for (std::size_t i = 0; i < links_.links.size(); ++i) {
         const Link<P>& link = links_.links[i];
         P *const x = start_.data() + link.coordinate, *const rate = start_.data() + link.rate;
         if (link.coordinates() == 1) {
             x[0] = link.start, rate[0] = link.start_rate;
-            if (link.dependent) dependent.push_back(static_cast<int>(i));
             continue;
         }
         x[0] = link.start_q.w, x[1] = link.start_q.x, x[2] = link.start_q.y, x[3] = link.start_q.z;
@@ -320,7 +338,7 @@ bool Tree<P>::apply_impulses(const Scene& scene, double time, P* y) const {
     };
     if (std::none_of(scene.loads.begin(), scene.loads.end(), acts_now)) return false;
     TreeWork<P>& at = work<P>();
-    const std::size_t n = links_.links.size(), rates = static_cast<std::size_t>(links_.rates), rows = chosen_.size();
+    const std::size_t n = links_.links.size(), rates = static_cast<std::size_t>(links_.rates);
     move(y, at), compute_frames(y, at);
     for (LinkWork<P>& link : at.links) link.force = {};
     articulate(at);
@@ -343,15 +361,7 @@ bool Tree<P>::apply_impulses(const Scene& scene, double time, P* y) const {
     std::vector<Pair6<P>> jumps(n);
     std::copy(sum.begin(), sum.end(), at.wrench.begin());
     respond(at, jumps.data(), jump.data());
-    if (rows > 0) {
-        find_rows(at), respond_to_rows(at);
-        at.multipliers.resize(rows);
-        for (std::size_t r = 0; r < rows; ++r)
-            at.multipliers[r] = -applied(static_cast<std::size_t>(chosen_[r]), at, jumps.data(), jump.data());
-        solve_rows(at, at.multipliers);
-        for (std::size_t r = 0; r < rows; ++r)
-            for (std::size_t k = 0; k < rates; ++k) jump[k] = jump[k] + at.multipliers[r] * at.rates[r * rates + k];
-    }
+    hold_rows(at, jumps.data(), jump.data());
     for (std::size_t k = 0; k < rates; ++k) {
         P& rate = y[static_cast<std::size_t>(links_.coordinates) + k];
         rate = rate + jump[k];

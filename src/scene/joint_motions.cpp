@@ -9,6 +9,7 @@
 
 #include "formula/evaluate.h"
 #include "formula/parser.h"
+#include "scene/coupled_joints.h"
 #include "scene/scene_check.h"
 #include "scene/scene_formulas.h"
 
@@ -130,9 +131,20 @@ void check_joint_motions(const Scene& scene, const std::string& file) {
     }
     const JointMotions motions = compile_joint_motions(scene, file);
     const std::string first = motion_place(motions.motions.front().joint);
-    if (!scene.loops.empty() || !scene.couplings.empty())
-        check.fail(first, "is given in a scene with loops or couplings",
-                   "remove it: prescribed motions are supported in trees only");
+    if ((!scene.loops.empty() || !scene.couplings.empty()) &&
+        std::ranges::none_of(scene.joints, [](const Joint& joint) { return joint.dependent; }))
+        check.fail(first, "is given in a scene with loops or couplings and without dependent joints",
+                   "mark the joints that follow the others as \"dependent\": true in \"initial\"");
+    for (const JointMotions::Motion& one : motions.motions)
+        for (const CoupledJoint<double>& other : coupled_joints<double>(scene, one.joint)) {
+            const Joint& joint = scene.joints[other.joint];
+            if (other.joint == one.joint || (joint.motion.empty() && joint.friction == 0 && !joint.limits.any()))
+                continue;
+            check.fail(motion_place(one.joint),
+                       fmt::format("also moves the coupled joint \"{}\", which has a motion, friction or limits",
+                                   one_line(joint.name, 60)),
+                       "remove these, or the motion");
+        }
     if (has_formula_loads(scene))
         check.fail(first, "is given in a scene with loads given by formulas", "use loads with constant values");
     const std::vector<Start> starts = compute_starts(motions, scene);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "scene/coupled_joints.h"
 #include "scene/joint_file.h"
 #include "scene/scene_check.h"
 #include "text/decimal.h"
@@ -106,7 +107,7 @@ void check_numbers(const SceneCheck& check, const std::string& place, const Join
 }
 
 // Checks friction, limits and armature, which require a coordinate.
-void check_joint_laws(const SceneCheck& check, const std::string& place, const Scene& scene, const Joint& joint) {
+void check_joint_laws(const SceneCheck& check, const std::string& place, const Joint& joint) {
     if (joint.type == JointType::fixed && joint.armature != std::array<double, 2>{})
         check.fail(place + "/armature", "is given for a fixed joint", "remove it: a fixed joint does not move");
     check.finite(place + "/friction", joint.friction);
@@ -119,9 +120,6 @@ void check_joint_laws(const SceneCheck& check, const std::string& place, const S
     if (joint.type != JointType::revolute && joint.type != JointType::prismatic)
         check.fail(place + key, fmt::format("is given for a {} joint", name_of(joint.type)),
                    "only revolute and prismatic joints can have friction and limits");
-    if (!scene.loops.empty() || !scene.couplings.empty())
-        check.fail(place + key, "is given in a scene with loops or couplings",
-                   "remove it: friction and limits of joints are supported in trees only");
     if (!limits.any()) return;
     if (std::isnan(limits.lower) || std::isnan(limits.upper) || !(limits.lower < limits.upper))
         check.fail(
@@ -131,8 +129,9 @@ void check_joint_laws(const SceneCheck& check, const std::string& place, const S
     if (!(limits.restitution >= 0 && limits.restitution <= 1))
         check.fail(place + "/limits/restitution", fmt::format("is {}", shortest_decimal(limits.restitution)),
                    "give a number from 0 to 1");
+    // where dependent joints start is known only later
     const double x = joint.coordinate[0];
-    if (!(x >= limits.lower && x <= limits.upper))
+    if (!joint.dependent && !(x >= limits.lower && x <= limits.upper))
         check.fail(place + "/initial", fmt::format("has the coordinate {}, outside of the limits", shortest_decimal(x)),
                    "start within the limits");
 }
@@ -152,6 +151,15 @@ void check_couplings(const SceneCheck& check, const Scene& scene, const Names& j
         check.finite(place + "/ratio", coupling.ratio), check.finite(place + "/offset", coupling.offset);
         if (coupling.ratio == 0)
             check.fail(place + "/ratio", "is 0", "give a ratio other than 0, or use a fixed joint");
+    }
+    for (std::size_t j = 0; !scene.couplings.empty() && j < scene.joints.size(); ++j) {
+        if (!scene.joints[j].limits.any()) continue;
+        const CoupledLaws<double> laws = coupled_laws(scene, coupled_joints<double>(scene, j));
+        if (laws.lower.exists && laws.upper.exists && !(laws.lower.coordinate < laws.upper.coordinate))
+            check.fail(fmt::format("/joints/{}/limits", j),
+                       fmt::format("and those of coupled joints leave this joint from {} to {}",
+                                   shortest_decimal(laws.lower.coordinate), shortest_decimal(laws.upper.coordinate)),
+                       "widen the limits: the lower one must be less than the upper one");
     }
 }
 
@@ -288,7 +296,7 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
         const std::string place = fmt::format("/joints/{}", i);
         check_numbers(check, place, scene.joints[i]);
-        check_joint_laws(check, place, scene, scene.joints[i]);
+        check_joint_laws(check, place, scene.joints[i]);
         if (!scene.joints[i].dependent) continue;
         const JointType type = scene.joints[i].type;
         if (type != JointType::revolute && type != JointType::prismatic)

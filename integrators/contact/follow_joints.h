@@ -211,7 +211,7 @@ class JointDriver {
         std::vector<P> A(n * n), a;
         std::vector<Box<P>> boxes(n);
         for (std::size_t i = 0; i < n; ++i) {
-            const P v = rates[at[i]];
+            const P& v = rates[at[i]];
             const bool approaches = separation(at[i], rates) < P(0);
             a.push_back(approaches ? P((P(1) + limit(at[i], states_[at[i]].at).restitution) * v) : v);
             (states_[at[i]].at == AtLimit::lower ? boxes[i].has_high : boxes[i].has_low) = false;

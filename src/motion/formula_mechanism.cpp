@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-FormulaMechanismModel::FormulaMechanismModel(std::shared_ptr<const Scene> scene)
+FormulaMechanismModel::FormulaMechanismModel(const std::shared_ptr<const Scene>& scene)
     : FormulaModelBase(scene, FormulaTree<Wide>(*scene, compile_formulas(*scene, scene->name),
                                                 bodies_mass_properties<Wide>(*scene))) {
     FormulaMechanismModel model(*this);

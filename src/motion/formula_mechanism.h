@@ -16,7 +16,7 @@ namespace polhode {
 class FormulaMechanismModel : public FormulaModelBase<FormulaTree> {
   public:
     /// From a valid scene of several bodies. Throws InputError at a fault in a formula, and as MechanismModel does.
-    explicit FormulaMechanismModel(std::shared_ptr<const Scene> scene);
+    explicit FormulaMechanismModel(const std::shared_ptr<const Scene>& scene);
 
     const Tree<double>& tree() const { return form_.tree(); }
     /// dy/dt. Instantiated for the scalars of ErasedModel.

@@ -22,7 +22,7 @@ constexpr long formula_scout_steps = 20000;
 
 }  // namespace
 
-FormulaModel::FormulaModel(std::shared_ptr<const Scene> scene)
+FormulaModel::FormulaModel(const std::shared_ptr<const Scene>& scene)
     : FormulaModelBase(scene, exact_formula_body<Wide>(*scene)) {
     scout();
 }

@@ -20,7 +20,7 @@ namespace polhode {
 class FormulaModel : public FormulaModelBase<FormulaBody> {
   public:
     /// From a valid scene of one body. Throws InputError at a fault in a formula.
-    explicit FormulaModel(std::shared_ptr<const Scene> scene);
+    explicit FormulaModel(const std::shared_ptr<const Scene>& scene);
 
     template <class S>
     void derivative(const S* y, S* dy) const {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "scene/scene_file.h"
-#include "scene/scene_writer.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -25,7 +24,7 @@ class TableFile : public ::testing::Test {
     Scene read(const std::string& table) const {
         return parse_scene(
             R"({"name": "rocket", "duration": 1, "body": {"mass": 1, "inertia": [1, 2, 3]}, "tables": {"thrust": )" +
-                table + R"(}, "loads": [{"type": "torque", "formula": "[table(thrust, t), 0, 0]"}]})",
+                table + R"(}, "loads": [{"type": "torque", "frame": "body", "formula": "[table(thrust, t), 0, 0]"}]})",
             "rocket.json", directory_);
     }
     std::string fault(const std::string& table) const {

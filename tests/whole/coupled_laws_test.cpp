@@ -1,5 +1,6 @@
 // Friction, limits and prescribed motions of joints in scenes with couplings and loops, against closed forms and
 // equivalent trees.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -119,21 +120,21 @@ TEST(CoupledLaws, LimitsThatLeaveNoRoomAreRefused) {
     scene.joints[0].limits.lower = 0, scene.joints[0].limits.upper = 1;
     scene.joints[1].limits.lower = 0, scene.joints[1].limits.upper = 1;
     try {
-        pose(scene);
+        parse_scene(write_scene(scene), "copy.json");
         FAIL();
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("/joints/0/limits"), std::string::npos) << error.what();
     }
 }
 
-std::string linkage(const std::string& more_of_crank, const std::string& start_of_crank) {
+std::string linkage(const std::string& motion) {
     return R"({"name": "slider_crank", "duration": 2,
         "bodies": [{"name": "crank", "body": {"shape": {"type": "box", "half_extents": [0.375, 0.0625, 0.0625]}, "mass": 2}},
                    {"name": "rod", "body": {"shape": {"type": "box", "half_extents": [0.625, 0.03125, 0.0625]}, "mass": 1}},
                    {"name": "slider", "body": {"shape": {"type": "box", "half_extents": [0.125, 0.125, 0.125]}, "mass": 3}}],
         "joints": [{"name": "bearing", "type": "revolute", "parent": "world", "child": "crank", "child_point": [-0.375, 0, 0],
-                    "axis": [0, -1, 0], )" +
-           more_of_crank + R"("initial": {)" + start_of_crank + R"(}},
+                    "axis": [0, -1, 0], "motion": ")" +
+           motion + R"("},
                    {"name": "pin", "type": "revolute", "parent": "crank", "parent_point": [0.375, 0, 0], "child": "rod",
                     "child_point": [-0.625, 0, 0], "axis": [0, -1, 0], "initial": {"angle": -1.6, "dependent": true}},
                    {"name": "guide", "type": "prismatic", "parent": "world", "child": "slider", "axis": [1, 0, 0],
@@ -146,8 +147,7 @@ std::string linkage(const std::string& more_of_crank, const std::string& start_o
 // x = r cos a + sqrt(l^2 - r^2 sin^2 a) for the angle a of the crank of r = 0.75 and the rod of l = 1.25.
 TEST(PrescribedMotion, DrivesASliderCrank) {
     const FreshCache cache;
-    const Scene scene =
-        parse_scene(linkage(R"("motion": "1 + 3*t + 0.5*sin(2*t)", )", R"("angle": 1, "rate": 4)"), "linkage.json");
+    const Scene scene = parse_scene(linkage("1 + 3*t + 0.5*sin(2*t)"), "linkage.json");
     const DecimalReference truth = reference_of(scene);
     const Exact a = 7 + Exact(sin(Exact(4))) / 2, a_rate = 3 + Exact(cos(Exact(4)));
     const Exact r(0.75), l(1.25), root = sqrt(Exact(l * l - r * r * sin(a) * sin(a)));
@@ -166,7 +166,7 @@ TEST(PrescribedMotion, DrivesCoupledJoints) {
     expect_equal(at_end(truth, scene, 1, position), -2 * Exact(sin(Exact(3))));
     expect_equal(at_end(truth, scene, 1, velocity), -2 * Exact(cos(Exact(3))));
     scene.joints[1].friction = 1;
-    EXPECT_THROW(pose(scene), InputError);
+    EXPECT_THROW(parse_scene(write_scene(scene), "copy.json"), InputError);
 }
 
 std::string bar(const char* name, double length) {
@@ -198,7 +198,7 @@ std::string parallelogram(const std::string& laws, bool as_loop) {
 
 TEST(LoopLaws, ParallelogramMovesAsTheTreeWithCouplings) {
     const FreshCache cache;
-    const std::string laws = R"("friction": 1.5, "limits": {"lower": 0.5, "upper": 2, "restitution": 0.5},)";
+    const std::string laws = R"("friction": 1.5, "limits": {"lower": 0.5, "upper": 1.875, "restitution": 0.5},)";
     const Scene loop = parse_scene(parallelogram(laws, true), "loop.json"),
                 tree = parse_scene(parallelogram(laws, false), "tree.json");
     const DecimalReference a = reference_of(loop, 6), b = reference_of(tree, 6);

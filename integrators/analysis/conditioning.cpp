@@ -16,6 +16,7 @@
 #include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/sensitivity_session.h"
 #include "scene/scene_formulas.h"
+#include "scene/sphere_contacts.h"
 #include "text/interruption.h"
 
 namespace polhode {
@@ -166,6 +167,11 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
     if (!problem.scene.planes.empty()) {
         Conditioning unavailable;
         unavailable.message = "conditioning through impacts on planes is not supported";
+        return unavailable;
+    }
+    if (has_sphere_contacts(problem.scene)) {
+        Conditioning unavailable;
+        unavailable.message = "conditioning through contacts of spheres is not supported";
         return unavailable;
     }
     for (const Joint& joint : problem.scene.joints)

@@ -213,10 +213,7 @@ std::string describe_scene(const Scene& scene, ConditioningBudget budget) {
     report.line("duration", number(scene.duration) + " s");
     if (is_mechanism(scene)) {
         description::mechanism(report, problem);
-        if (has_sphere_contacts(scene)) {
-            contacts(report, problem);
-            return report.text();
-        }
+        if (has_sphere_contacts(scene)) contacts(report, problem);
         growth(report, problem, budget, sample_times(scene.duration, 200));
         return report.text();
     }

@@ -307,5 +307,40 @@ TEST(JointCatalogue, ReactionWheelsTurnTheHubWithoutAngularMomentum) {
     EXPECT_GT(largest, 0.01);
 }
 
+// x = r cos a + sqrt(l^2 - r^2 sin^2 a) for the prescribed angle a.
+TEST(JointCatalogue, SliderFollowsTheDrivenCrank) {
+    const FreshCache cache;
+    const DecimalReference truth = reference_of("driven_slider_crank", 3);
+    const Exact r(0.75), l(1.25);
+    for (std::size_t k = 0; k <= 3; ++k) {
+        const Exact t(k), a = 4 * t + sin(Exact(4 * t)) / 4;
+        expect_equal(number(row_of(truth, k, 2), position), r * cos(a) + sqrt(Exact(l * l - r * r * sin(a) * sin(a))),
+                     1e-24);
+    }
+}
+
+// x = 7/64 (1 - cos 8 t) on the coordinate of the left finger, up to the limit of the thumb at 1/16 m.
+TEST(JointCatalogue, GripperOpensToTheLimitOfTheThumb) {
+    const FreshCache cache;
+    const DecimalReference truth = reference_of("gripper_closes", 2);
+    const Exact first = acos(Exact(Exact(3) / 7)) / 8;
+    expect_equal(Exact(events_of(truth, "impact").at(0)), first, 1e-24);
+    expect_equal(number(row_of(truth, 1, 0), position), Exact(0.125), 1e-24);
+    expect_equal(number(row_of(truth, 2, 0), position), Exact(0.0625), 1e-24);
+    EXPECT_GE(events_of(truth, "rests").size(), 2u);
+}
+
+// While the block sticks, the spring and the inertia on the belt, at x = t/2 + (1 - cos 2 t)/8, need friction:
+// 4 x + 2 x'' = 2 t + 1/2 + cos(2 t)/2. It slips where this is 3.
+TEST(JointCatalogue, BlockSlipsOnTheBeltAndSticksAgain) {
+    const FreshCache cache;
+    const DecimalReference truth = reference_of("stick_slip_belt", 1);
+    const std::vector<std::string> slips = events_of(truth, "slips"), sticks = events_of(truth, "sticks");
+    ASSERT_EQ(slips.size(), 2u);
+    ASSERT_EQ(sticks.size(), 2u);
+    const Exact t(slips[0]);
+    expect_equal(2 * t + Exact(0.5) + cos(Exact(2 * t)) / 2, Exact(3), 1e-23);
+}
+
 }  // namespace
 }  // namespace polhode

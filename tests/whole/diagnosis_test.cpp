@@ -254,7 +254,7 @@ class SoundMethod : public ::testing::TestWithParam<const char*> {};
 TEST_P(SoundMethod, HasNoDiagnosis) {
     const Method& method = *find_method(GetParam());
     int judged = 0;
-    constexpr std::size_t every = optimised_build ? 11 : 61;
+    constexpr std::size_t every = optimised_build ? 10 : 61;
     const std::vector<std::string> names = scenes_in();
     for (std::size_t i = std::string_view(GetParam()).size() % every; i < names.size(); i += every) {
         const std::string& name = names[i];

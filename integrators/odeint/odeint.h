@@ -86,7 +86,7 @@ class OdeintFixedStepper : public OdeintState<SystemType, Scheme<static_cast<std
     }
 
   private:
-    // a function of its own: inlined into the loop over steps, GCC spills the stages
+    // not inlined: GCC spills the stages if this is part of the loop over steps
     [[gnu::noinline]] static void do_step(typename Base::Method& scheme, OdeintRightHandSide<SystemType> f,
                                           OdeintArray<Base::dimension, Scalar>& y, Scalar t, Scalar h) {
         scheme.do_step(f, y, t, h);

@@ -30,7 +30,7 @@ std::array<std::size_t, 2> find_columns(const JsonNode& node, const CsvLines& li
     if (const JsonNode* columns = node.find("columns")) {
         const std::vector<const JsonNode*> names = columns->elements();
         if (names.size() != 2)
-            columns->fail("has not two names", "give the columns of x and y, such as [\"t\", \"F\"]");
+            columns->fail("does not have two names", "give the columns of x and y, such as [\"t\", \"F\"]");
         if (!has_names)
             columns->fail("is given, but the first line of the file consists of numbers",
                           "remove it, or name the columns in the file's first line");

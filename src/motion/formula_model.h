@@ -81,21 +81,11 @@ class FormulaSystem {
         return moment;
     }
     bool projects() const {
-        return std::visit(
-            [](const auto& model) {
-                if constexpr (requires { model.projects(); }) return model.projects() || model.has_auxiliaries();
-                return model.has_auxiliaries();
-            },
-            model_);
+        return has_constraints() || std::visit([](const auto& model) { return model.has_auxiliaries(); }, model_);
     }
     void project(double* y) const {
-        std::visit(
-            [&](const auto& model) {
-                if constexpr (requires { model.project(y); })
-                    if (model.projects()) model.project(y);
-                model.refresh(y);
-            },
-            model_);
+        project_constraints(y);
+        std::visit([&](const auto& model) { model.refresh(y); }, model_);
     }
     /// Whether the equations have square roots of terms that depend on time or state, and their arguments.
     bool has_roots() const {
@@ -116,6 +106,24 @@ class FormulaSystem {
     using Model = std::variant<FormulaModel, FormulaMechanismModel>;
     Model model_;
 
+    /// Whether there are loops, and the projection onto their constraints.
+    bool has_constraints() const {
+        return std::visit(
+            [](const auto& model) {
+                if constexpr (requires { model.projects(); }) return model.projects();
+                return false;
+            },
+            model_);
+    }
+    void project_constraints(double* y) const {
+        std::visit(
+            [&](const auto& model) {
+                if constexpr (requires { model.project(y); })
+                    if (model.projects()) model.project(y);
+            },
+            model_);
+    }
+
   private:
     static Model model_of(const Problem& problem) {
         if (is_mechanism(problem.scene)) return formula_mechanism_of(problem);
@@ -133,23 +141,9 @@ class SwitchedSystem : public FormulaSystem {
     void derivative(double, const S* y, S* dy) const {
         std::visit([&](const auto& model) { model.derivative_by_signs(y, dy); }, model_);
     }
-    /// Loop constraints; auxiliary variables are not needed.
-    bool projects() const {
-        return std::visit(
-            [](const auto& model) {
-                if constexpr (requires { model.projects(); }) return model.projects();
-                return false;
-            },
-            model_);
-    }
-    void project(double* y) const {
-        std::visit(
-            [&](const auto& model) {
-                if constexpr (requires { model.project(y); })
-                    if (model.projects()) model.project(y);
-            },
-            model_);
-    }
+    /// Onto the constraints of loops only: numbers do not read the auxiliary variables.
+    bool projects() const { return has_constraints(); }
+    void project(double* y) const { project_constraints(y); }
     /// By switching point: the distance of its argument from the threshold, negative beyond it. A switch that stays at
     /// its threshold has a negative value when its argument leaves it, which is a fault of cross_switch().
     std::vector<double> switch_values(const double* y) const;

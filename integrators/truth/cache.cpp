@@ -23,9 +23,10 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "scene/scene_file.h"
-#include "scene/scene_limits.h"
 #include "text/atomic_file.h"
 #include "text/content_hash.h"
 #include "text/sealed.h"
@@ -42,6 +43,8 @@ constexpr std::string_view checksum_word = "checksum ";
 constexpr std::string_view bodies_word = "bodies";
 // precedes the data that only references with contact modes have
 constexpr std::string_view contacts_word = "contacts";
+// indices of planes, joints or pairs of bodies are below this
+constexpr std::size_t most_places = 100'000'000;
 
 fs::path cache_directory() {
     const auto variable = [](const char* name) {
@@ -129,8 +132,10 @@ class WordReader {
 };
 
 void encode_contacts(const Truth& truth, std::string& text) {
+    // reactions of several bodies are written before
+    const bool has_reactions = truth.reference.system.empty();
     text += fmt::format("{} {} {} {}\n", contacts_word, truth.contact_events.size(), truth.contact_intervals.size(),
-                        truth.reaction_decimals.size());
+                        has_reactions ? truth.reaction_decimals.size() : 0);
     for (const DecimalContactEvent& e : truth.contact_events)
         text += fmt::format("{} {} {} {} {}\n", e.t, e.plane, e.event, e.normal_impulse,
                             fmt::join(e.tangential_impulse, " "));
@@ -139,6 +144,7 @@ void encode_contacts(const Truth& truth, std::string& text) {
         put(text, in.largest_ratio);
         text += '\n';
     }
+    if (!has_reactions) return;
     for (const ReactionDecimals& decimals : truth.reaction_decimals)
         text += fmt::format("{}\n", fmt::join(decimals, " "));
 }
@@ -149,17 +155,18 @@ void read_contacts(WordReader& in, Truth& truth) {
     const std::size_t events = in.count(in.left() / 14), intervals = in.count(in.left() / 10);
     const std::size_t forces = in.count(in.left() / 12);
     truth.contact_events.resize(events), truth.contact_intervals.resize(intervals);
-    truth.reaction_decimals.resize(forces);
+    std::vector<ReactionDecimals> reactions(forces);
     for (DecimalContactEvent& e : truth.contact_events) {
-        e.t = in.word(), e.plane = in.count(most_planes), e.event = in.word(), e.normal_impulse = in.word();
+        e.t = in.word(), e.plane = in.count(most_places), e.event = in.word(), e.normal_impulse = in.word();
         for (std::string& component : e.tangential_impulse) component = in.word();
     }
     for (DecimalContactInterval& interval : truth.contact_intervals) {
-        interval.from = in.word(), interval.to = in.word(), interval.plane = in.count(most_planes);
+        interval.from = in.word(), interval.to = in.word(), interval.plane = in.count(most_places);
         interval.mode = in.word(), interval.largest_ratio = in.real();
     }
-    for (ReactionDecimals& decimals : truth.reaction_decimals)
+    for (ReactionDecimals& decimals : reactions)
         for (std::string& decimal : decimals) decimal = in.word();
+    if (forces > 0) truth.reaction_decimals = std::move(reactions);
 }
 
 }  // namespace
@@ -201,7 +208,7 @@ std::string encode(const std::string& key, const Truth& truth) {
             text += '\n';
         }
     }
-    if (!truth.contact_intervals.empty()) encode_contacts(truth, text);
+    if (!truth.contact_events.empty() || !truth.contact_intervals.empty()) encode_contacts(truth, text);
     const std::string checksum = content_hash(text);
     return text.append(checksum_word).append(checksum).append("\n");
 }
@@ -260,10 +267,8 @@ std::optional<Truth> decode(const std::string& key, std::string_view text) {
                 truth.impact_decimals.emplace_back(in.word());
             }
         }
-        if (in.next_is(contacts_word))
-            read_contacts(in, truth);
-        else if (in.more())
-            read_system(in, truth);
+        if (in.next_is(bodies_word)) read_system(in, truth);
+        if (in.more()) read_contacts(in, truth);
         return truth;
     } catch (const std::runtime_error&) {
         return {};

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "catalogue.h"
 #include "integrators/truth/fresh_cache.h"
 #include "places.h"
 
@@ -200,6 +201,21 @@ TEST(TruthCache, SeveralBodiesReadBackTheSameBits) {
             }
             EXPECT_EQ(encode("key", *back), text);
         }
+}
+
+// A reference from the cache has the events of the computed one: spheres, joints, one body.
+TEST(TruthCache, EventsReadBack) {
+    const FreshCache cache;
+    for (const char* name : {"contact/newtons_cradle", "joints/bouncing_slider", "contact/bowling_ball"}) {
+        const Scene scene = find_scene(name);
+        const DecimalReference computed = decimal_reference(scene, 1);
+        const DecimalReference again = decimal_reference(scene, 1);
+        ASSERT_TRUE(computed.available) << name << ": " << computed.message;
+        EXPECT_FALSE(computed.contact_events.empty()) << name;
+        EXPECT_EQ(again.contact_events, computed.contact_events) << name;
+        EXPECT_EQ(again.contact_intervals, computed.contact_intervals) << name;
+        EXPECT_EQ(again.reactions, computed.reactions) << name;
+    }
 }
 
 TEST(TruthCache, SeveralBodiesThatDoNotFitTheirSamplesAreRefused) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "motion/problem.h"
+#include "motion/system_steps.h"
 #include "motion/trajectory.h"
 #include "scene/scene.h"
 
@@ -102,6 +103,9 @@ struct Method {
     /// Linear stability of a scheme that is not for first-order systems: the spectral radius of one step on theta'' =
     /// -gamma theta' - k theta, as a function of (h gamma, h^2 k).
     double (*pendulum_amplification)(double damping, double stiffness) = nullptr;
+    /// Steps through the smooth parts of motions with contact, joint limits or dry friction, whose events the driver of
+    /// integrators/contact locates. Null: such scenes are `unsupported`, unless the method handles them itself.
+    MakeSystemSteps steps = nullptr;
     Family family = Family::unnamed;  ///< kind of numerical scheme
     std::string_view library{};       ///< library that performs the steps: sundials_library, ..; empty: polhode
     Precision precision = Precision::binary64;  ///< arithmetic of its steps
@@ -134,7 +138,7 @@ constexpr std::array<Method, count> apply_defaults(const Method& defaults, const
             }
         };
         apply(&Method::source), apply(&Method::conserves), apply(&Method::control), apply(&Method::planes);
-        apply(&Method::general_systems), apply(&Method::order), apply(&Method::amplification);
+        apply(&Method::general_systems), apply(&Method::steps), apply(&Method::order), apply(&Method::amplification);
         apply(&Method::pendulum_amplification), apply(&Method::family), apply(&Method::library);
         apply(&Method::precision), apply(&Method::formulation), apply(&Method::refusal);
     }
@@ -146,6 +150,9 @@ constexpr std::array<Method, count> apply_defaults(const Method& defaults, const
 /// trajectories are computed in parallel.
 std::shared_ptr<const Method> make_method(const Method& description,
                                           std::function<Trajectory(const Problem&, const Settings&)> solve);
+
+/// Whether the method follows contact with friction and the limits and dry friction of joints from event to event.
+bool follows_events(const Method& method);
 
 /// Why the method does not support the problem (planes, loads, bodies), in one line. Empty if it may support it. A run
 /// can still end as `unsupported` for reasons that appear only during the run or depend on the step.

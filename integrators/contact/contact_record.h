@@ -89,6 +89,7 @@ struct Run {
     std::vector<std::vector<Vector3<P>>> torques_W;
     Record<P> record;
     long steps = 0;
+    long evaluations = 0;  ///< of right-hand sides; with Taylor series, of series
 };
 
 }  // namespace polhode::contact

@@ -17,6 +17,20 @@
 
 namespace polhode::contact {
 
+/// Replaces the low coefficients of an event function by exact ones and removes rounding errors from the others, for a
+/// function known by values at points of a step of length h. `exact`: at least the coefficients that the known zero and
+/// the first power after it need. `size`: of the function's terms, of which 1e-13 is rounding.
+template <class P>
+void refine_coefficients(std::vector<P>& coefficients, const std::vector<P>& exact, const P& h, double size) {
+    P power(1);
+    for (std::size_t k = 0; k < coefficients.size(); ++k, power = power * h) {
+        if (k < exact.size())
+            coefficients[k] = exact[k];
+        else if (!(Elementary<P>::magnitude(P(coefficients[k] * power)) > P(1e-13 * size)))
+            coefficients[k] = P(0);
+    }
+}
+
 /// Finds the first root of a polynomial on an interval (0, h].
 template <class P>
 class FirstRoot {

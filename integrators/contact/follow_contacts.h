@@ -1,7 +1,10 @@
 // Follows one body with contacts on planes from event to event, for any formulation and any scalar.
 //
 // ContactDriver integrates a formulation (reduced_form.h, truth/multiplier_form.h) by Taylor series (A. Jorba and M.
-// Zou 2005, Exp. Math. 14, 99). Each mode is a smooth system; an event function that falls to zero ends it
+// Zou 2005, Exp. Math. 14, 99) or, in binary64, by the steps of another method (mode_steps.h). Series are used in any
+// case for impacts with slip and for the first step of a slip from zero.
+//
+// Each mode is a smooth system; an event function that falls to zero ends it
 // (event_roots.h): the gap in flight, the normal force in sliding, the friction cone in rolling, the gaps of other
 // points. transition() selects what follows: an impact (impact(), the shock equations of Darboux and Keller), contact
 // in sliding or rolling, or flight. Sliding ends when the
@@ -28,6 +31,7 @@
 
 #include "integrators/contact/contact_record.h"
 #include "integrators/contact/event_roots.h"
+#include "integrators/contact/mode_steps.h"
 #include "integrators/contact/rotation_friction.h"
 #include "integrators/contact/transitions.h"
 #include "integrators/contact/two_contacts.h"
@@ -47,6 +51,8 @@ struct ContactSettings {
     long max_steps = 100'000;
     /// Why the run must stop now; null to continue. Called before each step.
     std::function<const char*()> stop = [] { return nullptr; };
+    MakeSystemSteps steps = nullptr;  ///< the method of the steps; null: Taylor series
+    double tolerance = 1e-10;         ///< of that method
 };
 
 template <class P, class Form>
@@ -57,7 +63,8 @@ class ContactDriver {
           geometry_(make_geometry(scene)),
           form_(scene, geometry_),
           settings_(settings),
-          samples_(sample_times) {}
+          samples_(sample_times),
+          steps_(settings.steps, settings.tolerance, scene.duration) {}
 
     Run<P> run() {
         start();
@@ -78,8 +85,9 @@ class ContactDriver {
             if (!is_in_leg_) {
                 enter_leg();
             } else if (!(t_ < P(legs_[leg_].end))) {
+                show_rest_of_leg();
                 ++leg_, is_in_leg_ = false;
-                series_.reset();
+                leave_system();
             } else if (!series_ && (onset_ || rotation_.starts_rolling)) {
                 if (start_slip()) return true;
             } else if (plan_step_of_mode()) {
@@ -95,7 +103,7 @@ class ContactDriver {
     void take_planned_step() {
         const Planned planned = *planned_;
         planned_.reset();
-        move_to(planned.step, planned.reached);
+        move_to(planned.step, planned.reached, planned.found.has_value());
         if (!planned.found) check_face();
         const bool continues = !fails() && !planned.found;
         if (!fails() && planned.found) handle(*planned.found);
@@ -103,7 +111,7 @@ class ContactDriver {
             rotation_.starts_rolling = false, rotation_.path = {};
             form_.set_rotation(rotation_);
         }
-        if (!continues || planned.starts_slip) series_.reset();
+        if (!continues || planned.starts_slip) leave_system();
     }
     /// Moves to a time within the planned step and cancels the rest of it. The caller then changes the velocities.
     void interrupt(const P& t) {
@@ -112,7 +120,7 @@ class ContactDriver {
             step.length = step.when(t, t_);
             move_to(step, t);
         }
-        planned_.reset(), series_.reset();
+        planned_.reset(), leave_system();
     }
     /// Adds to velocity and angular velocity (world axes).
     void add_velocity(const Vector3<P>& velocity_W, const Vector3<P>& angular_velocity_W) {
@@ -124,6 +132,7 @@ class ContactDriver {
     void select_mode() { transition(nullptr); }
     Run<P> finish() {
         close_interval();
+        run_.evaluations = settings_.steps ? steps_.evaluations() : run_.steps;
         return std::move(run_);
     }
     const std::string& fault() const { return run_.fault; }
@@ -133,7 +142,7 @@ class ContactDriver {
     BodyMotion<P> motion_at(const P& t) {
         if (!planned_ || !(t > t_)) return motion_;
         std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
-        series_->evaluate(planned_->step.when(t, t_), y.data());
+        planned_->step.expansion.evaluate(planned_->step.when(t, t_), y.data());
         return form_.motion(y.data());
     }
     const ContactGeometry<P>& geometry() const { return geometry_; }
@@ -142,22 +151,25 @@ class ContactDriver {
 
   private:
     using T = typename SeriesScalar<P>::Type;
+    // Order of the series with another method: event functions have zeros of third order at most at the start.
+    static constexpr int order_of_starts = 5;
 
     /// The polynomial of a step.
     struct Step {
-        const Series<T>& series;
+        StepExpansion<P> expansion;
         int clock = 0;
         bool stretched = false;
         P length{0};  // in the independent variable s
 
-        P coefficient(int i, int k) const { return static_cast<P>(series.coefficient(i, k)); }
+        int order() const { return expansion.order(); }
+        P coefficient(int i, int k) const { return expansion.coefficient(i, k); }
         // s at which the clock is t, for a clock that increases
         P when(const P& t, const P& start) const {
             if (!stretched) return t - start;
             P low(0), high = length, s = length / P(2);
             for (int i = 0; i < 300; ++i) {
                 P value(0), slope(0);
-                for (int k = series.order(); k >= 0; --k) {
+                for (int k = order(); k >= 0; --k) {
                     slope = slope * s + value;
                     value = value * s + coefficient(clock, k);
                 }
@@ -213,8 +225,10 @@ class ContactDriver {
     std::size_t leg_ = 0;  // the present leg
     bool is_in_leg_ = false;
     std::optional<Series<T>> series_;  // expands the present mode
-    std::vector<P> y_;                 // its state
-    std::optional<Planned> planned_;   // refers to series_
+    ModeSteps<P, Form> steps_;         // of another method, if the settings have one
+    double slip_scale_ = 0;            // slip by which its errors are measured there
+    std::vector<P> y_;                 // the state of the mode
+    std::optional<Planned> planned_;   // refers to series_ or steps_
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
         const Vector3<P> center = mass_properties<P>(scene.body).center;
@@ -286,12 +300,17 @@ class ContactDriver {
         }
     }
 
+    // Gaps drift by the error of the steps while contact lasts. An arrival is located far better.
     std::vector<std::size_t> touching() const {
         std::vector<std::size_t> all;
-        // gaps drift by the error of the steps
-        const P tolerance(reach() * error(has_started_ ? 8 : 4));
-        for (std::size_t k = 0; k < geometry_.size(); ++k)
-            if (!(gap(k, motion_) > tolerance)) all.push_back(k);
+        for (std::size_t k = 0; k < geometry_.size(); ++k) {
+            const Pair pair = form_.pair_at(k);
+            const bool lasts = (contact_ && *contact_ == pair) ||
+                               (two_ && (two_->pairs[0] == pair || two_->pairs[1] == pair)) ||
+                               std::find(face_.begin(), face_.end(), pair) != face_.end();
+            const double tolerance = !has_started_ ? std::min(error(4), 1e-10) : error(lasts ? 8 : 4);
+            if (!(gap(k, motion_) > P(reach() * tolerance))) all.push_back(k);
+        }
         return all;
     }
 
@@ -303,6 +322,7 @@ class ContactDriver {
         } else {
             stalled_ = 0, stalled_at_ = t_;
         }
+        const std::vector<std::size_t> near = touching();
         const bool first = !has_started_;
         has_started_ = true;
         const System former = mode_;
@@ -312,8 +332,8 @@ class ContactDriver {
         former_rotation_ = rotation_;
         set_rotation({});
         release_face();
-        const double resting = speed() * (first ? 1e-12 : error(1));
-        const std::vector<std::size_t> near = touching();
+        const double least = std::max(error(1), settings_.steps ? 10 * settings_.tolerance : 0);
+        const double resting = speed() * (first ? 1e-12 : least);
         bool landed = false;
         std::optional<Pair> accumulated;
         for (int round = 0; round < 200; ++round) {
@@ -430,7 +450,9 @@ class ContactDriver {
                        two_planes(pairs);
         const P spin = ball.radius * dot(ball.line_W, rotate(motion_.q, motion_.angular_velocity_B));
         const bool rubs = ball.friction[0] > P(0) || ball.friction[1] > P(0);
-        if (rubs && Elementary<P>::magnitude(spin) > P(error(3) * speed()))
+        // the steps of a method do not keep a zero spin
+        const double zero = std::max(error(3), settings_.steps ? std::sqrt(settings_.tolerance) : 0);
+        if (rubs && Elementary<P>::magnitude(spin) > P(zero * speed()))
             return "rotation about the line of two planes with friction is not supported: the ball touches " +
                    two_planes(pairs);
         const P twist = Elementary<P>::magnitude(dot(ball.line_W, ball.torque_W));
@@ -939,6 +961,10 @@ class ContactDriver {
         return !fails();
     }
 
+    void leave_system() {
+        series_.reset();
+        steps_.end_mode();
+    }
     // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
     double step_of(const Series<T>& series, const std::vector<Block>& blocks) const {
         double log2_step = std::numeric_limits<double>::infinity();
@@ -954,7 +980,7 @@ class ContactDriver {
     }
     // The series of the observed functions must converge as well. Their sizes: the body's length for gaps, the contact
     // force for forces, and its square for the cone.
-    double observed_step(const Step& step) const {
+    double observed_step(const Series<T>& series, const Step& step) const {
         const int first = step.clock + 1, own = form_.own_functions(), all = form_.dimension() - first;
         const int rotation = rotation_.acts && contact_ ? form_.first_rotation_function() - first : own;
         double force = 0;
@@ -972,7 +998,7 @@ class ContactDriver {
                                  : i == 1        ? force * force
                                                  : force;
             for (int k = settings_.order - 4; k < settings_.order; ++k) {
-                const double size = log2_magnitude(series_coefficient(step, first + i, k + 1)) + std::log2(k + 1);
+                const double size = log2_magnitude(series.coefficient(first + i, k + 1)) + std::log2(k + 1);
                 log2_step = std::min(log2_step, (std::log2(scale) - settings_.digits * std::log2(10.0) - size) / k);
             }
         }
@@ -991,14 +1017,19 @@ class ContactDriver {
         if (i == 1) return rotation_.holds_spin ? torsional * torsional : sizes_.angular_velocity;
         return rolling + torsional;
     }
-    static const T& series_coefficient(const Step& step, int i, int k) { return step.series.coefficient(i, k); }
 
     // the first event within the step
     std::optional<Found> first_event(const Step& step) const {
         std::optional<Found> first;
         const auto look = [&](int index, std::size_t zeros, double noise, typename Found::What what, std::size_t pair) {
             std::vector<P> function;
-            for (int k = 1; k <= settings_.order; ++k) function.push_back(P(k) * step.coefficient(index, k));
+            for (int k = 1; k <= step.order(); ++k) function.push_back(P(k) * step.coefficient(index, k));
+            if (step.expansion.is_of_method() && zeros > 0) {
+                std::vector<P> exact;
+                for (int k = 1; k <= order_of_starts; ++k)
+                    exact.push_back(P(k) * static_cast<P>(series_->coefficient(index, k)));
+                refine_coefficients(function, exact, step.length, what == Found::What::gap ? reach() : speed());
+            }
             const auto root = FirstRoot<P>(function, zeros, step.length, noise).find();
             if (root && (!first || *root < first->s)) first = Found{*root, what, pair};
         };
@@ -1045,7 +1076,8 @@ class ContactDriver {
         const int n = form_.dimension();
         y_.assign(static_cast<std::size_t>(n), P(0));
         form_.start(motion_, t_, y_.data());
-        series_.emplace(cast_recording<T>(record_form(n)), settings_.order);
+        // with another method, the series only shows whether a slip ends and how events start
+        series_.emplace(cast_recording<T>(record_form(n)), settings_.steps ? order_of_starts : settings_.order);
     }
     /// Plans a step of the present mode. Returns false if the mode ends before.
     bool plan_step_of_mode() {
@@ -1062,7 +1094,7 @@ class ContactDriver {
                 return false;
             }
         if (rotation_.acts && ends_rolling(step, y_)) {
-            series_.reset();
+            leave_system();
             return false;
         }
         if (step.stretched && form_.is_stretched_by_slip()) {
@@ -1071,15 +1103,52 @@ class ContactDriver {
             // growth = 2 |u_t|^2 d|u_t|/dt
             if (slip <= error(2) * speed() && !(growth > P(0))) {
                 end_slip(*series_, square, growth, y_);
-                series_.reset();
+                leave_system();
                 return false;
             }
         }
-        const double length = std::min(step_of(*series_, form_.blocks(sizes_, slip)), observed_step(step));
+        if (settings_.steps) return plan_step_of_method(step, slip);
+        const double length = std::min(step_of(*series_, form_.blocks(sizes_, slip)), observed_step(*series_, step));
         if (std::isnan(length)) {
             fail("the motion is not finite " + at_time());
             return false;
         }
+        step.length = P(length);
+        return plan_step(step, false, false);
+    }
+    // The length in s over which a slip or a rolling velocity decays by several e-foldings. Beyond that, its direction
+    // and with it the normal force would not be resolved.
+    double decay_length(const Step& step) const {
+        constexpr double foldings = 4;
+        double shortest = std::numeric_limits<double>::max();
+        const auto limit = [&](int index) {
+            const double square = static_cast<double>(step.coefficient(index, 1)),
+                         growth = 2 * static_cast<double>(step.coefficient(index, 2));
+            if (growth < 0) shortest = std::min(shortest, foldings * 2 * square / -growth);
+        };
+        if (form_.is_stretched_by_slip()) limit(step.clock + 2);
+        if (form_.is_stretched_by_rolling()) limit(form_.first_rotation_function());
+        return shortest;
+    }
+    void start_steps(double slip) {
+        slip_scale_ = slip;
+        // the clock comes last
+        std::vector<double> scales(static_cast<std::size_t>(form_.clock()) + 1, scene_->duration);
+        for (const Block& block : form_.blocks(sizes_, slip))
+            for (int i = 0; i < block.size; ++i) scales[static_cast<std::size_t>(block.first + i)] = block.scale;
+        steps_.start(form_, y_.data(), std::move(scales));
+    }
+    bool plan_step_of_method(Step step, double slip) {
+        // the direction of a slip requires its error to be small relative to itself: start again where it has decreased
+        constexpr double decrease = 0.03;
+        if (!steps_.is_running() || (form_.is_stretched_by_slip() && slip < decrease * slip_scale_)) start_steps(slip);
+        const double left = static_cast<double>(P(P(legs_[leg_].end) - t_));
+        const double length = steps_.step(step.stretched ? decay_length(step) : left);
+        if (!(length > 0)) {
+            fail(steps_.fault() + " " + at_time());
+            return false;
+        }
+        step.expansion = steps_.polynomial();
         step.length = P(length);
         return plan_step(step, false, false);
     }
@@ -1103,10 +1172,10 @@ class ContactDriver {
         return true;
     }
     // Moves along the step, whose length ends at the time t.
-    void move_to(const Step& step, const P& t) {
-        take_samples(step, legs_[leg_], t_, t);
+    void move_to(const Step& step, const P& t, bool at_event = false) {
+        take_samples(step, legs_[leg_], t_, t, at_event);
         note_ratio(step);
-        step.series.evaluate(step.length, y_.data());
+        step.expansion.evaluate(step.length, y_.data());
         t_ = t;
         motion_ = form_.motion(y_.data());
         note_sizes();
@@ -1116,7 +1185,7 @@ class ContactDriver {
     }
     P clock_at(const Step& step) const {
         P value(0);
-        for (int k = settings_.order; k >= 0; --k) value = value * step.length + step.coefficient(step.clock, k);
+        for (int k = step.order(); k >= 0; --k) value = value * step.length + step.coefficient(step.clock, k);
         return value;
     }
     void limit_to_leg(Step& step, const Leg& leg, bool& to_end) const {
@@ -1126,11 +1195,20 @@ class ContactDriver {
         to_end = true;
     }
 
-    void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached) {
+    // samples that an event at the end of the leg has left
+    void show_rest_of_leg() {
+        for (; samples_.due(legs_[leg_], legs_[leg_].end); samples_.pop())
+            show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
+                 std::vector<Vector3<P>>(scene_->planes.size()));
+    }
+    void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached, bool at_event) {
         std::vector<P> y(form_.dimension());
-        for (; samples_.due(leg, reached); samples_.pop()) {
+        // a sample at an event, up to the error of its time, shows the motion after it
+        const P uncertainty(scene_->duration * std::max(error(), settings_.steps ? 10 * settings_.tolerance : 0));
+        const auto is_at_event = [&] { return at_event && P(samples_.front()) >= reached - uncertainty; };
+        for (; samples_.due(leg, reached) && !is_at_event(); samples_.pop()) {
             const P s = step.when(P(samples_.front()), start);
-            step.series.evaluate(s, y.data());
+            step.expansion.evaluate(s, y.data());
             std::vector<Vector3<P>> forces(scene_->planes.size()), torques(scene_->planes.size());
             if (two_) {
                 for (std::size_t i = 0; i < 2; ++i)
@@ -1148,7 +1226,7 @@ class ContactDriver {
         Vector3<P> result;
         for (int i = 0; i < 3; ++i) {
             P sum(0);
-            for (int k = settings_.order; k >= 1; --k) sum = sum * s + P(k) * step.coefficient(first + i, k);
+            for (int k = step.order(); k >= 1; --k) sum = sum * s + P(k) * step.coefficient(first + i, k);
             result[static_cast<std::size_t>(i)] = sum;
         }
         return result;
@@ -1188,7 +1266,7 @@ class ContactDriver {
     // the value of an observed function
     double observed(const Step& step, int index, const P& s) const {
         P sum(0);
-        for (int k = settings_.order; k >= 1; --k) sum = sum * s + P(k) * step.coefficient(index, k);
+        for (int k = step.order(); k >= 1; --k) sum = sum * s + P(k) * step.coefficient(index, k);
         return static_cast<double>(sum);
     }
     void note_two_ratios(const Step& step) {
@@ -1222,7 +1300,7 @@ class ContactDriver {
             const P s = step.length * P(i) / P(8);
             Vector3<P> force;
             for (int c = 0; c < 3; ++c)
-                for (int k = settings_.order; k >= 1; --k) {
+                for (int k = step.order(); k >= 1; --k) {
                     P& sum = force[static_cast<std::size_t>(c)];
                     sum = sum * s + P(k) * step.coefficient(step.clock + 3 + c, k);
                 }
@@ -1242,7 +1320,7 @@ class ContactDriver {
         const P square = step.coefficient(index, 1), growth = P(2) * step.coefficient(index, 2);
         const P small(error(2) * speed() / reach());
         if (square > small * small || growth > P(0)) return false;
-        move_to_end(step.series, square, growth, y);
+        move_to_end(*series_, square, growth, y);
         const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
         const Vector3<P> spin = rotate(motion_.q, motion_.angular_velocity_B);
         const P normal = dot(spin, axes.normal_W);
@@ -1313,7 +1391,7 @@ class ContactDriver {
         series_.emplace(expand(order));
         const Series<T>& series = *series_;
         Step step{series, clock, false};
-        double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(step));
+        double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(series, step));
         for (const SlipPath<P>* curve : {&std::as_const(path), &std::as_const(rotation_.path)})
             for (std::size_t k = curve->angle.size() > 4 ? curve->angle.size() - 4 : 0; k < curve->angle.size(); ++k)
                 longest = std::min(longest,

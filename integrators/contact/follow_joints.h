@@ -2,12 +2,13 @@
 // scalar.
 //
 // JointDriver integrates a formulation (joint_tree_form.h, truth/joint_maximal_form.h) by Taylor series (A. Jorba and
-// M. Zou 2005, Exp. Math. 14, 99). Each mode is a smooth system: a joint moves without friction, forward or backward
-// against its friction, or is held by friction or at a limit. A mode ends where an event function falls to zero
-// (event_roots.h): the distance from a limit, the rate of a joint with friction, or the distance of the holding force
-// from its bounds. An arrival at a limit is an impact by Newton's law on the coordinate, in which all joints take part
-// and friction, which is bounded, exerts no impulse. Where rates vanish, the complementarity problem of box_forces.h
-// decides which joints are held: [-F, F] bounds the force of friction F, and a limit removes the bound on its side.
+// M. Zou 2005, Exp. Math. 14, 99) or, in binary64, by the steps of another method (mode_steps.h). Each mode is a smooth
+// system: a joint moves without friction, forward or backward against its friction, or is held by friction or at a
+// limit. A mode ends where an event function falls to zero (event_roots.h): the distance from a limit, the rate of a
+// joint with friction, or the distance of the holding force from its bounds. An arrival at a limit is an impact by
+// Newton's law on the coordinate, in which all joints take part and friction, which is bounded, exerts no impulse.
+// Where rates vanish, the complementarity problem of box_forces.h decides which joints are held: [-F, F] bounds the
+// force of friction F, and a limit removes the bound on its side.
 //
 // Infinitely many impacts end where the speed of separation is within the error of the steps.
 #pragma once
@@ -27,6 +28,7 @@
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/event_roots.h"
 #include "integrators/contact/joint_events.h"
+#include "integrators/contact/mode_steps.h"
 #include "integrators/series/limb_real.h"
 #include "integrators/series/real.h"
 #include "integrators/series/series.h"
@@ -43,6 +45,8 @@ struct JointSettings {
     long max_steps = 100'000;
     /// Why the run must stop now; null to continue. Called before each step.
     std::function<const char*()> stop = [] { return nullptr; };
+    MakeSystemSteps steps = nullptr;  ///< the method of the steps; null: Taylor series
+    double tolerance = 1e-10;         ///< of that method
 };
 
 template <class P, class Form>
@@ -57,7 +61,9 @@ class JointDriver {
           settings_(settings),
           samples_(sample_times),
           states_(form_.joints().size()),
-          time_error_(scene.duration * std::pow(10.0, -settings.event_digits)) {
+          time_error_(scene.duration *
+                      std::max(std::pow(10.0, -settings.event_digits), settings.steps ? 10 * settings.tolerance : 0)),
+          steps_(settings.steps, settings.tolerance, scene.duration) {
         for (const EventJoint<P>& one : form_.joints())
             rate_scales_.push_back(scene.joints[one.joint].type == JointType::prismatic ? scales.velocity
                                                                                         : scales.angular_velocity);
@@ -78,11 +84,14 @@ class JointDriver {
             for (; !fails() && samples_.due(leg, t_); samples_.pop()) show(y_.data());
             if (fails()) break;
         }
+        run_.evaluations = settings_.steps ? steps_.evaluations() : run_.steps;
         return std::move(run_);
     }
 
   private:
     using T = typename SeriesScalar<P>::Type;
+    // Order of the series with another method: event functions have zeros of third order at most at the start.
+    static constexpr int order_of_starts = 5;
 
     // Leading coefficients of an event function that vanish up to rounding in the first step after an event.
     struct State {
@@ -114,6 +123,7 @@ class JointDriver {
     JointRun<P> run_;
     long stalled_ = 0;
     std::optional<Series<T>> series_;
+    ModeSteps<P, Form> steps_;
 
     bool fails() const { return !run_.fault.empty(); }
     void fail(const std::string& fault) {
@@ -179,7 +189,9 @@ class JointDriver {
 
     // rates below this are zero
     P least_rate(std::size_t e) const {
-        return P(std::max(states_[e].largest_rate, rate_scales_[e]) * std::pow(10.0, -settings_.event_digits));
+        const double part =
+            std::max(std::pow(10.0, -settings_.event_digits), settings_.steps ? 10 * settings_.tolerance : 0);
+        return P(std::max(states_[e].largest_rate, rate_scales_[e]) * part);
     }
     // the rate away from the limit
     P separation(std::size_t e, const std::vector<P>& rates) const {
@@ -347,7 +359,10 @@ class JointDriver {
         form_.select(forces, held_);
         y_.resize(base_);
         y_.resize(static_cast<std::size_t>(form_.dimension()), P(0));
-        series_.emplace(cast_recording<T>(polhode::record<P>(form_, form_.dimension())), settings_.order);
+        steps_.end_mode();
+        // with another method, the series only shows how events start
+        series_.emplace(cast_recording<T>(polhode::record<P>(form_, form_.dimension())),
+                        settings_.steps ? order_of_starts : settings_.order);
     }
 
     void advance(const Leg& leg) {
@@ -356,27 +371,43 @@ class JointDriver {
             run_.fault = why;
             return;
         }
-        series_->expand(y_.data());
-        const double step = step_size();
-        if (std::isnan(step)) return fail("the motion is not finite");
         const P remaining = P(leg.end) - t_;
+        double step = 0;
+        if (settings_.steps) {
+            if (!steps_.is_running()) {
+                steps_.start(form_, y_.data(), state_scales());
+                series_->expand(y_.data());
+            }
+            step = steps_.step(static_cast<double>(remaining));
+            if (!(step > 0)) return fail(steps_.fault());
+        } else {
+            series_->expand(y_.data());
+            step = step_size();
+            if (std::isnan(step)) return fail("the motion is not finite");
+        }
+        const StepExpansion<P> expansion = settings_.steps ? StepExpansion<P>(steps_.polynomial()) : *series_;
         const bool to_end = remaining <= P(step);
         P h = to_end ? remaining : P(step);
         P reached = to_end ? P(leg.end) : t_ + h;
         // an event at the end of a leg may be found shortly after it
-        const std::optional<Found> found = first_event(to_end ? P(h + P(time_error_)) : h);
+        const std::optional<Found> found = first_event(expansion, to_end ? P(h + P(time_error_)) : h);
         if (found) h = found->after, reached = std::min(P(t_ + h), P(leg.end));
         if (!to_end && !found && !(reached > t_)) return fail("step size below the spacing of numbers");
-        stalled_ = found && !(h > P(0)) ? stalled_ + 1 : 0;
-        if (stalled_ > 100) return fail("too many events of joints");
+        // events that follow each other within the error of their times, of which accumulating impacts have some
+        constexpr long most_stalled = 1000;
+        stalled_ = found && !(h > P(time_error_)) ? stalled_ + 1 : 0;
+        // a method's errors can keep small bounces from ending
+        constexpr std::size_t most_events = 20'000;
+        if (stalled_ > most_stalled || (settings_.steps && run_.events.size() > most_events))
+            return fail("too many events of joints");
         std::vector<P> at_sample(y_.size());
         // a sample at an event shows the motion after it
         const auto is_at_event = [&] { return found && P(samples_.front()) >= reached - P(time_error_); };
         for (; samples_.due(leg, reached) && !is_at_event(); samples_.pop()) {
-            series_->evaluate(P(P(samples_.front()) - t_), at_sample.data());
+            expansion.evaluate(P(P(samples_.front()) - t_), at_sample.data());
             show(at_sample.data());
         }
-        series_->evaluate(h, y_.data());
+        expansion.evaluate(h, y_.data());
         if constexpr (requires { form_.project(y_.data()); }) form_.project(y_.data());
         t_ = reached;
         if (h > P(0))
@@ -419,9 +450,9 @@ class JointDriver {
     }
 
     /// The first event in a step of length h. Rates that fall to the error of the steps count as zero.
-    std::optional<Found> first_event(const P& h) {
+    std::optional<Found> first_event(const StepExpansion<P>& expansion, const P& h) {
         std::optional<Found> first;
-        const int order = settings_.order;
+        const int order = expansion.order();
         const auto look = [&](std::size_t e, Cause cause, const std::vector<P>& c, std::size_t zeros, double noise) {
             const std::optional<P> after = FirstRoot<P>(c, zeros, first ? first->after : h, noise).find();
             if (after && (!first || *after < first->after)) first = Found{e, cause, *after};
@@ -433,7 +464,7 @@ class JointDriver {
             if (state.mode == JointMode::held) {
                 const int place = form_.holding_force(k_held++);
                 std::vector<P> force, low, high;
-                for (int k = 0; k < order; ++k) force.push_back(P(k + 1) * P(series_->coefficient(place, k + 1)));
+                for (int k = 0; k < order; ++k) force.push_back(P(k + 1) * expansion.coefficient(place, k + 1));
                 const Box<P> box = box_of(e);
                 low = high = force;
                 for (P& c : high) c = -c;
@@ -444,7 +475,8 @@ class JointDriver {
             }
             const int place = form_.coordinate(e);
             std::vector<P> x, rate;
-            for (int k = 0; k <= order; ++k) x.push_back(P(series_->coefficient(place, k)));
+            for (int k = 0; k <= order; ++k) x.push_back(expansion.coefficient(place, k));
+            if (expansion.is_of_method() && (state.limit_zeros > 0 || state.rate_zeros > 0)) refine(x, place, h);
             for (int k = 0; k < order; ++k) rate.push_back(P(k + 1) * x[static_cast<std::size_t>(k) + 1]);
             state.largest_rate = std::max(state.largest_rate, std::abs(static_cast<double>(rate[0])));
             if (joint(e).lower.exists) {
@@ -466,6 +498,22 @@ class JointDriver {
         return first;
     }
 
+    // Improves the coefficients of a coordinate in the first step of a mode by another method.
+    void refine(std::vector<P>& x, int place, const P& h) const {
+        std::vector<P> exact;
+        for (int k = 0; k <= order_of_starts; ++k) exact.push_back(P(series_->coefficient(place, k)));
+        P size(0), power(1);
+        for (const P& c : x) size = std::max(size, Elementary<P>::magnitude(P(c * power))), power = power * h;
+        refine_coefficients(x, exact, h, static_cast<double>(size));
+    }
+    // sizes of the components of the state for another method
+    std::vector<double> state_scales() const {
+        std::vector<double> scales(base_, scene_->duration);
+        for (const Block& block : blocks_)
+            for (int i = 0; i < block.size; ++i) scales[static_cast<std::size_t>(block.first + i)] = block.scale;
+        if constexpr (requires { form_.widen_scales(y_.data(), scales); }) form_.widen_scales(y_.data(), scales);
+        return scales;
+    }
     // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
     double step_size() {
         double log2_step = std::numeric_limits<double>::infinity();

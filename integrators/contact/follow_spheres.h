@@ -36,6 +36,7 @@ struct SphereRun {
     std::vector<std::vector<BodyMotion<P>>> motions;  ///< one per sample
     std::vector<Record<P>> records;                   ///< one per body, then that of the pairs
     long steps = 0;
+    long evaluations = 0;  ///< of right-hand sides; with Taylor series, of series
 };
 
 /// All events and intervals in the order of time.
@@ -265,7 +266,7 @@ class SphereDriver {
             for (Interval<P>& interval : record.intervals)
                 interval.plane = contact_with_plane(*scene_, i, interval.plane);
             result.records.push_back(std::move(record));
-            result.steps += runs[i].steps;
+            result.steps += runs[i].steps, result.evaluations += runs[i].evaluations;
         }
         result.records.push_back(std::move(pairs_record_));
         return result;

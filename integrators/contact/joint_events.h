@@ -74,6 +74,7 @@ struct JointRun {
     std::vector<std::vector<std::array<double, 2>>> coordinates;  ///< one per sample; empty if not available
     std::vector<JointEvent<P>> events;
     long steps = 0;
+    long evaluations = 0;  ///< of right-hand sides; with Taylor series, of series
 };
 
 }  // namespace polhode::contact

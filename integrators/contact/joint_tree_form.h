@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -156,6 +157,34 @@ class JointTreeForm {
             }
         }
         return all;
+    }
+
+    /// Increases the scales of a state y that begins a mode: of coordinates and rates with prescribed motions to their
+    /// largest lengths over the run, and of a rate to the scale x of its coordinate over the duration, and to
+    /// sqrt(acceleration x).
+    void widen_scales(const P* y, std::vector<double>& scales) const {
+        const auto widen = [&](int i, double size) {
+            double& scale = scales[static_cast<std::size_t>(i)];
+            scale = std::max(scale, std::abs(size));
+        };
+        std::vector<P> dy(static_cast<std::size_t>(dimension()));
+        derivative(y, dy.data());
+        for (const Link<P>& one : tree_.links().links)
+            for (int i = 0; one.kind != LinkJoint::free && i < std::min(one.rates(), one.coordinates()); ++i) {
+                const double size = scales[static_cast<std::size_t>(one.coordinate + i)];
+                const P& acceleration = dy[static_cast<std::size_t>(one.rate + i)];
+                widen(one.rate + i, std::sqrt(std::abs(static_cast<double>(acceleration)) * size));
+                widen(one.rate + i, size / scene_->duration);
+            }
+        constexpr int points = 200;
+        for (int i = 0; !driven_.empty() && i <= points; ++i) {
+            const auto states = motions_.states(P(scene_->duration * i / points));
+            for (std::size_t k = 0; k < driven_.size(); ++k) {
+                const Link<P>& one = tree_.links().links[static_cast<std::size_t>(driven_[k])];
+                widen(one.coordinate, static_cast<double>(states[k].coordinate));
+                widen(one.rate, static_cast<double>(states[k].rate));
+            }
+        }
     }
 
   private:

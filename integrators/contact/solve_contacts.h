@@ -1,4 +1,4 @@
-// Contacts of one body with planes in binary64, for methods and descriptions.
+// Contacts and events of joints in binary64, for methods and descriptions.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,17 @@ namespace polhode::contact {
 /// Message of a run that ends at its time limit.
 inline constexpr const char* time_limit = "the time limit is reached";
 
-/// The settings of an event driver in binary64. `DriverSettings`: ContactSettings or JointSettings.
+/// The settings of an event driver in binary64. `DriverSettings`: ContactSettings or JointSettings. `steps`: the method
+/// of its steps; null: Taylor series.
 template <class DriverSettings>
-DriverSettings driver_settings(const Settings& settings) {
+DriverSettings driver_settings(const Settings& settings, MakeSystemSteps steps) {
     DriverSettings result;
+    result.steps = steps, result.tolerance = settings.tolerance.value_or(default_tolerance);
     // below 13.5 digits only rounding remains
-    result.digits = std::clamp(-std::log10(settings.tolerance.value_or(default_tolerance)) + 0.5, 3.0, 13.5);
+    result.digits = std::clamp(-std::log10(result.tolerance) + 0.5, 3.0, 13.5);
     result.event_digits = std::min(result.digits + 1, 12.5);
+    // loose tolerances do not blur the events
+    result.event_digits = std::max(result.event_digits, 9.0);
     result.order = static_cast<int>(std::ceil(1.15 * result.digits)) + 6;
     result.max_steps = std::min(settings.max_steps, settings.max_evaluations);
     const double end = processor_time() + settings.seconds_limit;
@@ -44,16 +48,21 @@ inline std::vector<double> times_of_samples(const Problem& problem, const Settin
     return settings.times.empty() ? sample_times(problem.scene.duration, settings.samples) : settings.times;
 }
 
-/// Follows the body with Taylor series to the tolerance of `settings`. The samples are those of `settings`.
-Run<double> follow_in_binary64(const Problem& problem, const Settings& settings);
+/// Follows one body to the tolerance of `settings`, at their samples, by steps of a method or by Taylor series.
+Run<double> follow_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps = nullptr);
 
 /// Why torsional and rolling friction of the scene's planes is not supported; empty if it is or if no plane has it.
 std::string rotation_friction_refusal(const Scene& scene);
 
 /// Why the contact modes do not support the scene's planes or loads; empty if they do or if there are no planes.
 std::string contact_refusal(const Scene& scene);
+/// The same for a method that supports user-defined torques otherwise.
+std::string event_refusal(const Problem& problem);
 
-/// The trajectory of follow_in_binary64(), as a method returns it.
-Trajectory solve_contacts(const Problem& problem, const Settings& settings);
+/// Whether a scene has contacts, or joints with limits, friction or prescribed motions, which only event drivers
+/// follow.
+bool has_events(const Scene& scene);
+/// Follows a scene that has_events() to the tolerance of `settings`, by steps of a method or by Taylor series.
+Trajectory solve_events(const Problem& problem, const Settings& settings, MakeSystemSteps steps = nullptr);
 
 }  // namespace polhode::contact

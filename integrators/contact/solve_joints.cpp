@@ -7,17 +7,17 @@
 
 namespace polhode::contact {
 
-JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings) {
+JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
     JointTreeForm<double> form(problem.scene);
     std::vector<Block> blocks = form.blocks(mechanism_of(problem).scales());
     return JointDriver<double, JointTreeForm<double>>(problem.scene, problem.scales, std::move(form), std::move(blocks),
                                                       times_of_samples(problem, settings),
-                                                      driver_settings<JointSettings>(settings))
+                                                      driver_settings<JointSettings>(settings, steps))
         .run();
 }
 
-Trajectory solve_joints(const Problem& problem, const Settings& settings) {
-    return solve_by_driver(problem, settings, &follow_joints_in_binary64);
+Trajectory solve_joints(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
+    return solve_by_driver(problem, settings, steps, &follow_joints_in_binary64);
 }
 
 }  // namespace polhode::contact

@@ -8,10 +8,11 @@
 
 namespace polhode::contact {
 
-/// Follows a mechanism whose joints have limits or friction.
-JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings);
+/// Follows a mechanism whose joints have limits or friction, by steps of a method or by Taylor series.
+JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings,
+                                           MakeSystemSteps steps = nullptr);
 
 /// The run as a trajectory.
-Trajectory solve_joints(const Problem& problem, const Settings& settings);
+Trajectory solve_joints(const Problem& problem, const Settings& settings, MakeSystemSteps steps);
 
 }  // namespace polhode::contact

@@ -6,14 +6,14 @@
 
 namespace polhode::contact {
 
-SphereRun<double> follow_spheres_in_binary64(const Problem& problem, const Settings& settings) {
+SphereRun<double> follow_spheres_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
     return SphereDriver<double, ReducedForm<double>, ClosedFormImpact>(
-               problem.scene, times_of_samples(problem, settings), driver_settings<ContactSettings>(settings))
+               problem.scene, times_of_samples(problem, settings), driver_settings<ContactSettings>(settings, steps))
         .run();
 }
 
-Trajectory solve_spheres(const Problem& problem, const Settings& settings) {
-    return solve_by_driver(problem, settings, &follow_spheres_in_binary64);
+Trajectory solve_spheres(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
+    return solve_by_driver(problem, settings, steps, &follow_spheres_in_binary64);
 }
 
 }  // namespace polhode::contact

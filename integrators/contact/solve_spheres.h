@@ -6,10 +6,11 @@
 
 namespace polhode::contact {
 
-/// Follows the spheres with Taylor series to the tolerance of `settings`. The samples are those of `settings`.
-SphereRun<double> follow_spheres_in_binary64(const Problem& problem, const Settings& settings);
+/// Follows the spheres to the tolerance of `settings`, at their samples, by steps of a method or by Taylor series.
+SphereRun<double> follow_spheres_in_binary64(const Problem& problem, const Settings& settings,
+                                             MakeSystemSteps steps = nullptr);
 
 /// The trajectory of follow_spheres_in_binary64(), as a method returns it.
-Trajectory solve_spheres(const Problem& problem, const Settings& settings);
+Trajectory solve_spheres(const Problem& problem, const Settings& settings, MakeSystemSteps steps);
 
 }  // namespace polhode::contact

@@ -57,6 +57,7 @@ class GeneralState {
         y_ = next_, lost_ = next_lost_;
         if (project_step(system_, y_.data())) clear_rounding_error();
     }
+    const double* state() const { return y_.data(); }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     std::vector<double> switch_values() const requires SwitchingSystem<SystemType> {
         return system_.switch_values(y_.data());

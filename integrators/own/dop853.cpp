@@ -4,10 +4,12 @@
 // sizes by the error estimate of dop853.f (Hairer, Norsett & Wanner 1993, II.5 and II.10).
 #include <algorithm>
 
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/dop853_interpolant.h"
 #include "integrators/own/dormand_prince.h"
 #include "integrators/run/amplification.h"
+#include "integrators/run/controlled_steps.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 #include "motion/formula_model.h"
@@ -63,13 +65,15 @@ class GeneralDop853 : public GeneralState<SystemType> {
             change[i] = (this->next_[i] - start_[i]) + (this->next_lost_[i] - lost_at_start_[i]);
         interpolant_.form(this->system_, t, h, start_.data(), change, rates_);
     }
-    /// The motion at t (s), at the fraction x of that step.
-    auto motion_inside(double t, double x) const {
+    /// The state at the fraction x of that step.
+    Y state_inside(double x) const {
         Y y = interpolant_.change(x);
         for (int i = 0; i < this->system_.size(); ++i) y[i] = start_[i] + (lost_at_start_[i] + y[i]);
         project_step(this->system_, y.data());
-        return this->system_.motion(t, y.data());
+        return y;
     }
+    /// The motion at t (s), at the fraction x of that step.
+    auto motion_inside(double t, double x) const { return this->system_.motion(t, state_inside(x).data()); }
 
   private:
     std::array<Y, dop853_stages> rates_ = copies_of<dop853_stages>(Y(this->system_.size()));
@@ -162,17 +166,29 @@ class ControlledDop853 {
     std::string cross_switch(std::size_t which) requires SwitchingState<State> { return state_.cross_switch(which); }
     auto sample(double t) const { return state_.sample(t); }
     auto sample_inside(double t) {
-        if (!has_interpolant_) {
-            state_.interpolate(start_, length_);
-            sample_evaluations_ += Dop853Interpolant<Numbers<1>>::evaluations;
-            has_interpolant_ = true;
-        }
+        interpolate();
         return state_.motion_inside(t, (t - start_) / length_);
+    }
+    static constexpr int dense_degree = 8;
+    const double* state() const { return state_.state(); }
+    /// Writes the state at the time s after the start of the last step.
+    void state_inside(double s, double* y) requires requires(const State& state) { state.state_inside(0.5); }
+    {
+        interpolate();
+        const auto inside = state_.state_inside(s / length_);
+        std::copy(inside.begin(), inside.end(), y);
     }
     long rhs_evaluations() const { return evaluations_; }
     long sample_evaluations() const { return sample_evaluations_; }
 
   private:
+    void interpolate() {
+        if (has_interpolant_) return;
+        state_.interpolate(start_, length_);
+        sample_evaluations_ += Dop853Interpolant<Numbers<1>>::evaluations;
+        has_interpolant_ = true;
+    }
+
     double duration_;
     State state_;
     bool rejected_ = false, has_interpolant_ = false;
@@ -180,9 +196,15 @@ class ControlledDop853 {
     long evaluations_ = 0, sample_evaluations_ = 0;
 };
 
+std::unique_ptr<SystemSteps> dop853_steps(const Problem& problem, double tolerance) {
+    using Stepper = ControlledDop853<GeneralDop853<ErasedSystem>>;
+    return std::make_unique<ControlledSteps<Stepper>>(problem, Stepper(problem, local_tolerance(tolerance)));
+}
+
 Trajectory solve_dop853(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
     if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
+    if (contact::has_events(problem.scene)) return contact::solve_events(problem, settings, dop853_steps);
     const double aim = local_tolerance(tolerance);
     if (has_formula_loads(problem.scene) && has_switches(problem))
         return march_controlled(problem, settings, ControlledDop853<GeneralDop853<SwitchedSystem>>(problem, aim));
@@ -205,14 +227,16 @@ constexpr Method dop853_variants[] = {
          "step size by the tolerance, compensated summation; any right-hand side. Twelve right-hand sides per "
          "attempted step, and nine per step that has samples inside it, for dense output of order 8. Rotations under "
          "the loads of a scene file run in vector registers, with the same bits on every instruction set. Suited to "
-         "loose tolerances and rough right-hand sides.",
+         "loose tolerances and rough right-hand sides. Events of contacts and joints are located on the dense output.",
      .source = "Dormand & Prince 1981; Hairer, Norsett & Wanner 1993, II.5 and II.10 (DOP853)",
      .conserves = "nothing",
      .control = Control::tolerance,
      .general_systems = true,
      .order = 0,
      .solve = solve_dop853,
-     .amplification = dop853_amplification},
+     .amplification = dop853_amplification,
+     .steps = dop853_steps,
+     .refusal = contact::event_refusal},
 };
 
 constexpr auto dop853_list = apply_defaults({.family = Family::runge_kutta}, dop853_variants);

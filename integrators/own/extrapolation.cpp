@@ -12,11 +12,13 @@
 #include <cmath>
 #include <optional>
 
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/own/compensated_state.h"
 #include "integrators/own/extrapolation_control.h"
 #include "integrators/own/lane_columns.h"
 #include "integrators/own/midpoint_columns.h"
 #include "integrators/own/record_system.h"
+#include "integrators/run/controlled_steps.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/tolerance.h"
 #include "motion/formula_model.h"
@@ -257,6 +259,7 @@ class ControlledExtrapolation {
     std::string cross_switch(std::size_t which) requires SwitchingState<Columns> {
         return columns_.cross_switch(which);
     }
+    const double* state() const { return columns_.state(); }
     auto sample(double t) const { return columns_.sample(t); }
     long rhs_evaluations() const { return evaluations_; }
 
@@ -267,9 +270,15 @@ class ControlledExtrapolation {
     long evaluations_ = 0;
 };
 
+std::unique_ptr<SystemSteps> extrapolation_steps(const Problem& problem, double tolerance) {
+    using Stepper = ControlledExtrapolation<GeneralColumns<ErasedSystem>>;
+    return std::make_unique<ControlledSteps<Stepper>>(problem, Stepper(problem, tolerance));
+}
+
 Trajectory solve_extrapolation(const Problem& problem, const Settings& settings) {
     const double tolerance = *settings.tolerance;
     if (!is_reachable(tolerance)) return unreachable_tolerance(tolerance);
+    if (contact::has_events(problem.scene)) return contact::solve_events(problem, settings, extrapolation_steps);
     if (has_formula_loads(problem.scene)) {
         // recorded equations do not switch
         if (has_switches(problem))
@@ -298,14 +307,17 @@ constexpr Method extrapolation_variants[] = {
          "with compensated summation; any right-hand side. The columns run side by side in vector registers, with the "
          "same bits on every instruction set. Free rotations and Lagrange's top have dedicated code; all other "
          "right-hand sides except user-defined torques are compiled to machine code for the scene. The error of each "
-         "component per step is limited to R times its scale, or to its rounding error if that is larger.",
+         "component per step is limited to R times its scale, or to its rounding error if that is larger. Events of "
+         "contacts and joints are located on a collocation polynomial of each step.",
      .source = "Gragg 1965, SIAM J. Numer. Anal. 2, 384; Bulirsch & Stoer 1966, Numer. Math. 8, 1; Deuflhard 1983, "
                "Numer. Math. 41, 399; Hairer, Norsett & Wanner 1993, II.9",
      .conserves = "nothing",
      .control = Control::tolerance,
      .general_systems = true,
      .order = 0,
-     .solve = solve_extrapolation},
+     .solve = solve_extrapolation,
+     .steps = extrapolation_steps,
+     .refusal = contact::event_refusal},
 };
 
 constexpr auto extrapolation_list = apply_defaults({.family = Family::extrapolation}, extrapolation_variants);

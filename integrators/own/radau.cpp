@@ -11,10 +11,12 @@
 #include <limits>
 #include <memory>
 
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/own/dense_systems.h"
 #include "integrators/own/radau_coefficients.h"
 #include "integrators/own/stages.h"
 #include "integrators/run/amplification.h"
+#include "integrators/run/controlled_steps.h"
 #include "integrators/run/march.h"
 #include "integrators/run/march_controlled.h"
 #include "integrators/run/refusals.h"
@@ -189,6 +191,7 @@ class Radau {
         if (system_.enter(segment, y_.data())) std::fill(rounding_error_.begin(), rounding_error_.end(), 0);
         last_h_ = 0;
     }
+    const double* state() const { return y_.data(); }
     auto sample(double t) const { return system_.motion(t, y_.data()); }
     bool finite() const { return all_finite(y_); }
     long rhs_evaluations() const { return evaluations_; }
@@ -481,8 +484,24 @@ class ControlledRadau : public Radau<SystemType> {
     long newton_failures_ = 0;
 };
 
-Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages) {
+template <int stages>
+std::unique_ptr<SystemSteps> radau_steps(const Problem& problem, double tolerance) {
+    using Stepper = ControlledRadau<ErasedSystem>;
+    return std::make_unique<ControlledSteps<Stepper>>(problem, Stepper(problem, local_tolerance(tolerance), stages));
+}
+
+int stages_for(double tolerance) {
+    // Order 9 takes a half to nine tenths of the time of order 13 at 1e-3, and more from 1e-5 on.
+    return tolerance > 3e-5 ? 5 : 7;
+}
+
+std::unique_ptr<SystemSteps> radau_steps_of_any_order(const Problem& problem, double tolerance) {
+    return stages_for(tolerance) == 5 ? radau_steps<5>(problem, tolerance) : radau_steps<7>(problem, tolerance);
+}
+
+Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages, MakeSystemSteps steps) {
     if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
+    if (contact::has_events(problem.scene)) return contact::solve_events(problem, settings, steps);
     if (!settings.step && has_formula_loads(problem.scene) && has_switches(problem))
         return march_controlled(problem, settings,
                                 ControlledRadau<SwitchedSystem>(problem, local_tolerance(*settings.tolerance), stages));
@@ -495,12 +514,16 @@ Trajectory solve_stages(const Problem& problem, const Settings& settings, int st
 
 template <int stages>
 Trajectory solve_radau(const Problem& problem, const Settings& settings) {
-    return solve_stages(problem, settings, stages);
+    return solve_stages(problem, settings, stages, radau_steps<stages>);
 }
 
 Trajectory solve_any_order(const Problem& problem, const Settings& settings) {
-    // Order 9 takes a half to nine tenths of the time of order 13 at 1e-3, and more from 1e-5 on.
-    return solve_stages(problem, settings, *settings.tolerance > 3e-5 ? 5 : 7);
+    return solve_stages(problem, settings, stages_for(*settings.tolerance), radau_steps_of_any_order);
+}
+
+std::string radau_refusal(const Problem& problem) {
+    if (std::string why = no_jacobian_of_user_torque(problem); !why.empty()) return why;
+    return contact::event_refusal(problem);
 }
 
 constexpr std::string_view radau_source =
@@ -522,24 +545,29 @@ constexpr Method radau_variants[] = {
          "order p, v, q, omega. Relative tolerance R, absolute tolerance R times the component's scale. Samples inside "
          "a step are computed by separate steps. The sum over steps is compensated. |q| is not projected; it stays 1 "
          "to within the tolerance. User-defined torques are `unsupported`, because they have no Jacobian. Right-hand "
-         "sides are counted, Jacobians (one per attempt) are not.",
+         "sides are counted, Jacobians (one per attempt) are not. Events of contacts and joints are located on a "
+         "collocation polynomial of each step.",
      .control = Control::tolerance,
-     .solve = solve_any_order},
+     .solve = solve_any_order,
+     .steps = radau_steps_of_any_order},
     {.name = "radau5",
      .documentation = fixed_order_documentation,
      .order = 5,
      .solve = solve_radau<3>,
-     .amplification = radau_amplification<3>},
+     .amplification = radau_amplification<3>,
+     .steps = radau_steps<3>},
     {.name = "radau9",
      .documentation = fixed_order_documentation,
      .order = 9,
      .solve = solve_radau<5>,
-     .amplification = radau_amplification<5>},
+     .amplification = radau_amplification<5>,
+     .steps = radau_steps<5>},
     {.name = "radau13",
      .documentation = fixed_order_documentation,
      .order = 13,
      .solve = solve_radau<7>,
-     .amplification = radau_amplification<7>},
+     .amplification = radau_amplification<7>,
+     .steps = radau_steps<7>},
 };
 
 constexpr auto radau_list = apply_defaults({.source = radau_source,
@@ -547,7 +575,7 @@ constexpr auto radau_list = apply_defaults({.source = radau_source,
                                             .control = Control::fixed_step_or_tolerance,
                                             .general_systems = true,
                                             .family = Family::runge_kutta,
-                                            .refusal = no_jacobian_of_user_torque},
+                                            .refusal = radau_refusal},
                                            radau_variants);
 
 }  // namespace

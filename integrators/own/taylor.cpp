@@ -21,8 +21,6 @@
 
 #include "integrators/closed_form/compensated_rotation.h"
 #include "integrators/contact/solve_contacts.h"
-#include "integrators/contact/solve_joints.h"
-#include "integrators/contact/solve_spheres.h"
 #include "integrators/own/binary_parts.h"
 #include "integrators/own/record_system.h"
 #include "integrators/run/solver_run.h"
@@ -558,9 +556,7 @@ Trajectory solve_with_series(const Problem& problem, const Settings& settings) {
 }
 
 Trajectory solve_taylor(const Problem& problem, const Settings& settings) {
-    if (has_sphere_contacts(problem.scene)) return contact::solve_spheres(problem, settings);
-    if (!problem.scene.planes.empty()) return contact::solve_contacts(problem, settings);
-    if (contact::has_joint_events(problem.scene)) return contact::solve_joints(problem, settings);
+    if (contact::has_events(problem.scene)) return contact::solve_events(problem, settings);
     if (has_formula_loads(problem.scene)) {
         if (*settings.tolerance < extended_below && has_extended)
             return solve_with_series<ExtendedSeries<FormulaSystem>, FormulaSystem>(problem, settings);

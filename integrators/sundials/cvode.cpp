@@ -1,12 +1,16 @@
 // CVODE's variable-order, variable-step linear multistep methods.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/run/refusals.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/sundials/cvode_session.h"
@@ -77,7 +81,70 @@ class SwitchedCvodeSession : public CvodeSession<SwitchedSystem> {
     }
 };
 
+/// Steps of CVODE. A step that would exceed `longest` ends there.
+class CvodeSteps : public SystemSteps {
+  public:
+    CvodeSteps(const Problem& problem, Multistep multistep, Iteration iteration, double tolerance)
+        : session_(problem, multistep, iteration, tolerance) {
+        session_.restart();
+        flag_ = session_.enter(problem.segments.front());
+    }
+    double step(double longest) override {
+        constexpr int standstill = 100;
+        begin_ = session_.time();
+        const double end = begin_ + longest;
+        // flags below zero are errors
+        for (int i = 0; i < standstill && flag_ >= 0; ++i) {
+            flag_ = session_.step_to(end);
+            if (flag_ >= 0 && session_.time() > begin_)
+                return session_.time() == end ? longest : session_.time() - begin_;
+        }
+        return 0;
+    }
+    std::string fault() override { return flag_ < 0 ? session_.failure(flag_).message : "CVODE does not advance"; }
+    const double* state() override { return session_.y(); }
+    int dense_degree() override { return session_.last_order(); }
+    void inside(double s, double* y) override { session_.state_inside(begin_ + s, y); }
+
+  private:
+    class Session : public CvodeSession<ErasedSystem> {
+        using Base = CvodeSession<ErasedSystem>;
+
+      public:
+        using Base::Base;
+        /// One step, which ends at t at the latest.
+        int step_to(double t) {
+            // without a limit, the end only bounds the estimate of the first step
+            constexpr double far = 1e3;
+            const bool is_limited = t < std::numeric_limits<double>::max();
+            this->end_ = is_limited ? t : this->time() + far;
+            const int flag = CVodeSetStopTime(this->memory(), is_limited ? t : 1e300);
+            return flag < 0 ? flag : Base::step();
+        }
+        int last_order() {
+            int order = 1;
+            CVodeGetLastOrder(this->memory(), &order);
+            return order;
+        }
+        void state_inside(double t, double* y) { std::copy_n(this->interpolated_state(t), this->size(), y); }
+    };
+    Session session_;
+    double begin_ = 0;
+    int flag_ = 0;
+};
+
+std::unique_ptr<SystemSteps> cvode_adams_steps(const Problem& problem, double tolerance) {
+    return std::make_unique<CvodeSteps>(problem, Multistep::adams, Iteration::functional, tolerance);
+}
+
+std::unique_ptr<SystemSteps> cvode_bdf_steps(const Problem& problem, double tolerance) {
+    return std::make_unique<CvodeSteps>(problem, Multistep::bdf, Iteration::newton, tolerance);
+}
+
 Trajectory solve_cvode(const Problem& problem, const Settings& settings, Multistep multistep, Iteration iteration) {
+    if (contact::has_events(problem.scene))
+        return contact::solve_events(problem, settings,
+                                     multistep == Multistep::adams ? cvode_adams_steps : cvode_bdf_steps);
     if (has_formula_loads(problem.scene) && has_switches(problem)) {
         SwitchedCvodeSession session(problem, multistep, iteration, *settings.tolerance);
         return run_sundials(problem, settings, session);
@@ -112,6 +179,11 @@ Trajectory solve_projected_bdf(const Problem& problem, const Settings& settings)
     });
 }
 
+std::string bdf_refusal(const Problem& problem) {
+    if (std::string why = no_jacobian_of_user_torque(problem); !why.empty()) return why;
+    return contact::event_refusal(problem);
+}
+
 constexpr std::string_view cvode_source =
     "Hindmarsh, Brown, Grant, Lee, Serban, Shumaker & Woodward 2005, SUNDIALS: suite of nonlinear and "
     "differential/algebraic equation solvers, ACM Trans. Math. Softw. 31, 363-396";
@@ -123,9 +195,13 @@ constexpr Method cvode_variants[] = {
          "equation is solved by functional iteration, which needs no Jacobian, to a thousandth of the error allowed by "
          "the error test. Relative tolerance R, absolute tolerance R times the component's scale. CVODE controls the "
          "steps. They stop exactly at every event, where the history restarts. Samples inside a step use its dense "
-         "output (the interpolating polynomial of the step's order), so the steps do not depend on the sampling.",
+         "output (the interpolating polynomial of the step's order), so the steps do not depend on the sampling. "
+         "Events "
+         "of contacts and joints are located on the same polynomial; the history restarts after each.",
      .general_systems = true,
-     .solve = solve_adams},
+     .solve = solve_adams,
+     .steps = cvode_adams_steps,
+     .refusal = contact::event_refusal},
     {.name = "cvode_bdf",
      .documentation =
          "CVODE's backward differentiation formulas of order 1 to 5 in fixed-leading-coefficient Nordsieck form, for "
@@ -136,7 +212,8 @@ constexpr Method cvode_variants[] = {
          "have no Jacobian.",
      .general_systems = true,
      .solve = solve_bdf,
-     .refusal = no_jacobian_of_user_torque},
+     .steps = cvode_bdf_steps,
+     .refusal = bdf_refusal},
     {.name = "cvode_bdf_projected",
      .documentation =
          "`cvode_bdf` with CVODE's projection of the end of each step onto |q| = 1 and the motion's invariants, as in "

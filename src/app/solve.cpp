@@ -148,22 +148,24 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
                      const Settings& settings) {
     if (!options.contacts.any()) return true;
-    if (contact::has_joint_events(problem.scene) && method.family == Family::series)
+    const bool follows = follows_events(method) && method.family != Family::reference;
+    if (contact::has_joint_events(problem.scene) && follows)
         return write_joint_events(problem.scene, options.contacts,
-                                  contact::follow_joints_in_binary64(problem, settings).events);
+                                  contact::follow_joints_in_binary64(problem, settings, method.steps).events);
     const bool to_stdout = !options.output.empty();
     if (method.family == Family::reference) {
         constexpr int digits = 17;
         return write_contacts(problem.scene, options.contacts,
                               decimal_reference(problem.scene, options.samples, digits), to_stdout);
     }
-    if (method.name == "taylor" && has_sphere_contacts(problem.scene))
+    if (follows && has_sphere_contacts(problem.scene))
+        return write_contacts(
+            problem.scene, options.contacts,
+            contact::merge_records(contact::follow_spheres_in_binary64(problem, settings, method.steps).records),
+            to_stdout);
+    if (follows)
         return write_contacts(problem.scene, options.contacts,
-                              contact::merge_records(contact::follow_spheres_in_binary64(problem, settings).records),
-                              to_stdout);
-    if (method.name == "taylor")
-        return write_contacts(problem.scene, options.contacts, contact::follow_in_binary64(problem, settings).record,
-                              to_stdout);
+                              contact::follow_in_binary64(problem, settings, method.steps).record, to_stdout);
     std::fputs(
         fmt::format("polhode: --modes and --events: {} does not record contacts; use taylor or truth\n", method.name)
             .c_str(),

@@ -5,6 +5,7 @@
 #include "app/lookup.h"
 #include "integrators/contact/solve_contacts.h"
 #include "integrators/contact/solve_joints.h"
+#include "integrators/contact/solve_spheres.h"
 #include "integrators/truth/reference.h"
 #include "python/bindings.h"
 #include "scene/plane_file.h"
@@ -17,20 +18,34 @@ namespace {
 // impulses are numbers for a method and decimals for a truth.
 using Lists = std::pair<py::list, py::list>;
 
-// Throws UsageError unless the run has a record of events.
-void require_record(const SolvedScene& solved) {
-    const Scene& scene = solved.scene->scene();
-    if (has_sphere_contacts(scene))
-        throw UsageError("events of several bodies are not available in Python; use polhode truth --events");
-    if (scene.planes.empty() && !contact::has_joint_events(scene))
-        throw UsageError("the scene has no planes, and no joint has friction or limits");
-    if (!solved.settings || solved.method != "taylor")
+// The method of the run. Throws UsageError unless it records events.
+const Method& recording_method(const SolvedScene& solved) {
+    if (!contact::has_events(solved.scene->scene()))
+        throw UsageError("the scene has no planes or contacts, and no joint has friction or limits");
+    const Method* method = find_method(solved.method);
+    if (!solved.settings || !method || !follows_events(*method))
         throw UsageError(fmt::format("{} does not record events; use taylor or polhode.truth()", solved.method));
+    return *method;
+}
+
+// "PLANE" for one body, "BODY and OTHER" for several.
+std::string name_of_contact(const Scene& scene, std::size_t plane) {
+    if (!has_sphere_contacts(scene)) return plane_name(scene, plane);
+    const ContactNames names = contact_names(scene, plane);
+    return fmt::format("{} and {}", names.body, names.other);
+}
+
+// In flight: the body, if there are several.
+std::string name_in_mode(const Scene& scene, std::size_t plane, bool flies) {
+    if (!flies) return name_of_contact(scene, plane);
+    return has_sphere_contacts(scene) ? contact_names(scene, plane).body : "";
 }
 
 Lists joint_events(const SolvedScene& solved) {
+    const Method& method = recording_method(solved);
     const auto run = call([&] {
-        return contact::follow_joints_in_binary64(*solved.scene->problem(solved.formulation, false), *solved.settings);
+        return contact::follow_joints_in_binary64(*solved.scene->problem(solved.formulation, false), *solved.settings,
+                                                  method.steps);
     });
     Lists lists;
     for (const auto& e : run.events)
@@ -41,40 +56,42 @@ Lists joint_events(const SolvedScene& solved) {
 }
 
 Lists events_of_run(const SolvedScene& solved) {
-    require_record(solved);
+    const Method& method = recording_method(solved);
     const Scene& scene = solved.scene->scene();
     if (contact::has_joint_events(scene)) return joint_events(solved);
-    const auto run = call([&] {
-        return contact::follow_in_binary64(*solved.scene->problem(solved.formulation, false), *solved.settings);
+    const contact::Record<double> record = call([&] {
+        const auto problem = solved.scene->problem(solved.formulation, false);
+        if (has_sphere_contacts(scene))
+            return contact::merge_records(
+                contact::follow_spheres_in_binary64(*problem, *solved.settings, method.steps).records);
+        return contact::follow_in_binary64(*problem, *solved.settings, method.steps).record;
     });
     Lists lists;
-    for (const auto& e : run.record.events) {
+    for (const auto& e : record.events) {
         const Vector3<double>& J = e.tangential_impulse_W;
-        lists.first.append(py::make_tuple(e.t, plane_name(scene, e.plane),
+        lists.first.append(py::make_tuple(e.t, name_of_contact(scene, e.plane),
                                           contact::event_names[static_cast<std::size_t>(e.kind)], e.normal_impulse,
                                           py::make_tuple(J[0], J[1], J[2])));
     }
-    for (const auto& in : run.record.intervals)
+    for (const auto& in : record.intervals)
         lists.second.append(py::make_tuple(in.from, in.to,
-                                           in.mode == contact::Mode::flight ? "" : plane_name(scene, in.plane),
+                                           name_in_mode(scene, in.plane, in.mode == contact::Mode::flight),
                                            contact::mode_names[static_cast<std::size_t>(in.mode)], in.largest_ratio));
     return lists;
 }
 
 Lists events_of_truth(const DecimalReference& truth, const ReadScene& read) {
     const Scene& scene = read.scene();
-    if (has_sphere_contacts(scene))
-        throw UsageError("events of several bodies are not available in Python; use polhode truth --events");
     const bool joints = contact::has_joint_events(scene);
     Lists lists;
     for (const DecimalContactEvent& e : truth.contact_events) {
         const auto& J = e.tangential_impulse;
-        lists.first.append(py::make_tuple(e.t, joints ? scene.joints[e.plane].name : plane_name(scene, e.plane),
+        lists.first.append(py::make_tuple(e.t, joints ? scene.joints[e.plane].name : name_of_contact(scene, e.plane),
                                           e.event, e.normal_impulse, py::make_tuple(J[0], J[1], J[2])));
     }
     for (const DecimalContactInterval& in : truth.contact_intervals)
-        lists.second.append(py::make_tuple(in.from, in.to, in.mode == "flight" ? "" : plane_name(scene, in.plane),
-                                           in.mode, in.largest_ratio));
+        lists.second.append(py::make_tuple(in.from, in.to, name_in_mode(scene, in.plane, in.mode == "flight"), in.mode,
+                                           in.largest_ratio));
     return lists;
 }
 

@@ -70,7 +70,7 @@ TEST(ContactCatalogue, EverySceneIsSolvedByTaylorAndRefusedByMethodsWithoutConta
         Settings settings;
         settings.samples = 2;
         EXPECT_EQ(solve(find_scene(name), *find_method("taylor"), settings).status, Status::ok) << name;
-        const Trajectory refused = solve(find_scene(name), *find_method("dop853"), settings);
+        const Trajectory refused = solve(find_scene(name), *find_method("odeint_dopri5"), settings);
         EXPECT_EQ(refused.status, Status::unsupported) << name;
         EXPECT_FALSE(refused.message.empty()) << name;
     }

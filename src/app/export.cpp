@@ -11,10 +11,10 @@
 #include "app/commands.h"
 #include "app/lookup.h"
 #include "check/golden.h"
+#include "integrators/contact/solve_contacts.h"
 #include "scene/joint_motions.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
-#include "scene/sphere_contacts.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -49,16 +49,14 @@ int export_command(const ExportOptions& options) {
     if (has_joint_motions(scene))
         throw InputError(options.scene, "/joints", "have a prescribed motion, which golden data cannot represent",
                          "use polhode truth, or joints without \"motion\"");
-    if (has_sphere_contacts(scene))
-        throw InputError(options.scene, scene.contacts.empty() ? "/planes" : "/contacts",
-                         "are contacts of several bodies, which golden data cannot represent",
-                         "use polhode truth, or a scene with one body");
     const Reference truth = reference(scene, options.samples);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);
         return 1;
     }
-    const Golden data = golden(scene, truth, convention);
+    std::vector<DecimalContactEvent> events;
+    if (contact::has_events(scene)) events = decimal_reference(scene, options.samples).contact_events;
+    const Golden data = golden(scene, truth, convention, events);
     std::string text;
     try {
         text = golden_text(data, golden_formats.at(options.format), options.floats);
@@ -70,6 +68,9 @@ int export_command(const ExportOptions& options) {
                                       truth.message, data.bound);
     for (const GoldenTolerance& t : data.tolerances)
         summary += fmt::format("tolerance  {}: {:.4g} ({})\n", t.block, t.value, t.from);
+    if (!data.events.empty())
+        summary += fmt::format("events     {}, tolerance {:.4g} s (a step at 60 Hz)\n", data.events.size(),
+                               golden_event_tolerance);
     std::fputs(summary.c_str(), stderr);
     return 0;
 }
@@ -81,7 +82,8 @@ void add_export(CLI::App& program, int& exit_code) {
         program.add_subcommand("export",
                                "Exports golden data of a scene for the unit tests of an engine: body, shape, planes, "
                                "loads, initial state, the "
-                               "truth at N + 1 times with its error bound, and a tolerance for each block.");
+                               "truth at N + 1 times with its error bound, its events at contacts and joints, and a "
+                               "tolerance for each block.");
     command->footer(
         "The tolerance of a block is the scene's \"tolerated\". If there is none, it is the larger of the default of\n"
         "polhode check and ten times the error caused by rounding the initial state to binary32.\n"

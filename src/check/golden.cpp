@@ -9,10 +9,14 @@
 #include "check/file_errors.h"
 #include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
+#include "motion/contact.h"
 #include "motion/mechanism_motion.h"
 #include "scene/body_hull.h"
 #include "scene/scene_file.h"
+#include "scene/sphere_contacts.h"
 #include "text/content_hash.h"
+#include "text/decimal.h"
+#include "text/message.h"
 
 namespace polhode {
 namespace {
@@ -90,6 +94,13 @@ class ConventionConverter {
         l.first_axis = pseudovector(l.first_axis, 0), l.second_axis = pseudovector(l.second_axis, 0);
         l.length = scale(l.length, 1);
     }
+    void operator()(Plane& plane) const {
+        // the offset refers to the unit normal
+        const double size = length(plane.normal_W);
+        plane.offset = scale(plane.offset, 1) / size, plane.normal_W = vector((1 / size) * plane.normal_W, 0);
+        plane.torsional_friction = scale(plane.torsional_friction, 1);
+        plane.rolling_friction = scale(plane.rolling_friction, 1);
+    }
     void operator()(Body& body) const {
         body.source = nullptr;
         body.center_of_mass = vector(body.center_of_mass, 1);
@@ -114,6 +125,27 @@ SupportPiece<double> convert_piece(const ConventionConverter& converter, Support
     return piece;
 }
 
+// Moves a body whose start was rounded back to the planes that it touches.
+void restore_contacts(const Scene& scene, const Body& body, const Initial& exact, Initial& start) {
+    if (scene.planes.empty() || !body.source) return;
+    Scene alone;
+    alone.planes = scene.planes, alone.body = body;
+    const Vector3<double> center = mass_properties<double>(body).center;
+    const ContactGeometry<double> geometry = contact_geometry(alone, center, Quaternion<double>{});
+    const auto placed = [&](const Initial& at) {
+        return Placement<double>{
+            normalized(at.orientation), at.position_W + rotate(normalized(at.orientation), center), at.velocity_W, {}};
+    };
+    constexpr double touching = 1e-9;
+    std::vector<std::size_t> touched;
+    for (std::size_t k = 0; k < scene.planes.size(); ++k)
+        if (geometry.distance(k, placed(exact)) < touching * geometry.reach) touched.push_back(k);
+    // two planes: alternately
+    for (int round = 0; round < 200; ++round)
+        for (const std::size_t k : touched)
+            start.position_W = start.position_W - geometry.distance(k, placed(start)) * geometry.planes[k].normal_W;
+}
+
 // Attitude error caused by rounding the start to binary32, rad; pi if it is not available.
 double measured_float32_floor(const Scene& scene, const Reference& truth) {
     Scene rounded_scene = scene;
@@ -130,7 +162,12 @@ double measured_float32_floor(const Scene& scene, const Reference& truth) {
             for (double& x : v->component) narrow(x);
     };
     narrow_start(rounded_scene.initial);
-    for (NamedBody& body : rounded_scene.bodies) narrow_start(body.initial);
+    restore_contacts(scene, scene.body, scene.initial, rounded_scene.initial);
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        Initial& start = rounded_scene.bodies[b].initial;
+        narrow_start(start);
+        restore_contacts(scene, scene.bodies[b].body, scene.bodies[b].initial, start);
+    }
     for (Joint& joint : rounded_scene.joints) {
         narrow_attitude(joint.orientation);
         for (double& x : joint.angular_velocity.component) narrow(x);
@@ -139,7 +176,13 @@ double measured_float32_floor(const Scene& scene, const Reference& truth) {
     std::vector<double> times;
     const std::size_t bodies = static_cast<std::size_t>(truth.bodies);
     for (std::size_t k = 0; k < truth.samples.size(); k += bodies) times.push_back(truth.samples[k].t);
-    const Reference other = reference(rounded_scene, times);
+    Reference other;
+    try {
+        other = reference(rounded_scene, times);
+    } catch (const InputError&) {
+        // bodies that touch each other at the start may penetrate after rounding
+        return std::numbers::pi;
+    }
     if (!other.available) return std::numbers::pi;
     double largest = 0;
     for (std::size_t k = 0; k < truth.samples.size(); ++k)
@@ -204,24 +247,44 @@ Scene convert_scene(const Convention& convention, const Scene& scene) {
             motor->force =
                 converter.generalized(*std::ranges::find(scene.joints, motor->joint, &Joint::name), motor->force);
     }
-    for (Plane& plane : there.planes) {
-        // the offset refers to the unit normal
-        const double size = length(plane.normal_W);
-        plane.offset = converter.scale(plane.offset, 1) / size,
-        plane.normal_W = converter.vector((1 / size) * plane.normal_W, 0);
-    }
+    for (Plane& plane : there.planes) converter(plane);
     return there;
 }
 
-Golden golden(const Scene& scene, const Reference& truth, const Convention& convention) {
+static GoldenEvent golden_event(const Scene& scene, const DecimalContactEvent& event,
+                                const ConventionConverter& converter) {
+    const auto number = [](const std::string& decimal) { return parse_decimal(decimal).value_or(0); };
+    GoldenEvent result{number(event.t), "", "", event.event, number(event.normal_impulse), {}};
+    if (scene.planes.empty() && scene.contacts.empty()) {
+        const Joint& joint = scene.joints[event.plane];
+        result.body = joint.name, result.impulse = converter.generalized(joint, result.impulse);
+        return result;
+    }
+    const ContactNames names = contact_names(scene, event.plane);
+    result.body = names.body, result.other = names.other, result.impulse = converter.scale(result.impulse, 1);
+    for (std::size_t i = 0; i < 3; ++i) result.tangential_impulse[i] = number(event.tangential_impulse[i]);
+    result.tangential_impulse = converter.vector(result.tangential_impulse, 1);
+    return result;
+}
+
+Golden golden(const Scene& scene, const Reference& truth, const Convention& convention,
+              std::span<const DecimalContactEvent> events) {
     if (!truth.available || truth.samples.empty()) throw std::invalid_argument("no truth available to export");
     const ConventionConverter converter(convention);
     Golden g;
     g.scene_hash = content_hash(write_scene(scene)), g.truth = truth.message, g.convention = convention;
     g.scene = convert_scene(convention, scene);
-    if (scene.body.source)
-        for (const SupportPiece<double>& piece : hull<double>(*scene.body.source))
-            g.shape.push_back(convert_piece(converter, piece));
+    const auto add_shape = [&](const Body& body) {
+        g.shapes.emplace_back();
+        if (!body.source) return;
+        for (const SupportPiece<double>& piece : hull<double>(*body.source))
+            g.shapes.back().push_back(convert_piece(converter, piece));
+    };
+    // joints keep bodies apart: their shapes do not affect the motion
+    if (scene.bodies.empty()) add_shape(scene.body);
+    if (has_sphere_contacts(scene))
+        for (const NamedBody& body : scene.bodies) add_shape(body.body);
+    for (const DecimalContactEvent& event : events) g.events.push_back(golden_event(scene, event, converter));
     // rounding to binary64 rotates a quaternion by at most 4 2^-53 rad; the relative change of a vector is less
     g.bound = truth.bound + 0x1p-51;
     g.motion.has_angular_velocity = g.motion.has_position = g.motion.has_velocity = true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,24 @@ struct GoldenTolerance {
     std::string from;   ///< where it was set
 };
 
+/// An event at a contact, or at a joint with friction or limits.
+struct GoldenEvent {
+    double t = 0;       ///< s
+    std::string body;   ///< name; of an event of a joint: the joint
+    std::string other;  ///< name of the plane or of the other body; empty for a joint
+    std::string event;  ///< "impact", "lands", "rolls", ..
+    /// Along the normal, kg m/s in the convention's unit of length; of a joint: on its coordinate.
+    double impulse = 0;
+    Vector3<double> tangential_impulse;  ///< on the body, world axes; zero for a joint
+};
+
 /// The data that an engine's test needs, in the axes and units of a convention.
 struct Golden {
     std::string scene_hash, truth;
     Convention convention;
-    Scene scene;                              ///< in the convention's axes and unit of length
-    std::vector<SupportPiece<double>> shape;  ///< their convex hull is the body, from its origin
+    Scene scene;  ///< in the convention's axes and unit of length
+    /// For each body: the pieces whose convex hull is the body, from its origin; empty if the scene does not say.
+    std::vector<std::vector<SupportPiece<double>>> shapes;
     /// The rows at t = 0 are the start. w in rad/s, or degrees/s in a convention with degrees.
     TrajectoryFile motion;
     std::vector<double> energy;             ///< kinetic and potential, at each time, kg m^2/s^2
@@ -32,6 +45,7 @@ struct Golden {
     /// Reactions of several bodies, kg m/s^2 and kg m^2/s^2: at each time those of the joints, then of the loops.
     /// Empty if the truth does not determine them.
     std::vector<Vector3<double>> forces, torques;
+    std::vector<GoldenEvent> events;              ///< by time
     double energy_scale = 1, momentum_scale = 1;  ///< scales of their errors; 1 for absolute errors
     double bound = 0;  ///< error bound of the numbers with rounding to binary64, rad and relative
     std::vector<GoldenTolerance> tolerances;  ///< one per block, the attitude (rad) first
@@ -49,7 +63,12 @@ Scene convert_scene(const Convention& convention, const Scene& scene);
 /// tolerance is the default limit of `check` (see ErrorLimits) or ten times the float32 floor, whichever is larger,
 /// so that binary32 engines can meet it. The floor comes from the conditioning. If this is not available, the floor
 /// is the error caused by one rounding of the start to binary32, or else pi.
-Golden golden(const Scene& scene, const Reference& truth, const Convention& convention);
+///
+/// The tolerance of event times is a step of an engine at 60 Hz, because it sees an event at the end of a step.
+Golden golden(const Scene& scene, const Reference& truth, const Convention& convention,
+              std::span<const DecimalContactEvent> events);
+/// s
+inline constexpr double golden_event_tolerance = 1.0 / 60;
 
 /// Output formats of golden data.
 enum class GoldenFormat {

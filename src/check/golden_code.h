@@ -151,7 +151,9 @@ inline std::string replace_all(std::string text, const std::string& what, const 
     return text;
 }
 
-/// The bodies, joints, loops and loads of a scene of several bodies, in the form of scene files.
+/// The pieces of a body's hull as JSON.
+ordered_json shape_of(const std::vector<SupportPiece<double>>& pieces, const Numbers& number);
+/// The bodies, joints, loops, planes, contacts and loads of a scene of several bodies, in the form of scene files.
 ordered_json system_surroundings(const Golden& golden, const Numbers& number);
 /// The constants of these parts. They refer to bodies and joints by index. `m`: the unit of length.
 void add_system_fields(const Golden& golden, const ordered_json& surroundings, const std::string& m, FieldList& all);

@@ -55,6 +55,9 @@ std::map<std::string, std::string> units_of_members(const std::string& m) {
             {"displacement", m},
             {"speed", m + "/s"},
             {"length", m},
+            {"offset", m},
+            {"torsional_friction", m},
+            {"rolling_friction", m},
             {"rest_length", m},
             {"point", m},
             {"from", "s"},
@@ -100,11 +103,16 @@ class MemberFields {
                              word + ": 0 revolute, 1 prismatic, 2 spherical, 3 universal, 4 fixed, 5 distance");
             } else if (key == "frame" || key == "point_frame" || key == "angular_velocity_frame") {
                 all_.add(prefix + key + "_is_body", word == "body" ? 1 : 0, "1: body axes, 0: world axes");
+            } else if (key == "restitution_law") {
+                all_.add(prefix + key, place_in({"stronge", "poisson", "newton"}, word),
+                         word + ": 0 stronge, 1 poisson, 2 newton");
             } else if (key == "joint") {
                 all_.add(prefix + key, place_in(joints_, word), word);
             } else {
                 all_.add(prefix + key, place_in(bodies_, word), word + ": index of the body, -1 for the world");
             }
+        } else if (value.is_boolean()) {
+            all_.add(prefix + key, value ? 1 : 0, "1: yes");
         } else if (!(value.is_array() && value.empty())) {
             all_.add(prefix + key, value, units_.contains(key) ? units_.at(key) : "");
         }
@@ -129,10 +137,24 @@ ordered_json system_surroundings(const Golden& g, const Numbers& number) {
                           {{"mass", number(body.body.mass)},
                            {"center_of_mass", number(body.body.center_of_mass)},
                            {"inertia", number(body.body.inertia_B)}}}};
+        if (b < g.shapes.size()) one["shape"] = shape_of(g.shapes[b], number);
         if (written["bodies"][b].contains("initial")) one["initial"] = written["bodies"][b]["initial"];
         all["bodies"].push_back(std::move(one));
     }
     for (const char* list : {"joints", "loops", "loads"}) all[list] = written.value(list, ordered_json::array());
+    for (const char* list : {"planes", "contacts"})
+        if (written.contains(list)) all[list] = written[list];
+    return all;
+}
+
+ordered_json shape_of(const std::vector<SupportPiece<double>>& pieces, const Numbers& number) {
+    ordered_json all = ordered_json::array();
+    for (const SupportPiece<double>& piece : pieces) {
+        ordered_json one{{"center", number(piece.center)}};
+        if (piece.extended) one["semi_axes"] = number(transposed(piece.semi_axes));
+        if (piece.radius > 0) one["radius"] = number(piece.radius);
+        all.push_back(std::move(one));
+    }
     return all;
 }
 
@@ -142,6 +164,10 @@ void add_system_fields(const Golden& g, const ordered_json& around, const std::s
     all.add("bodies", bodies.size(), "");
     for (std::size_t b = 0; b < bodies.size(); ++b) all.add("body_" + body_identifiers(bodies[b]), b, bodies[b]);
     add_body_constants(around["bodies"], m, all);
+    // spheres with contacts have centres of mass in their middles
+    ordered_json radius = ordered_json::array();
+    for (const auto& pieces : g.shapes) radius.push_back(pieces.empty() ? 0 : pieces.front().radius);
+    if (!radius.empty()) all.add("radius", radius, m + ", one per body");
     all.add("joints", around["joints"].size(), "");
     all.add("loops", around["loops"].size(), "");
 
@@ -152,6 +178,10 @@ void add_system_fields(const Golden& g, const ordered_json& around, const std::s
             all.add(prefix + "number", members.joint_index(one["name"]), one["name"]);
             for (const auto& [key, value] : one.items()) members.add(prefix, key, value);
         }
+    for (const char* list : {"planes", "contacts"})
+        for (std::size_t i = 0; around.contains(list) && i < around[list].size(); ++i)
+            for (const auto& [key, value] : around[list][i].items())
+                members.add(fmt::format("{}_{}_", list[0] == 'p' ? "plane" : "contact", i), key, value);
     for (std::size_t i = 0; i < around["loads"].size(); ++i) {
         const ordered_json& load = around["loads"][i];
         const std::string prefix = fmt::format("{}_{}_", load.value("type", std::string("load")), i);

@@ -26,13 +26,7 @@ ordered_json surroundings(const Golden& g, const Numbers& number) {
                    {"center_of_mass", number(body.center_of_mass)},
                    {"inertia", number(body.inertia_B)}};
     all["pivot"] = g.scene.pivot ? number(*g.scene.pivot) : ordered_json(nullptr);
-    all["shape"] = ordered_json::array();
-    for (const SupportPiece<double>& piece : g.shape) {
-        ordered_json one{{"center", number(piece.center)}};
-        if (piece.extended) one["semi_axes"] = number(transposed(piece.semi_axes));
-        if (piece.radius > 0) one["radius"] = number(piece.radius);
-        all["shape"].push_back(std::move(one));
-    }
+    all["shape"] = shape_of(g.shapes.front(), number);
     // in the form of scene files
     const ordered_json written = number.all_of(ordered_json::parse(write_scene(g.scene)));
     for (const char* list : {"planes", "loads"}) all[list] = written.value(list, ordered_json::array());
@@ -42,6 +36,18 @@ ordered_json surroundings(const Golden& g, const Numbers& number) {
                 std::rotate(load["rest_orientation"].begin(), load["rest_orientation"].begin() + 1,
                             load["rest_orientation"].end());
     return all;
+}
+
+ordered_json event_of(const GoldenEvent& event, const Numbers& number) {
+    if (event.other.empty())
+        return {
+            {"t", number(event.t)}, {"joint", event.body}, {"event", event.event}, {"impulse", number(event.impulse)}};
+    return {{"t", number(event.t)},
+            {"body", event.body},
+            {"other", event.other},
+            {"event", event.event},
+            {"normal_impulse", number(event.impulse)},
+            {"tangential_impulse", number(event.tangential_impulse)}};
 }
 
 std::string csv(const Golden& g, const Numbers& number) {
@@ -90,6 +96,11 @@ std::string json(const Golden& g, const Numbers& number) {
         for (const Vector3<double>& force : g.forces) all["reaction_forces"].push_back(number(force));
         for (const Vector3<double>& torque : g.torques) all["reaction_torques"].push_back(number(torque));
     }
+    if (!g.events.empty()) {
+        all["event_time_tolerance"] = number(golden_event_tolerance);
+        all["events"] = ordered_json::array();
+        for (const GoldenEvent& event : g.events) all["events"].push_back(event_of(event, number));
+    }
     // one line per key and per sample
     std::string text;
     for (const auto& [key, value] : all.items())
@@ -120,6 +131,8 @@ void add_body_fields(const Golden& g, const ordered_json& around, const std::str
         {"stiffness", "kg " + m + "^2/s^2"},
         {"point", m},
         {"offset", m},
+        {"torsional_friction", m},
+        {"rolling_friction", m},
         {"center", m},
         {"semi_axes", m + ", one per row: the piece is center + the ellipsoid, "
                           "swept by a ball of the radius"},
@@ -133,7 +146,13 @@ void add_body_fields(const Golden& g, const ordered_json& around, const std::str
         for (const auto& [key, value] : members.items()) {
             if (key == "type" || key == "name") continue;
             // a frame becomes a flag: 1 for the body's
-            if (value.is_string())
+            if (key == "restitution_law")
+                all.add(prefix + key,
+                        value == "stronge"   ? 0
+                        : value == "poisson" ? 1
+                                             : 2,
+                        "0 stronge, 1 poisson, 2 newton");
+            else if (value.is_string())
                 all.add(prefix + key + "_is_body", value == "body" ? 1 : 0, "1: body axes, 0: world axes");
             else
                 all.add(prefix + key, value,
@@ -185,9 +204,13 @@ void add_reactions(const Golden& g, const Numbers& number, const std::string& m,
     ordered_json forces = ordered_json::array(), torques = forces;
     for (const Vector3<double>& force : g.forces) forces.push_back(number(force));
     for (const Vector3<double>& torque : g.torques) torques.push_back(number(torque));
-    const std::string row = ", exerted by the parent on the child, world axes, row sample * (joints + loops) + joint";
+    const bool of_planes = !g.scene.planes.empty();
+    const std::string row =
+        of_planes ? ", exerted by a plane on the body, world axes, row sample * planes + plane"
+                  : ", exerted by the parent on the child, world axes, row sample * (joints + loops) + joint";
+    const std::string about = of_planes ? "the contact point" : "the child's point";
     all.add("reaction_force", forces, "kg " + m + "/s^2" + row);
-    all.add("reaction_torque", torques, "kg " + m + "^2/s^2, about the child's point" + row);
+    all.add("reaction_torque", torques, "kg " + m + "^2/s^2, about " + about + row);
 }
 
 void add_invariants(const Golden& g, const Numbers& number, const std::string& m, bool several, FieldList& all) {
@@ -206,6 +229,42 @@ void add_invariants(const Golden& g, const Numbers& number, const std::string& m
     all.add("momentum_scale", number(g.momentum_scale), per);
 }
 
+// Events as lists, with numbers for their kinds and for what they belong to.
+void add_events(const Golden& g, const Numbers& number, const std::string& m, FieldList& all) {
+    if (g.events.empty()) return;
+    std::vector<std::string> kinds, places;
+    const auto index = [](std::vector<std::string>& names, const std::string& name) {
+        const auto found = std::ranges::find(names, name);
+        if (found != names.end()) return static_cast<int>(found - names.begin());
+        names.push_back(name);
+        return static_cast<int>(names.size()) - 1;
+    };
+    const auto numbered = [](const std::vector<std::string>& names) {
+        std::string text;
+        for (std::size_t i = 0; i < names.size(); ++i) text += fmt::format("{}{} {}", i == 0 ? "" : ", ", i, names[i]);
+        return text;
+    };
+    ordered_json t = ordered_json::array(), kind = t, place = t, normal = t, tangential = t;
+    for (const GoldenEvent& event : g.events) {
+        t.push_back(number(event.t)), kind.push_back(index(kinds, event.event));
+        place.push_back(
+            index(places, event.other.empty() ? event.body : fmt::format("{} with {}", event.body, event.other)));
+        normal.push_back(number(event.impulse)), tangential.push_back(number(event.tangential_impulse));
+    }
+    const bool of_joints = g.events.front().other.empty();
+    all.add("events", g.events.size(), "");
+    all.add("event_t", t, "s");
+    all.add("event_kind", kind, numbered(kinds));
+    all.add("event_place", place, numbered(places));
+    if (of_joints) {
+        all.add("event_impulse", normal, "on the joint's coordinate, kg " + m + "^2/s or kg " + m + "/s");
+    } else {
+        all.add("event_normal_impulse", normal, "kg " + m + "/s");
+        all.add("event_tangential_impulse", tangential, "kg " + m + "/s, on the body, world axes");
+    }
+    all.add("event_time_tolerance", number(golden_event_tolerance), "s: a step at 60 Hz");
+}
+
 std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     FieldList all;
     const double unit = g.convention.length_unit;
@@ -222,6 +281,7 @@ std::vector<Field> fields_of(const Golden& g, const Numbers& number) {
     all.add("float32_floor", number(g.float32_floor), "rad: attitude error caused by rounding the start to binary32");
     add_motion(g, number, m, several, all);
     add_invariants(g, number, m, several, all);
+    add_events(g, number, m, all);
     return std::move(all.fields);
 }
 

@@ -247,6 +247,79 @@ TEST_F(Export, ToleranceIsReachableInFloat) {
     EXPECT_GT(wild["tolerance"], 0.05);
 }
 
+// Events with their impulses, and the coefficients of the plane. A ball of 1 kg that falls at v rebounds with 2 v for
+// restitution 1: the impulse is along the normal.
+TEST_F(Export, ContactScenesHaveEventsAndCoefficients) {
+    write("ball.json", R"({"name": "bounce", "duration": 1,
+        "body": {"shape": {"type": "sphere", "radius": 0.5}, "mass": 1},
+        "initial": {"position": [0, 0, 1.75]},
+        "planes": [{"name": "floor", "normal": [0, 0, 1], "offset": 0, "restitution": 1, "friction": 0.25,
+                    "rolling_friction": 0.5}],
+        "loads": [{"type": "gravity", "acceleration": [0, 0, -10]}]})");
+    const auto exported = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"export", "ball.json", "--samples", "2"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    const nlohmann::json data = nlohmann::json::parse(exported({"--format", "json"}), nullptr, false);
+    ASSERT_EQ(data["events"].size(), 1u);
+    const auto& event = data["events"][0];
+    EXPECT_EQ(event["event"], "impact");
+    EXPECT_EQ(event["other"], "floor");
+    EXPECT_EQ(event["t"], 0.5);
+    EXPECT_EQ(event["normal_impulse"], 10);
+    EXPECT_EQ(data["planes"][0]["friction"], 0.25);
+    EXPECT_EQ(data["planes"][0]["rolling_friction"], 0.5);
+    EXPECT_EQ(data["shape"][0]["radius"], 0.5);
+    EXPECT_NEAR(data["event_time_tolerance"].get<double>(), 1.0 / 60, 1e-15);
+    // lengths in cm: the impulse and the coefficient of rolling friction are 100 times as large
+    const nlohmann::json in_cm =
+        nlohmann::json::parse(exported({"--format", "json", "--convention", "centimetres"}), nullptr, false);
+    EXPECT_EQ(in_cm["events"][0]["normal_impulse"], 1000);
+    EXPECT_EQ(in_cm["planes"][0]["rolling_friction"], 50);
+    write("golden.h", exported({"--format", "c"}));
+    write("golden.c", R"(#include "golden.h"
+int main(void) {
+    return polhode_bounce_events == 1 && polhode_bounce_event_t[0] == 0.5 &&
+           polhode_bounce_event_normal_impulse[0] == 10 && polhode_bounce_plane_0_friction == 0.25 ? 0 : 1;
+})");
+    EXPECT_EQ(shell("cc -std=c99 -Wall -Werror golden.c -o golden -lm && ./golden"), 0);
+}
+
+TEST_F(Export, SpheresHaveRadiiAndContacts) {
+    write("two.json", R"({"name": "two", "duration": 1,
+        "bodies": [{"name": "a", "body": {"shape": {"type": "sphere", "radius": 0.5}, "mass": 1},
+                    "initial": {"position": [-1, 0, 0], "velocity": [2, 0, 0]}},
+                   {"name": "b", "body": {"shape": {"type": "sphere", "radius": 0.25}, "mass": 1},
+                    "initial": {"position": [0.75, 0, 0]}}],
+        "contacts": [{"first": "a", "second": "b", "restitution": 1, "friction": 0}]})");
+    const Outcome outcome = run({"export", "two.json", "--samples", "2", "--format", "json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json data = nlohmann::json::parse(outcome.out, nullptr, false);
+    EXPECT_EQ(data["bodies"][1]["shape"][0]["radius"], 0.25);
+    EXPECT_EQ(data["contacts"][0]["restitution"], 1);
+    ASSERT_EQ(data["events"].size(), 1u);
+    EXPECT_EQ(data["events"][0]["t"], 0.5);
+    EXPECT_EQ(data["events"][0]["normal_impulse"], 2);
+    ASSERT_EQ(run({"export", "two.json", "--samples", "2", "--format", "cpp", "--output", "two.h"}).exit_code, 0);
+    write("two.cpp",
+          "#include \"two.h\"\nstatic_assert(polhode_two::radius[1] == 0.25 && "
+          "polhode_two::contact_0_second == 1);\nint main() {}\n");
+    EXPECT_EQ(shell("c++ -std=c++17 -Wall -Werror -fsyntax-only two.cpp"), 0);
+}
+
+// Rounding to binary32 lets a body that touches a plane penetrate: it is moved back for the floor.
+TEST_F(Export, RollingBodiesHaveAFloor) {
+    const Outcome outcome =
+        run({"export", "contact/tippe_top", "--duration", "0.25", "--samples", "2", "--format", "json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json data = nlohmann::json::parse(outcome.out, nullptr, false);
+    EXPECT_GT(data["float32_floor"], 1e-9);
+    EXPECT_LT(data["float32_floor"], 0.1);
+}
+
 TEST_F(Export, RefusesBadUsage) {
     fs::remove(directory / "spin.json");
     expect_refused({"export", "no_such_scene"}, "no_such_scene");

@@ -23,11 +23,12 @@ namespace polhode::contact {
 template <class P>
 void refine_coefficients(std::vector<P>& coefficients, const std::vector<P>& exact, const P& h, double size) {
     P power(1);
-    for (std::size_t k = 0; k < coefficients.size(); ++k, power = power * h) {
+    for (std::size_t k = 0; k < coefficients.size(); ++k) {
         if (k < exact.size())
             coefficients[k] = exact[k];
         else if (!(Elementary<P>::magnitude(P(coefficients[k] * power)) > P(1e-13 * size)))
             coefficients[k] = P(0);
+        power = power * h;
     }
 }
 

@@ -1135,7 +1135,8 @@ class ContactDriver {
         // the clock comes last
         std::vector<double> scales(static_cast<std::size_t>(form_.clock()) + 1, scene_->duration);
         for (const Block& block : form_.blocks(sizes_, slip))
-            for (int i = 0; i < block.size; ++i) scales[static_cast<std::size_t>(block.first + i)] = block.scale;
+            for (int i = 0; i < block.size; ++i)
+                scales[static_cast<std::size_t>(block.first) + static_cast<std::size_t>(i)] = block.scale;
         steps_.start(form_, y_.data(), std::move(scales));
     }
     bool plan_step_of_method(Step step, double slip) {

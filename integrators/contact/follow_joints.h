@@ -510,7 +510,8 @@ class JointDriver {
     std::vector<double> state_scales() const {
         std::vector<double> scales(base_, scene_->duration);
         for (const Block& block : blocks_)
-            for (int i = 0; i < block.size; ++i) scales[static_cast<std::size_t>(block.first + i)] = block.scale;
+            for (int i = 0; i < block.size; ++i)
+                scales[static_cast<std::size_t>(block.first) + static_cast<std::size_t>(i)] = block.scale;
         if constexpr (requires { form_.widen_scales(y_.data(), scales); }) form_.widen_scales(y_.data(), scales);
         return scales;
     }

@@ -171,8 +171,8 @@ class JointTreeForm {
         derivative(y, dy.data());
         for (const Link<P>& one : tree_.links().links)
             for (int i = 0; one.kind != LinkJoint::free && i < std::min(one.rates(), one.coordinates()); ++i) {
-                const double size = scales[static_cast<std::size_t>(one.coordinate + i)];
-                const P& acceleration = dy[static_cast<std::size_t>(one.rate + i)];
+                const double size = scales[static_cast<std::size_t>(one.coordinate) + static_cast<std::size_t>(i)];
+                const P& acceleration = dy[static_cast<std::size_t>(one.rate) + static_cast<std::size_t>(i)];
                 widen(one.rate + i, std::sqrt(std::abs(static_cast<double>(acceleration)) * size));
                 widen(one.rate + i, size / scene_->duration);
             }

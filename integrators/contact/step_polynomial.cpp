@@ -76,7 +76,7 @@ void StepPolynomial::fit(const ChebyshevPoints& points, double h, int size,
         int highest = m;
         while (highest > 1 && std::abs(chebyshev_[index(i, highest)]) <= tolerance * largest) --highest;
         double per_power = 1 / h;
-        for (int p = 1; p <= highest; ++p, per_power /= h) {
+        for (int p = 1; p <= highest; ++p) {
             double sum = 0;
             for (int k = p; k <= highest; ++k) sum += chebyshev_[index(i, k)] * points.power(k, p);
             // beyond the range of numbers over a tiny step, whose motion is straight
@@ -85,6 +85,7 @@ void StepPolynomial::fit(const ChebyshevPoints& points, double h, int size,
                 coefficients_[index(i, p)] = sum * per_power;
             else
                 coefficients_[index(i, p + 1)] = sum * per_power / (p + 1);
+            per_power /= h;
         }
     }
 }

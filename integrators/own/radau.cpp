@@ -499,9 +499,8 @@ std::unique_ptr<SystemSteps> radau_steps_of_any_order(const Problem& problem, do
     return stages_for(tolerance) == 5 ? radau_steps<5>(problem, tolerance) : radau_steps<7>(problem, tolerance);
 }
 
-Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages, MakeSystemSteps steps) {
+Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages) {
     if (settings.tolerance && !is_reachable(*settings.tolerance)) return unreachable_tolerance(*settings.tolerance);
-    if (contact::has_events(problem.scene)) return contact::solve_events(problem, settings, steps);
     if (!settings.step && has_formula_loads(problem.scene) && has_switches(problem))
         return march_controlled(problem, settings,
                                 ControlledRadau<SwitchedSystem>(problem, local_tolerance(*settings.tolerance), stages));
@@ -514,11 +513,13 @@ Trajectory solve_stages(const Problem& problem, const Settings& settings, int st
 
 template <int stages>
 Trajectory solve_radau(const Problem& problem, const Settings& settings) {
-    return solve_stages(problem, settings, stages, radau_steps<stages>);
+    return solve_stages(problem, settings, stages);
 }
 
 Trajectory solve_any_order(const Problem& problem, const Settings& settings) {
-    return solve_stages(problem, settings, stages_for(*settings.tolerance), radau_steps_of_any_order);
+    if (contact::has_events(problem.scene) && is_reachable(*settings.tolerance))
+        return contact::solve_events(problem, settings, radau_steps_of_any_order);
+    return solve_stages(problem, settings, stages_for(*settings.tolerance));
 }
 
 std::string radau_refusal(const Problem& problem) {
@@ -554,20 +555,17 @@ constexpr Method radau_variants[] = {
      .documentation = fixed_order_documentation,
      .order = 5,
      .solve = solve_radau<3>,
-     .amplification = radau_amplification<3>,
-     .steps = radau_steps<3>},
+     .amplification = radau_amplification<3>},
     {.name = "radau9",
      .documentation = fixed_order_documentation,
      .order = 9,
      .solve = solve_radau<5>,
-     .amplification = radau_amplification<5>,
-     .steps = radau_steps<5>},
+     .amplification = radau_amplification<5>},
     {.name = "radau13",
      .documentation = fixed_order_documentation,
      .order = 13,
      .solve = solve_radau<7>,
-     .amplification = radau_amplification<7>,
-     .steps = radau_steps<7>},
+     .amplification = radau_amplification<7>},
 };
 
 constexpr auto radau_list = apply_defaults({.source = radau_source,

@@ -58,7 +58,7 @@ TEST(JointFriction, OscillatorFollowsTheClosedFormTo25Digits) {
     }
     EXPECT_NEAR(solve_end(scene), 0, 1e-11);
     // the rigid law needs events: methods without them refuse the scene
-    EXPECT_NE(refusal(*find_method("dop853"), pose(scene)).find("friction"), std::string::npos);
+    EXPECT_NE(refusal(*find_method("odeint_dopri5"), pose(scene)).find("friction"), std::string::npos);
 }
 
 // The turning points of a pendulum with dry friction: m g l (cos a' - cos a) = F (a + a'). It stops where

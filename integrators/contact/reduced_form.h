@@ -453,7 +453,7 @@ class ReducedForm {
         const std::array<Vector3<P>, 2> t{cross(n[0], d), cross(n[1], d)};
         const P c = dot(n[0], n[1]), scale = -m / (P(1) - c * c);
         const P k = P(1) / m + r * per_moment, coupling = P(1) / m + c * r * per_moment;
-        std::array<S, 2> N, A, b;
+        std::array<S, 2> N{}, A{}, b{};
         for (std::size_t i = 0; i < 2; ++i) {
             N[i] = scale * (dot(a, n[i]) - c * dot(a, n[1 - i]));
             b[i] = per_moment * dot(tau, t[i]) - dot(a, d);

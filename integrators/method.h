@@ -103,8 +103,8 @@ struct Method {
     /// Linear stability of a scheme that is not for first-order systems: the spectral radius of one step on theta'' =
     /// -gamma theta' - k theta, as a function of (h gamma, h^2 k).
     double (*pendulum_amplification)(double damping, double stiffness) = nullptr;
-    /// Steps through the smooth parts of motions with contact, joint limits or dry friction, whose events the driver of
-    /// integrators/contact locates. Null: such scenes are `unsupported`, unless the method handles them itself.
+    /// Makes steps through the smooth parts of motions with contact, joint limits or dry friction. The drivers of
+    /// integrators/contact locate the events. Null: such scenes are `unsupported`, unless `solve` handles them itself.
     MakeSystemSteps steps = nullptr;
     Family family = Family::unnamed;  ///< kind of numerical scheme
     std::string_view library{};       ///< library that performs the steps: sundials_library, ..; empty: polhode
@@ -151,7 +151,8 @@ constexpr std::array<Method, count> apply_defaults(const Method& defaults, const
 std::shared_ptr<const Method> make_method(const Method& description,
                                           std::function<Trajectory(const Problem&, const Settings&)> solve);
 
-/// Whether the method follows contact with friction and the limits and dry friction of joints from event to event.
+/// Whether the method follows contact with friction and the limits and dry friction of joints from event to event, with
+/// a record of the events. False for the reference, whose events DecimalReference lists.
 bool follows_events(const Method& method);
 
 /// Why the method does not support the problem (planes, loads, bodies), in one line. Empty if it may support it. A run

@@ -89,7 +89,7 @@ struct Run {
     std::vector<std::vector<Vector3<P>>> torques_W;
     Record<P> record;
     long steps = 0;
-    long evaluations = 0;  ///< of right-hand sides; with Taylor series, of series
+    long evaluations = 0;  ///< number of right-hand sides, or of series if the steps are Taylor series
 };
 
 }  // namespace polhode::contact

@@ -17,9 +17,8 @@
 
 namespace polhode::contact {
 
-/// Replaces the low coefficients of an event function by exact ones and removes rounding errors from the others, for a
-/// function known by values at points of a step of length h. `exact`: at least the coefficients that the known zero and
-/// the first power after it need. `size`: of the function's terms, of which 1e-13 is rounding.
+/// Improves the coefficients of an event function that was interpolated at points of a step of length h. The low ones
+/// are replaced by `exact`. Of the others, terms that do not exceed 1e-13 `size` are rounding errors and become zero.
 template <class P>
 void refine_coefficients(std::vector<P>& coefficients, const std::vector<P>& exact, const P& h, double size) {
     P power(1);

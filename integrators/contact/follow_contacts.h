@@ -1,14 +1,13 @@
 // Follows one body with contacts on planes from event to event, for any formulation and any scalar.
 //
 // ContactDriver integrates a formulation (reduced_form.h, truth/multiplier_form.h) by Taylor series (A. Jorba and M.
-// Zou 2005, Exp. Math. 14, 99) or, in binary64, by the steps of another method (mode_steps.h). Series are used in any
-// case for impacts with slip and for the first step of a slip from zero.
+// Zou 2005, Exp. Math. 14, 99) or, in binary64, by the steps of another method (mode_steps.h). Impacts with
+// slip and the first step of a slip from zero always use series.
 //
-// Each mode is a smooth system; an event function that falls to zero ends it
-// (event_roots.h): the gap in flight, the normal force in sliding, the friction cone in rolling, the gaps of other
-// points. transition() selects what follows: an impact (impact(), the shock equations of Darboux and Keller), contact
-// in sliding or rolling, or flight. Sliding ends when the
-// slip is below the error of the steps and decreases, since the slip itself has no change of sign.
+// Each mode is a smooth system; an event function that falls to zero ends it (event_roots.h): the gap in flight, the
+// normal force in sliding, the friction cone in rolling, the gaps of other points. transition() selects what follows:
+// an impact (impact(), the shock equations of Darboux and Keller), contact in sliding or rolling, or flight. Sliding
+// ends when the slip is below the error of the steps and decreases, since the slip itself has no change of sign.
 //
 // A ball may rest on two planes (two_contacts.h): each contact rolls or slides along the line of the planes. The slips
 // have a constant direction there and change sign, so that events locate their ends.
@@ -51,8 +50,9 @@ struct ContactSettings {
     long max_steps = 100'000;
     /// Why the run must stop now; null to continue. Called before each step.
     std::function<const char*()> stop = [] { return nullptr; };
-    MakeSystemSteps steps = nullptr;  ///< the method of the steps; null: Taylor series
-    double tolerance = 1e-10;         ///< of that method
+    MakeSystemSteps steps = nullptr;  ///< steps of a method; null: Taylor series
+    double tolerance = 1e-10;         ///< tolerance of that method
+    double step_error = 0;            ///< relative error that its steps leave in rates and times
 };
 
 template <class P, class Form>
@@ -151,8 +151,6 @@ class ContactDriver {
 
   private:
     using T = typename SeriesScalar<P>::Type;
-    // Order of the series with another method: event functions have zeros of third order at most at the start.
-    static constexpr int order_of_starts = 5;
 
     /// The polynomial of a step.
     struct Step {
@@ -300,7 +298,7 @@ class ContactDriver {
         }
     }
 
-    // Gaps drift by the error of the steps while contact lasts. An arrival is located far better.
+    // Gaps drift by the error of the steps while contact lasts. Arrivals are located more accurately.
     std::vector<std::size_t> touching() const {
         std::vector<std::size_t> all;
         for (std::size_t k = 0; k < geometry_.size(); ++k) {
@@ -332,8 +330,7 @@ class ContactDriver {
         former_rotation_ = rotation_;
         set_rotation({});
         release_face();
-        const double least = std::max(error(1), settings_.steps ? 10 * settings_.tolerance : 0);
-        const double resting = speed() * (first ? 1e-12 : least);
+        const double resting = speed() * (first ? 1e-12 : std::max(error(1), settings_.step_error));
         bool landed = false;
         std::optional<Pair> accumulated;
         for (int round = 0; round < 200; ++round) {
@@ -1133,14 +1130,12 @@ class ContactDriver {
     void start_steps(double slip) {
         slip_scale_ = slip;
         // the clock comes last
-        std::vector<double> scales(static_cast<std::size_t>(form_.clock()) + 1, scene_->duration);
-        for (const Block& block : form_.blocks(sizes_, slip))
-            for (int i = 0; i < block.size; ++i)
-                scales[static_cast<std::size_t>(block.first) + static_cast<std::size_t>(i)] = block.scale;
-        steps_.start(form_, y_.data(), std::move(scales));
+        const std::size_t components = static_cast<std::size_t>(form_.clock()) + 1;
+        steps_.start(form_, y_.data(), scales_of(form_.blocks(sizes_, slip), components, scene_->duration));
     }
     bool plan_step_of_method(Step step, double slip) {
-        // the direction of a slip requires its error to be small relative to itself: start again where it has decreased
+        // the error of a slip must be small relative to the slip, because its direction matters: start again where it
+        // has decreased
         constexpr double decrease = 0.03;
         if (!steps_.is_running() || (form_.is_stretched_by_slip() && slip < decrease * slip_scale_)) start_steps(slip);
         const double left = static_cast<double>(P(P(legs_[leg_].end) - t_));
@@ -1196,7 +1191,7 @@ class ContactDriver {
         to_end = true;
     }
 
-    // samples that an event at the end of the leg has left
+    // Takes the samples at the end of the leg that an event there has postponed.
     void show_rest_of_leg() {
         for (; samples_.due(legs_[leg_], legs_[leg_].end); samples_.pop())
             show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
@@ -1205,7 +1200,7 @@ class ContactDriver {
     void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached, bool at_event) {
         std::vector<P> y(form_.dimension());
         // a sample at an event, up to the error of its time, shows the motion after it
-        const P uncertainty(scene_->duration * std::max(error(), settings_.steps ? 10 * settings_.tolerance : 0));
+        const P uncertainty(scene_->duration * std::max(error(), settings_.step_error));
         const auto is_at_event = [&] { return at_event && P(samples_.front()) >= reached - uncertainty; };
         for (; samples_.due(leg, reached) && !is_at_event(); samples_.pop()) {
             const P s = step.when(P(samples_.front()), start);

@@ -45,8 +45,9 @@ struct JointSettings {
     long max_steps = 100'000;
     /// Why the run must stop now; null to continue. Called before each step.
     std::function<const char*()> stop = [] { return nullptr; };
-    MakeSystemSteps steps = nullptr;  ///< the method of the steps; null: Taylor series
-    double tolerance = 1e-10;         ///< of that method
+    MakeSystemSteps steps = nullptr;  ///< steps of a method; null: Taylor series
+    double tolerance = 1e-10;         ///< tolerance of that method
+    double step_error = 0;            ///< relative error that its steps leave in rates and times
 };
 
 template <class P, class Form>
@@ -61,8 +62,8 @@ class JointDriver {
           settings_(settings),
           samples_(sample_times),
           states_(form_.joints().size()),
-          time_error_(scene.duration *
-                      std::max(std::pow(10.0, -settings.event_digits), settings.steps ? 10 * settings.tolerance : 0)),
+          error_(std::max(std::pow(10.0, -settings.event_digits), settings.step_error)),
+          time_error_(scene.duration * error_),
           steps_(settings.steps, settings.tolerance, scene.duration) {
         for (const EventJoint<P>& one : form_.joints())
             rate_scales_.push_back(scene.joints[one.joint].type == JointType::prismatic ? scales.velocity
@@ -90,8 +91,6 @@ class JointDriver {
 
   private:
     using T = typename SeriesScalar<P>::Type;
-    // Order of the series with another method: event functions have zeros of third order at most at the start.
-    static constexpr int order_of_starts = 5;
 
     // Leading coefficients of an event function that vanish up to rounding in the first step after an event.
     struct State {
@@ -114,6 +113,7 @@ class JointDriver {
     JointSettings settings_;
     SampleQueue samples_;
     std::vector<State> states_;
+    double error_;                     // relative error of rates and times of events
     double time_error_;                // s: times closer than this are equal
     std::vector<double> rate_scales_;  // rad/s or m/s
     std::vector<std::size_t> held_;
@@ -188,11 +188,7 @@ class JointDriver {
     }
 
     // rates below this are zero
-    P least_rate(std::size_t e) const {
-        const double part =
-            std::max(std::pow(10.0, -settings_.event_digits), settings_.steps ? 10 * settings_.tolerance : 0);
-        return P(std::max(states_[e].largest_rate, rate_scales_[e]) * part);
-    }
+    P least_rate(std::size_t e) const { return P(std::max(states_[e].largest_rate, rate_scales_[e]) * error_); }
     // the rate away from the limit
     P separation(std::size_t e, const std::vector<P>& rates) const {
         return states_[e].at == AtLimit::lower ? rates[e] : P(-rates[e]);
@@ -393,10 +389,10 @@ class JointDriver {
         const std::optional<Found> found = first_event(expansion, to_end ? P(h + P(time_error_)) : h);
         if (found) h = found->after, reached = std::min(P(t_ + h), P(leg.end));
         if (!to_end && !found && !(reached > t_)) return fail("step size below the spacing of numbers");
-        // events that follow each other within the error of their times, of which accumulating impacts have some
+        // events within the error of their times; impacts that accumulate have some
         constexpr long most_stalled = 1000;
         stalled_ = found && !(h > P(time_error_)) ? stalled_ + 1 : 0;
-        // a method's errors can keep small bounces from ending
+        // errors of a method's steps can prevent small bounces from ending
         constexpr std::size_t most_events = 20'000;
         if (stalled_ > most_stalled || (settings_.steps && run_.events.size() > most_events))
             return fail("too many events of joints");
@@ -498,7 +494,7 @@ class JointDriver {
         return first;
     }
 
-    // Improves the coefficients of a coordinate in the first step of a mode by another method.
+    // Refines the coefficients of a coordinate in the first step of a mode by another method.
     void refine(std::vector<P>& x, int place, const P& h) const {
         std::vector<P> exact;
         for (int k = 0; k <= order_of_starts; ++k) exact.push_back(P(series_->coefficient(place, k)));
@@ -508,10 +504,7 @@ class JointDriver {
     }
     // sizes of the components of the state for another method
     std::vector<double> state_scales() const {
-        std::vector<double> scales(base_, scene_->duration);
-        for (const Block& block : blocks_)
-            for (int i = 0; i < block.size; ++i)
-                scales[static_cast<std::size_t>(block.first) + static_cast<std::size_t>(i)] = block.scale;
+        std::vector<double> scales = scales_of(blocks_, base_, scene_->duration);
         if constexpr (requires { form_.widen_scales(y_.data(), scales); }) form_.widen_scales(y_.data(), scales);
         return scales;
     }

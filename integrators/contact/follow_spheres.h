@@ -36,7 +36,7 @@ struct SphereRun {
     std::vector<std::vector<BodyMotion<P>>> motions;  ///< one per sample
     std::vector<Record<P>> records;                   ///< one per body, then that of the pairs
     long steps = 0;
-    long evaluations = 0;  ///< of right-hand sides; with Taylor series, of series
+    long evaluations = 0;  ///< number of right-hand sides, or of series if the steps are Taylor series
 };
 
 /// All events and intervals in the order of time.

@@ -74,7 +74,7 @@ struct JointRun {
     std::vector<std::vector<std::array<double, 2>>> coordinates;  ///< one per sample; empty if not available
     std::vector<JointEvent<P>> events;
     long steps = 0;
-    long evaluations = 0;  ///< of right-hand sides; with Taylor series, of series
+    long evaluations = 0;  ///< number of right-hand sides, or of series if the steps are Taylor series
 };
 
 }  // namespace polhode::contact

@@ -159,9 +159,9 @@ class JointTreeForm {
         return all;
     }
 
-    /// Increases the scales of a state y that begins a mode: of coordinates and rates with prescribed motions to their
-    /// largest lengths over the run, and of a rate to the scale x of its coordinate over the duration, and to
-    /// sqrt(acceleration x).
+    /// Increases the scales of the state y at the start of a mode. With the scale x of a coordinate, its rate has at
+    /// least the scales x / duration and sqrt(acceleration x). Prescribed coordinates and rates have their largest
+    /// lengths over the run.
     void widen_scales(const P* y, std::vector<double>& scales) const {
         const auto widen = [&](int i, double size) {
             double& scale = scales[static_cast<std::size_t>(i)];

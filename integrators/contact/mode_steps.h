@@ -29,6 +29,17 @@
 
 namespace polhode::contact {
 
+/// Order of the Taylor series that shows how event functions start in the first step of a mode by another method. They
+/// have zeros of third order at most.
+inline constexpr int order_of_starts = 5;
+
+/// The scale of each component of a state. `rest`: of components that no block contains.
+inline std::vector<double> scales_of(const std::vector<Block>& blocks, std::size_t components, double rest) {
+    std::vector<double> scales(components, rest);
+    for (const Block& block : blocks) std::fill_n(scales.begin() + block.first, block.size, block.scale);
+    return scales;
+}
+
 /// The system of a mode as a user-defined one. `Form`: see follow_contacts.h; must outlive the model.
 template <class Form>
 class ModeModel : public ErasedModel {
@@ -76,10 +87,10 @@ class ModeModel : public ErasedModel {
     mutable std::vector<double> all_;
     mutable long evaluations_ = 0;
 
-    [[noreturn]] static void not_recorded() { throw std::logic_error("modes are not recorded for methods"); }
+    [[noreturn]] static void not_recorded() { throw std::logic_error("only Taylor series record modes"); }
 };
 
-/// Steps through one mode after another. Methods step in binary64: for another scalar there are none.
+/// Steps of a method through one mode after another, in binary64. Other scalars are not supported.
 template <class P, class Form>
 class ModeSteps {
   public:
@@ -196,14 +207,15 @@ class ModeSteps<double, Form> {
                                 h * x * y * (y * rates_.front()[i] - x * rates_.back()[i]);
         }
     }
-    // Solves the collocation equations. Returns false if the iteration or its result disagrees with the step.
+    // Solves the collocation equations. Returns false if the iteration does not converge to the end of the step.
     bool collocate(const ChebyshevPoints& points, double h) {
-        constexpr int most_sweeps = 30;
+        // changes may grow in the first iterations; later only rounding increases them
+        constexpr int most_iterations = 30, first_iterations = 6;
         start_from_cubic(points, h);
         const std::size_t last = states_.size() - 1;
         const double small = std::max(1e-2 * tolerance_, 4e-15);
         double former = std::numeric_limits<double>::infinity();
-        for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        for (int iteration = 0; iteration < most_iterations; ++iteration) {
             for (std::size_t j = 1; j < last; ++j) model_->all_rates(states_[j].data(), rates_[j].data());
             double change = 0;
             for (std::size_t j = 1; j <= last; ++j)
@@ -223,7 +235,7 @@ class ModeSteps<double, Form> {
                     }
                 }
             if (change <= small) return true;
-            if (sweep > 6 && change > former) return change <= 10 * tolerance_;
+            if (iteration > first_iterations && change > former) return change <= 10 * tolerance_;
             former = change;
         }
         return false;

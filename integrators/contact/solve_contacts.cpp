@@ -47,6 +47,12 @@ Run<double> follow_in_binary64(const Problem& problem, const Settings& settings,
         .run();
 }
 
+Record<double> record_contacts(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
+    if (has_sphere_contacts(problem.scene))
+        return merge_records(follow_spheres_in_binary64(problem, settings, steps).records);
+    return follow_in_binary64(problem, settings, steps).record;
+}
+
 static Trajectory solve_contacts(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
     Trajectory trajectory;
     const auto start = std::chrono::steady_clock::now();

@@ -16,8 +16,8 @@ namespace polhode::contact {
 /// Message of a run that ends at its time limit.
 inline constexpr const char* time_limit = "the time limit is reached";
 
-/// The settings of an event driver in binary64. `DriverSettings`: ContactSettings or JointSettings. `steps`: the method
-/// of its steps; null: Taylor series.
+/// The settings of an event driver in binary64. `DriverSettings`: ContactSettings or JointSettings. `steps`: of a
+/// method; null: Taylor series.
 template <class DriverSettings>
 DriverSettings driver_settings(const Settings& settings, MakeSystemSteps steps) {
     DriverSettings result;
@@ -25,8 +25,9 @@ DriverSettings driver_settings(const Settings& settings, MakeSystemSteps steps) 
     // below 13.5 digits only rounding remains
     result.digits = std::clamp(-std::log10(result.tolerance) + 0.5, 3.0, 13.5);
     result.event_digits = std::min(result.digits + 1, 12.5);
-    // loose tolerances do not blur the events
+    // events remain separate at loose tolerances
     result.event_digits = std::max(result.event_digits, 9.0);
+    if (steps) result.step_error = 10 * result.tolerance;
     result.order = static_cast<int>(std::ceil(1.15 * result.digits)) + 6;
     result.max_steps = std::min(settings.max_steps, settings.max_evaluations);
     const double end = processor_time() + settings.seconds_limit;
@@ -51,12 +52,15 @@ inline std::vector<double> times_of_samples(const Problem& problem, const Settin
 /// Follows one body to the tolerance of `settings`, at their samples, by steps of a method or by Taylor series.
 Run<double> follow_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps = nullptr);
 
+/// Events and modes of one body or of several spheres; otherwise as follow_in_binary64().
+Record<double> record_contacts(const Problem& problem, const Settings& settings, MakeSystemSteps steps);
+
 /// Why torsional and rolling friction of the scene's planes is not supported; empty if it is or if no plane has it.
 std::string rotation_friction_refusal(const Scene& scene);
 
 /// Why the contact modes do not support the scene's planes or loads; empty if they do or if there are no planes.
 std::string contact_refusal(const Scene& scene);
-/// The same for a method that supports user-defined torques otherwise.
+/// Why a method that supports user-defined torques does not support a scene's planes or loads; empty if it does.
 std::string event_refusal(const Problem& problem);
 
 /// Whether a scene has contacts, or joints with limits, friction or prescribed motions, which only event drivers

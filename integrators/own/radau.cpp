@@ -484,19 +484,15 @@ class ControlledRadau : public Radau<SystemType> {
     long newton_failures_ = 0;
 };
 
-template <int stages>
-std::unique_ptr<SystemSteps> radau_steps(const Problem& problem, double tolerance) {
-    using Stepper = ControlledRadau<ErasedSystem>;
-    return std::make_unique<ControlledSteps<Stepper>>(problem, Stepper(problem, local_tolerance(tolerance), stages));
-}
-
 int stages_for(double tolerance) {
     // Order 9 takes a half to nine tenths of the time of order 13 at 1e-3, and more from 1e-5 on.
     return tolerance > 3e-5 ? 5 : 7;
 }
 
-std::unique_ptr<SystemSteps> radau_steps_of_any_order(const Problem& problem, double tolerance) {
-    return stages_for(tolerance) == 5 ? radau_steps<5>(problem, tolerance) : radau_steps<7>(problem, tolerance);
+std::unique_ptr<SystemSteps> radau_steps(const Problem& problem, double tolerance) {
+    using Stepper = ControlledRadau<ErasedSystem>;
+    return std::make_unique<ControlledSteps<Stepper>>(
+        problem, Stepper(problem, local_tolerance(tolerance), stages_for(tolerance)));
 }
 
 Trajectory solve_stages(const Problem& problem, const Settings& settings, int stages) {
@@ -518,7 +514,7 @@ Trajectory solve_radau(const Problem& problem, const Settings& settings) {
 
 Trajectory solve_any_order(const Problem& problem, const Settings& settings) {
     if (contact::has_events(problem.scene) && is_reachable(*settings.tolerance))
-        return contact::solve_events(problem, settings, radau_steps_of_any_order);
+        return contact::solve_events(problem, settings, radau_steps);
     return solve_stages(problem, settings, stages_for(*settings.tolerance));
 }
 
@@ -550,7 +546,7 @@ constexpr Method radau_variants[] = {
          "collocation polynomial of each step.",
      .control = Control::tolerance,
      .solve = solve_any_order,
-     .steps = radau_steps_of_any_order},
+     .steps = radau_steps},
     {.name = "radau5",
      .documentation = fixed_order_documentation,
      .order = 5,

@@ -29,7 +29,7 @@ class ControlledSteps : public SystemSteps {
             double t = 0, next = tried;
             outcome_ = stepper_.attempt(t, next);
             if (outcome_ == Attempt::accepted) {
-                // a step that was cut says nothing about the next one, unless that is shorter
+                // the length of a step that was cut does not apply to the next one, unless it is shorter
                 if (!is_cut || next < tried || next > h_) h_ = next;
                 return tried;
             }

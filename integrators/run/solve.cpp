@@ -84,7 +84,7 @@ std::string special_contact_law(const Scene& scene) {
 
 // Why a method cannot follow joints with friction, limits or prescribed motions; empty if it can.
 static std::string joint_law_refusal(const Method& method, const Scene& scene) {
-    if (!follows_events(method))
+    if (!follows_events(method) && method.family != Family::reference)
         for (const Joint& joint : scene.joints) {
             if (joint.friction != 0 || joint.limits.any())
                 return fmt::format("{} does not support friction and limits of joints", method.name);
@@ -94,17 +94,16 @@ static std::string joint_law_refusal(const Method& method, const Scene& scene) {
     return "";
 }
 
-bool follows_events(const Method& method) {
-    return method.steps || method.family == Family::reference || method.family == Family::series;
-}
+bool follows_events(const Method& method) { return method.steps || method.family == Family::series; }
 
 std::string refusal(const Method& method, const Problem& problem) {
     if (std::string why = joint_law_refusal(method, problem.scene); !why.empty()) return why;
-    if (has_sphere_contacts(problem.scene) && !follows_events(method))
+    const bool has_contact_modes = follows_events(method) || method.family == Family::reference;
+    if (has_sphere_contacts(problem.scene) && !has_contact_modes)
         return fmt::format("{} does not support contacts of several bodies; use taylor or truth", method.name);
-    if (!problem.scene.planes.empty() && !method.planes && !follows_events(method))
+    if (!problem.scene.planes.empty() && !method.planes && !has_contact_modes)
         return fmt::format("{} does not support impacts on planes", method.name);
-    if (!follows_events(method))
+    if (!has_contact_modes)
         if (const std::string law = special_contact_law(problem.scene); !law.empty())
             return fmt::format("{} does not support {}", method.name, law);
     if (!method.general_systems && std::holds_alternative<MechanismSystem>(problem.system))

@@ -112,7 +112,7 @@ class CvodeSteps : public SystemSteps {
 
       public:
         using Base::Base;
-        /// One step, which ends at t at the latest.
+        /// One step, which does not pass t.
         int step_to(double t) {
             // without a limit, the end only bounds the estimate of the first step
             constexpr double far = 1e3;
@@ -196,8 +196,7 @@ constexpr Method cvode_variants[] = {
          "the error test. Relative tolerance R, absolute tolerance R times the component's scale. CVODE controls the "
          "steps. They stop exactly at every event, where the history restarts. Samples inside a step use its dense "
          "output (the interpolating polynomial of the step's order), so the steps do not depend on the sampling. "
-         "Events "
-         "of contacts and joints are located on the same polynomial; the history restarts after each.",
+         "Events of contacts and joints are located on the same polynomial; the history restarts after each.",
      .general_systems = true,
      .solve = solve_adams,
      .steps = cvode_adams_steps,

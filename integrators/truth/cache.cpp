@@ -132,10 +132,10 @@ class WordReader {
 };
 
 void encode_contacts(const Truth& truth, std::string& text) {
-    // reactions of several bodies are written before
-    const bool has_reactions = truth.reference.system.empty();
+    // encode() writes the reactions of several bodies with their data
+    const bool writes_reactions = truth.reference.system.empty();
     text += fmt::format("{} {} {} {}\n", contacts_word, truth.contact_events.size(), truth.contact_intervals.size(),
-                        has_reactions ? truth.reaction_decimals.size() : 0);
+                        writes_reactions ? truth.reaction_decimals.size() : 0);
     for (const DecimalContactEvent& e : truth.contact_events)
         text += fmt::format("{} {} {} {} {}\n", e.t, e.plane, e.event, e.normal_impulse,
                             fmt::join(e.tangential_impulse, " "));
@@ -144,7 +144,7 @@ void encode_contacts(const Truth& truth, std::string& text) {
         put(text, in.largest_ratio);
         text += '\n';
     }
-    if (!has_reactions) return;
+    if (!writes_reactions) return;
     for (const ReactionDecimals& decimals : truth.reaction_decimals)
         text += fmt::format("{}\n", fmt::join(decimals, " "));
 }

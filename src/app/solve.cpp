@@ -148,7 +148,7 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
                      const Settings& settings) {
     if (!options.contacts.any()) return true;
-    const bool follows = follows_events(method) && method.family != Family::reference;
+    const bool follows = follows_events(method);
     if (contact::has_joint_events(problem.scene) && follows)
         return write_joint_events(problem.scene, options.contacts,
                                   contact::follow_joints_in_binary64(problem, settings, method.steps).events);
@@ -158,14 +158,9 @@ bool report_contacts(const SolveOptions& options, const Problem& problem, const 
         return write_contacts(problem.scene, options.contacts,
                               decimal_reference(problem.scene, options.samples, digits), to_stdout);
     }
-    if (follows && has_sphere_contacts(problem.scene))
-        return write_contacts(
-            problem.scene, options.contacts,
-            contact::merge_records(contact::follow_spheres_in_binary64(problem, settings, method.steps).records),
-            to_stdout);
     if (follows)
         return write_contacts(problem.scene, options.contacts,
-                              contact::follow_in_binary64(problem, settings, method.steps).record, to_stdout);
+                              contact::record_contacts(problem, settings, method.steps), to_stdout);
     std::fputs(
         fmt::format("polhode: --modes and --events: {} does not record contacts; use taylor or truth\n", method.name)
             .c_str(),

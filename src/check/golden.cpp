@@ -125,25 +125,23 @@ SupportPiece<double> convert_piece(const ConventionConverter& converter, Support
     return piece;
 }
 
-// Moves a body whose start was rounded back to the planes that it touches.
-void restore_contacts(const Scene& scene, const Body& body, const Initial& exact, Initial& start) {
-    if (scene.planes.empty() || !body.source) return;
-    Scene alone;
-    alone.planes = scene.planes, alone.body = body;
-    const Vector3<double> center = mass_properties<double>(body).center;
+// Moves a body whose start was rounded back to the planes that it touches. `alone`: a scene of this body.
+void restore_contacts(const Scene& alone, Initial& start) {
+    if (alone.planes.empty() || !alone.body.source) return;
+    const Vector3<double> center = mass_properties<double>(alone.body).center;
     const ContactGeometry<double> geometry = contact_geometry(alone, center, Quaternion<double>{});
-    const auto placed = [&](const Initial& at) {
-        return Placement<double>{
-            normalized(at.orientation), at.position_W + rotate(normalized(at.orientation), center), at.velocity_W, {}};
+    const auto distance = [&](std::size_t plane, const Initial& at) {
+        return geometry.distance(plane, {normalized(at.orientation), at.position_W, at.velocity_W, {}});
     };
     constexpr double touching = 1e-9;
     std::vector<std::size_t> touched;
-    for (std::size_t k = 0; k < scene.planes.size(); ++k)
-        if (geometry.distance(k, placed(exact)) < touching * geometry.reach) touched.push_back(k);
-    // two planes: alternately
-    for (int round = 0; round < 200; ++round)
+    for (std::size_t k = 0; k < alone.planes.size(); ++k)
+        if (distance(k, alone.initial) < touching * geometry.reach) touched.push_back(k);
+    // projections onto several planes alternate
+    const int most_rounds = touched.size() > 1 ? 200 : 1;
+    for (int round = 0; round < most_rounds; ++round)
         for (const std::size_t k : touched)
-            start.position_W = start.position_W - geometry.distance(k, placed(start)) * geometry.planes[k].normal_W;
+            start.position_W = start.position_W - distance(k, start) * geometry.planes[k].normal_W;
 }
 
 // Attitude error caused by rounding the start to binary32, rad; pi if it is not available.
@@ -162,11 +160,11 @@ double measured_float32_floor(const Scene& scene, const Reference& truth) {
             for (double& x : v->component) narrow(x);
     };
     narrow_start(rounded_scene.initial);
-    restore_contacts(scene, scene.body, scene.initial, rounded_scene.initial);
+    if (scene.bodies.empty()) restore_contacts(scene, rounded_scene.initial);
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         Initial& start = rounded_scene.bodies[b].initial;
         narrow_start(start);
-        restore_contacts(scene, scene.bodies[b].body, scene.bodies[b].initial, start);
+        if (has_sphere_contacts(scene)) restore_contacts(scene_of_sphere(scene, b), start);
     }
     for (Joint& joint : rounded_scene.joints) {
         narrow_attitude(joint.orientation);

@@ -151,6 +151,10 @@ inline std::string replace_all(std::string text, const std::string& what, const 
     return text;
 }
 
+/// The number of a plane's law of restitution in the code, and the comment that explains the numbers.
+inline int restitution_law_number(const std::string& law) { return law == "stronge" ? 0 : law == "poisson" ? 1 : 2; }
+inline constexpr const char* restitution_laws = "0 stronge, 1 poisson, 2 newton";
+
 /// The pieces of a body's hull as JSON.
 ordered_json shape_of(const std::vector<SupportPiece<double>>& pieces, const Numbers& number);
 /// The bodies, joints, loops, planes, contacts and loads of a scene of several bodies, in the form of scene files.

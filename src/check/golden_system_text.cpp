@@ -104,15 +104,14 @@ class MemberFields {
             } else if (key == "frame" || key == "point_frame" || key == "angular_velocity_frame") {
                 all_.add(prefix + key + "_is_body", word == "body" ? 1 : 0, "1: body axes, 0: world axes");
             } else if (key == "restitution_law") {
-                all_.add(prefix + key, place_in({"stronge", "poisson", "newton"}, word),
-                         word + ": 0 stronge, 1 poisson, 2 newton");
+                all_.add(prefix + key, restitution_law_number(word), restitution_laws);
             } else if (key == "joint") {
                 all_.add(prefix + key, place_in(joints_, word), word);
             } else {
                 all_.add(prefix + key, place_in(bodies_, word), word + ": index of the body, -1 for the world");
             }
         } else if (value.is_boolean()) {
-            all_.add(prefix + key, value ? 1 : 0, "1: yes");
+            all_.add(prefix + key, value ? 1 : 0, "1: true, 0: false");
         } else if (!(value.is_array() && value.empty())) {
             all_.add(prefix + key, value, units_.contains(key) ? units_.at(key) : "");
         }

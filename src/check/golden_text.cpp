@@ -147,11 +147,7 @@ void add_body_fields(const Golden& g, const ordered_json& around, const std::str
             if (key == "type" || key == "name") continue;
             // a frame becomes a flag: 1 for the body's
             if (key == "restitution_law")
-                all.add(prefix + key,
-                        value == "stronge"   ? 0
-                        : value == "poisson" ? 1
-                                             : 2,
-                        "0 stronge, 1 poisson, 2 newton");
+                all.add(prefix + key, restitution_law_number(value), restitution_laws);
             else if (value.is_string())
                 all.add(prefix + key + "_is_body", value == "body" ? 1 : 0, "1: body axes, 0: world axes");
             else
@@ -229,7 +225,7 @@ void add_invariants(const Golden& g, const Numbers& number, const std::string& m
     all.add("momentum_scale", number(g.momentum_scale), per);
 }
 
-// Events as lists, with numbers for their kinds and for what they belong to.
+// Events as lists, with numbers for their kinds and for the contacts or joints where they occur.
 void add_events(const Golden& g, const Numbers& number, const std::string& m, FieldList& all) {
     if (g.events.empty()) return;
     std::vector<std::string> kinds, places;

@@ -5,7 +5,6 @@
 #include "app/lookup.h"
 #include "integrators/contact/solve_contacts.h"
 #include "integrators/contact/solve_joints.h"
-#include "integrators/contact/solve_spheres.h"
 #include "integrators/truth/reference.h"
 #include "python/bindings.h"
 #include "scene/plane_file.h"
@@ -36,8 +35,8 @@ std::string name_of_contact(const Scene& scene, std::size_t plane) {
 }
 
 // In flight: the body, if there are several.
-std::string name_in_mode(const Scene& scene, std::size_t plane, bool flies) {
-    if (!flies) return name_of_contact(scene, plane);
+std::string name_in_mode(const Scene& scene, std::size_t plane, bool is_flight) {
+    if (!is_flight) return name_of_contact(scene, plane);
     return has_sphere_contacts(scene) ? contact_names(scene, plane).body : "";
 }
 
@@ -60,11 +59,8 @@ Lists events_of_run(const SolvedScene& solved) {
     const Scene& scene = solved.scene->scene();
     if (contact::has_joint_events(scene)) return joint_events(solved);
     const contact::Record<double> record = call([&] {
-        const auto problem = solved.scene->problem(solved.formulation, false);
-        if (has_sphere_contacts(scene))
-            return contact::merge_records(
-                contact::follow_spheres_in_binary64(*problem, *solved.settings, method.steps).records);
-        return contact::follow_in_binary64(*problem, *solved.settings, method.steps).record;
+        return contact::record_contacts(*solved.scene->problem(solved.formulation, false), *solved.settings,
+                                        method.steps);
     });
     Lists lists;
     for (const auto& e : record.events) {

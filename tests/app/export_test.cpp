@@ -310,8 +310,8 @@ TEST_F(Export, SpheresHaveRadiiAndContacts) {
     EXPECT_EQ(shell("c++ -std=c++17 -Wall -Werror -fsyntax-only two.cpp"), 0);
 }
 
-// Rounding to binary32 lets a body that touches a plane penetrate: it is moved back for the floor.
-TEST_F(Export, RollingBodiesHaveAFloor) {
+// Rounding to binary32 lets a body that touches a plane penetrate it. The body is moved back to the plane.
+TEST_F(Export, RollingBodiesHaveABinary32Floor) {
     const Outcome outcome =
         run({"export", "contact/tippe_top", "--duration", "0.25", "--samples", "2", "--format", "json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

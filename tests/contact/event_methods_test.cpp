@@ -54,7 +54,7 @@ void expect_agreement(const std::string& scene_name) {
     ASSERT_EQ(exact.status, Status::ok) << scene_name << ": " << exact.message;
     for (const char* name : methods) {
         const Trajectory trajectory = solved(scene, name, 1e-10, 7);
-        // known: the error of its long steps keeps the bounces at a limit from ending, which is a named failure
+        // a known failure: errors of long steps prevent the bounces at a limit from ending
         if (scene_name == "joints/gripper_closes" && std::string_view(name) == "extrapolation") {
             EXPECT_EQ(trajectory.status, Status::failed);
             continue;
@@ -99,7 +99,7 @@ TEST(EventMethods, LocateTheStartOfRolling) {
     }
 }
 
-// the error falls with the tolerance
+// The error decreases with the tolerance.
 TEST(EventMethods, ConvergeWithTheTolerance) {
     const Scene scene = find_scene("contact/tippe_top");
     const Trajectory exact = solved(scene, "taylor", 1e-13, 4);

@@ -34,14 +34,13 @@ ContactErrors measure_contacts(const Method& method, const Problem& problem, con
     if (has_sphere_contacts(problem.scene)) return result;  // the error of their events is not measured
     EventComparison compared = compare_impacts(trajectory, reference);
     // a method of this program, not a user-defined one
-    const bool records_events =
-        follows_events(method) && method.family != Family::reference && find_method(method.name) == &method;
+    const bool records_events = follows_events(method) && find_method(method.name) == &method;
     if (records_events) {
         const std::vector<ContactEvent> events = reference_events(problem.scene, settings.samples);
         // without contact modes there is no record
         if (!events.empty())
-            compared = compare_events(
-                recorded_events(contact::follow_in_binary64(problem, settings, method.steps).record), events);
+            compared =
+                compare_events(recorded_events(contact::record_contacts(problem, settings, method.steps)), events);
     }
     result.event_time = compared.time_error;
     if (!compared.message.empty()) message += (message.empty() ? "" : "; ") + compared.message;

@@ -30,7 +30,7 @@ except ModuleNotFoundError as error:
 sys.exit(main()))";
 
 struct AnimateOptions {
-    std::string scene, method = "auto", output;
+    std::string scene, method = "auto", beside, output;
     std::optional<double> step, tolerance, duration;
     long frames = 100;
     double fps = 25;
@@ -59,6 +59,7 @@ int animate_command(const AnimateOptions& options) {
     const auto add_number = [&](const char* name, const std::optional<double>& number) {
         if (number) words.insert(words.end(), {name, shortest_decimal(*number)});
     };
+    if (!options.beside.empty()) words.insert(words.end(), {"--beside", options.beside});
     add_number("--step", options.step);
     add_number("--tolerance", options.tolerance);
     add_number("--duration", options.duration);
@@ -81,11 +82,14 @@ void add_animate(CLI::App& program, int& exit_code) {
         "Solves a scene and writes an animated picture of its bodies: GIF, animated PNG, or MP4 if ffmpeg is "
         "installed. Needs the Python module polhode and matplotlib.");
     command->footer(
-        "Example:\n"
-        "  polhode animate t_handle --output t_handle.gif\n");
+        "Examples:\n"
+        "  polhode animate t_handle --output t_handle.gif\n"
+        "  polhode animate t_handle_parts --beside article_as_written --step 0.0078125 --output beside.gif\n");
     const auto options = std::make_shared<AnimateOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--method", options->method, "Method (polhode list methods)")->capture_default_str();
+    command->add_option("--beside", options->beside,
+                        "Draw the motion of this method beside that of --method; --step and --tolerance are its own");
     command->add_option("--step", options->step, "Fixed step, s");
     command->add_option("--tolerance", options->tolerance, "Relative tolerance");
     command->add_option("--duration", options->duration, "Duration, s (default: the scene's)");

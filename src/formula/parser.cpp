@@ -318,6 +318,7 @@ class Parser {
             const Value v = typed(term, Type::vector, "a component");
             term = {of(v.component[axis]), nullptr, term.begin, member.end};
         }
+        if (is_symbol("[")) fail(next(), "components are not numbered", "use .x, .y or .z");
         return term;
     }
     Term primary() {

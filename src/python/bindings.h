@@ -170,5 +170,6 @@ void bind_user_methods(py::module_& module);
 void bind_experiments(py::module_& module);
 void bind_measuring(py::module_& module);
 void bind_sensitivity(py::module_& module);
+void bind_lessons(py::module_& module);
 
 }  // namespace polhode::python

@@ -43,4 +43,5 @@ PYBIND11_MODULE(_polhode, module) {
     bind_experiments(module);
     bind_measuring(module);
     bind_sensitivity(module);
+    bind_lessons(module);
 }

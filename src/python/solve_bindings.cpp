@@ -7,6 +7,7 @@
 #include "app/describe.h"
 #include "app/joint_history.h"
 #include "app/lookup.h"
+#include "motion/event_formulas.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"
 #include "python/bindings.h"
@@ -61,16 +62,39 @@ py::object reactions(const SolvedScene& solved, const py::object& owner) {
                 owner);
 }
 
+// Computes the motions of the joints at all samples. Throws UsageError if revolutions cannot be counted.
+JointHistory<double> history_of(const SolvedScene& solved) {
+    const std::shared_ptr<const Problem> problem = solved.scene->problem(solved.formulation, false);
+    const Method* method = solved.settings ? &method_by_name(solved.method) : nullptr;
+    JointHistory<double> history =
+        joint_history(*problem, method, solved.settings.value_or(Settings{}), solved.trajectory);
+    if (!history.fault.empty()) throw UsageError(history.fault);
+    return history;
+}
+
+// Returns the values of formulas at all samples, shape (n, formulas). Throws UsageError as history_of() does.
+py::array event_values(const EventFormulas& formulas, const SolvedScene& solved) {
+    std::vector<double> values = call([&] {
+        JointHistory<double> history;
+        if (formulas.reads_joints()) history = history_of(solved);
+        const std::size_t joints = formulas.reads_joints() ? solved.scene->scene().joints.size() : 0;
+        std::vector<double> all;
+        for (std::size_t k = 0; k < solved.trajectory.moments(); ++k) {
+            const std::span<const JointMotion<double>> motions(history.motions.data() + k * joints, joints);
+            const std::vector<double> now = formulas.values(solved.trajectory.at(k), motions);
+            all.insert(all.end(), now.begin(), now.end());
+        }
+        return all;
+    });
+    return take(std::move(values),
+                {static_cast<py::ssize_t>(solved.trajectory.moments()), static_cast<py::ssize_t>(formulas.size())});
+}
+
 // Returns the motions of the joints: for each joint its name, type, coordinates (n, k) and rates (n, k), and for a
 // spherical joint its angular velocities (n, 3). Throws UsageError if revolutions cannot be counted.
 py::list joints_of(const SolvedScene& solved) {
     const Scene& scene = solved.scene->scene();
-    const JointHistory<double> history = call([&] {
-        const std::shared_ptr<const Problem> problem = solved.scene->problem(solved.formulation, false);
-        const Method* method = solved.settings ? &method_by_name(solved.method) : nullptr;
-        return joint_history(*problem, method, solved.settings.value_or(Settings{}), solved.trajectory);
-    });
-    if (!history.fault.empty()) throw UsageError(history.fault);
+    const JointHistory<double> history = call([&] { return history_of(solved); });
     static constexpr const char* types[] = {"revolute", "prismatic", "spherical", "universal", "fixed"};
     const std::size_t joints = scene.joints.size();
     const py::ssize_t moments = static_cast<py::ssize_t>(history.times.size());
@@ -209,6 +233,12 @@ void bind_solving(py::module_& module) {
             const py::gil_scoped_release released;
             return trajectory_csv(s.trajectory, body_names(s.scene->scene()));
         });
+
+    py::class_<EventFormulas>(module, "EventFormulas")
+        .def(py::init([](const ReadScene& scene, const std::vector<std::string>& formulas) {
+            return EventFormulas(scene.scene(), formulas);
+        }))
+        .def("values", [](const EventFormulas& self, const SolvedScene& solved) { return event_values(self, solved); });
 
     module.def("method_description", [](const std::string& name) -> std::optional<std::string> {
         if (name == "auto")

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "formula/parser.h"
+#include "scene/event_expression.h"
 #include "scene/scene_check.h"
 
 namespace polhode {
@@ -37,6 +38,38 @@ class FormulaCompiler {
     FormulaCompiler(const Scene& scene, const std::string& file) : scene_(scene), file_(file) {}
 
     std::shared_ptr<const FormulaSet> compile() {
+        add_names();
+        for (std::size_t i = 0; i < scene_.loads.size(); ++i)
+            if (const auto* load = std::get_if<FormulaLoad>(&scene_.loads[i])) add_term(*load, i);
+        find_auxiliaries();
+        return set_;
+    }
+
+    EventExpression compile_events(const std::vector<std::string>& formulas) {
+        events_ = formulas;
+        add_names();
+        EventExpression compiled;
+        for (std::size_t i = 0; i < formulas.size(); ++i) compiled.outputs.push_back(add_event(formulas[i], i));
+        compiled.expression = std::move(e_);
+        return compiled;
+    }
+
+  private:
+    const Scene& scene_;
+    const std::string& file_;
+    std::vector<std::string> events_;
+    std::shared_ptr<FormulaSet> set_ = std::make_shared<FormulaSet>();
+    Expression& e_ = set_->expression;
+    Scope scope_;
+    /// What formulas read of one of several bodies.
+    struct BodyNodes {
+        std::map<std::string, Value> names;
+        std::vector<int> attitude, inertia;
+    };
+    std::map<int, BodyNodes> bodies_;
+
+    // Makes the parameters, the state, the tables and the definitions of the scene available to formulas.
+    void add_names() {
         add_parameters();
         e_.allow_holds(is_mechanism(scene_) ? MechanismInputs::count(static_cast<int>(scene_.bodies.size()),
                                                                      static_cast<int>(scene_.joints.size()))
@@ -49,24 +82,7 @@ class FormulaCompiler {
             scope_.tables[table.name] = {table.x, table.y, table.between == TableInterpolation::cubic};
         for (const FormulaDefinition& definition : scene_.let)
             scope_.names[definition.name] = parse("/let/" + definition.name, definition.formula);
-        for (std::size_t i = 0; i < scene_.loads.size(); ++i)
-            if (const auto* load = std::get_if<FormulaLoad>(&scene_.loads[i])) add_term(*load, i);
-        find_auxiliaries();
-        return set_;
     }
-
-  private:
-    const Scene& scene_;
-    const std::string& file_;
-    std::shared_ptr<FormulaSet> set_ = std::make_shared<FormulaSet>();
-    Expression& e_ = set_->expression;
-    Scope scope_;
-    /// What formulas read of one of several bodies.
-    struct BodyNodes {
-        std::map<std::string, Value> names;
-        std::vector<int> attitude, inertia;
-    };
-    std::map<int, BodyNodes> bodies_;
 
     template <class Named>
     static int index_of(const std::vector<Named>& all, const std::string& name) {
@@ -127,6 +143,8 @@ class FormulaCompiler {
     bool is_mentioned(const std::string& name) const {
         for (const FormulaDefinition& definition : scene_.let)
             if (definition.formula.find(name) != std::string::npos) return true;
+        for (const std::string& event : events_)
+            if (event.find(name) != std::string::npos) return true;
         return std::ranges::any_of(scene_.loads, [&](const Load& load) {
             const auto* one = std::get_if<FormulaLoad>(&load);
             return one && (one->body == name || one->formula.find(name) != std::string::npos);
@@ -198,6 +216,30 @@ class FormulaCompiler {
         if (e_.holds().size() > most_held_values)
             fail(place, 1, fmt::format("more than {} values are held", most_held_values), "hold fewer values");
         return period;
+    }
+
+    // Returns the node of an event. Errors name the event as Python's argument `events` does.
+    int add_event(const std::string& text, std::size_t index) {
+        const auto fail_at = [&](std::size_t column, const std::string& fault, const std::string& remedy) {
+            throw InputError(fmt::format("events[{}]", index), fmt::format("\"{}\"", one_line(text, 100)),
+                             fmt::format("column {}: {}", column, fault), remedy);
+        };
+        Value value;
+        try {
+            value = formula::parse_formula(text, scope_, e_);
+        } catch (const formula::FormulaError& error) {
+            fail_at(error.column(), error.what(), error.remedy());
+        }
+        if (value.type != formula::Type::scalar)
+            fail_at(1, fmt::format("the formula is {}, but an event is a scalar", formula::name_of(value.type)),
+                    "give a component such as w.x, or norm(v)");
+        const std::vector<char> needed = formula::find_needed(e_, {value.component[0]});
+        for (const formula::Hold& hold : e_.holds())
+            for (std::size_t i = 0; i < needed.size(); ++i)
+                if (needed[i] && e_.nodes()[i].operation == formula::Operation::input && e_.nodes()[i].a == hold.input)
+                    fail_at(1, "the event depends on a held value, which is not supported",
+                            "write it without \"hold\"");
+        return value.component[0];
     }
 
     void add_term(const FormulaLoad& load, std::size_t index) {
@@ -362,6 +404,10 @@ bool has_formula_potential(const Scene& scene) {
 
 std::shared_ptr<const FormulaSet> compile_formulas(const Scene& scene, const std::string& file) {
     return FormulaCompiler(scene, file).compile();
+}
+
+EventExpression compile_event_formulas(const Scene& scene, const std::vector<std::string>& formulas) {
+    return FormulaCompiler(scene, scene.name).compile_events(formulas);
 }
 
 void check_formulas(const Scene& scene, const std::string& file) {

@@ -124,6 +124,7 @@ TEST(Formula, NamesTheColumnTheFaultAndTheRemedy) {
         {"", 1, "the formula is empty", "give an expression"},
         {"x +", 4, "the formula ends where a value is expected", "complete the formula"},
         {"x y", 3, "expected an operator, not \"y\"", "write products with \"*\""},
+        {"x[0]", 2, "components are not numbered", "use .x, .y or .z"},
         {"2x", 2, "\"x\" follows a number", "write products with \"*\""},
         {"x)", 2, "expected an operator, not \")\"", "remove it, or open a bracket before it"},
         {"(x", 3, "the formula ends where \")\" is expected", "close the bracket"},

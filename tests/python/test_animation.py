@@ -73,6 +73,31 @@ def test_pictures_are_written(name: str, tmp_path: Path) -> None:
         assert picture.size == (100, 100)
 
 
+def test_motions_are_drawn_side_by_side(tmp_path: Path) -> None:
+    motion = polhode.solve("free_asymmetric", samples=10)
+    other = polhode.solve("free_asymmetric", "gyroscopic_none", step=0.1, samples=10)
+    file = motion.animation(tmp_path / "beside.gif", frames=3, fps=10, size=(2, 2), dpi=50, beside=[other])
+    with PIL.open(file) as picture:
+        assert picture.n_frames == 3
+        assert picture.size == (200, 100)
+
+
+def test_a_strobe_picture_shows_the_bodies_at_some_times() -> None:
+    motion = polhode.solve("bouncing_ball", samples=40)
+    (frame,) = motion.strobe(5, size=(2, 2)).axes
+    # the plane, and five times the body
+    assert len(frame.collections) == 6
+    (path,) = frame.lines
+    assert len(path.get_data_3d()[0]) == 41
+    # one body that flies far is enlarged
+    thrown = polhode.solve({"name": "far", "duration": 1, "body": {"mass": 1, "shape": polhode.sphere(0.01)},
+                            "initial": {"velocity": [100, 0, 0]}}, samples=20)
+    figure = thrown.strobe()
+    assert "bodies enlarged 357 times" in figure._suptitle.get_text()  # type: ignore[attr-defined]
+    with pytest.raises(polhode.InputError, match="0 times of 41 samples"):
+        motion.strobe(0)
+
+
 def test_a_cell_needs_no_network() -> None:
     cell = polhode.solve("free_asymmetric", samples=4).animate(frames=2, size=(2, 2))
     text = cell if isinstance(cell, str) else cell.data
@@ -99,6 +124,12 @@ def test_the_command_writes_an_animated_picture(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     with PIL.open(tmp_path / "turn.gif") as picture:
         assert picture.n_frames == 3
+    beside = subprocess.run([*command, str(tmp_path / "beside.gif"), "--beside", "gyroscopic_none", "--step", "0.1"],
+                            check=False, capture_output=True, text=True, env=environment)
+    assert (beside.returncode, beside.stderr) == (0, "")
+    with PIL.open(tmp_path / "turn.gif") as one, PIL.open(tmp_path / "beside.gif") as two:
+        assert two.size == (2 * one.size[0], one.size[1])
+    (tmp_path / "beside.gif").unlink()
     refused = subprocess.run([*command, str(tmp_path / "turn.avi")], check=False, capture_output=True, text=True,
                              env=environment)
     assert refused.returncode == 2

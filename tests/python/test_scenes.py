@@ -206,3 +206,14 @@ def test_nothing_of_one_body_is_ignored_beside_several_nor_the_reverse(several, 
     scene[key] = value
     with pytest.raises(polhode.InputError, match=key):
         polhode.solve(scene)
+
+
+def test_an_imported_robot_is_expanded() -> None:
+    arm = polhode.scene("mechanisms/arm6")
+    expanded = arm.expanded()
+    assert "import" not in expanded and len(expanded.joints) == 6
+    given, other = (polhode.solve(scene, "taylor", samples=4) for scene in (arm, expanded))
+    assert (given.q == other.q).all() and (given.p == other.p).all()
+    # the copy can be changed
+    expanded.joints[0].damping = 0
+    assert (polhode.solve(expanded, "taylor", samples=4).q != other.q).any()

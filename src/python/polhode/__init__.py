@@ -26,8 +26,10 @@ from polhode._checking import Report, check
 from polhode._contacts import ContactEvent, ContactInterval
 from polhode._ensembles import Ensemble, ensemble
 from polhode._errors import Errors, errors
+from polhode._events import Event
 from polhode._experiments import Results, run
 from polhode._joints import JointMotion, Joints, Reactions
+from polhode._lessons import lesson_page
 from polhode._methods import Method, method, methods, solver
 from polhode._polhode import InputError, LoadState, NoTruthError, RightHandSide, __version__, allow_outside_files
 from polhode._scenes import Scene, describe, scene, scenes
@@ -42,6 +44,7 @@ __all__ = [
     "Derivative",
     "Ensemble",
     "Errors",
+    "Event",
     "Fit",
     "InputError",
     "JointMotion",
@@ -66,6 +69,7 @@ __all__ = [
     "ensemble",
     "errors",
     "fit",
+    "lesson_page",
     "method",
     "methods",
     "run",

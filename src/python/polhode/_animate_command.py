@@ -14,6 +14,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="polhode animate")
     parser.add_argument("scene")
     parser.add_argument("--method", required=True)
+    parser.add_argument("--beside")
     for name in ("--step", "--tolerance", "--duration"):
         parser.add_argument(name, type=float)
     parser.add_argument("--frames", type=int, required=True)
@@ -23,12 +24,16 @@ def main() -> int:
     options = parser.parse_args()
     allow_outside_files(options.allow_outside)
     try:
-        motion = solve(options.scene, options.method, step=options.step, tolerance=options.tolerance,
-                       duration=options.duration, samples=options.frames - 1)
-        if motion.status != "ok":
-            print(f"polhode: {motion.status}: {motion.message}", file=sys.stderr)
-            return 1
-        motion.animation(options.output, frames=options.frames, fps=options.fps)
+        common = {"duration": options.duration, "samples": options.frames - 1}
+        settings = {"step": options.step, "tolerance": options.tolerance}
+        motions = [solve(options.scene, options.method, **common, **({} if options.beside else settings))]
+        if options.beside:
+            motions.append(solve(options.scene, options.beside, **common, **settings))
+        for motion in motions:
+            if motion.status != "ok":
+                print(f"polhode: {motion.method}: {motion.status}: {motion.message}", file=sys.stderr)
+                return 1
+        motions[0].animation(options.output, frames=options.frames, fps=options.fps, beside=motions[1:])
     except ModuleNotFoundError as error:
         print(f"polhode: animate needs the Python module {error.name}; install python3-{error.name}", file=sys.stderr)
         return 2

@@ -6,7 +6,7 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from polhode._types import Array
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
+    from matplotlib.figure import Figure
 
 #: Colours of bodies, light enough that shading shows.
 _COLORS = ["#5b8fd0", "#e0a13c", "#63b08a", "#c9708e", "#8f7fd0", "#7fb0c8"]
@@ -140,6 +141,7 @@ class _Stage:
         self.p = motion.p.reshape(len(motion.t), count, 3)
         self.R = matrices_of(self.q)
         reach = [max(float(np.linalg.norm(facet, axis=1).max()) for facet in facets) for facets in self.bodies]
+        self.reach = max(reach)
         spheres = np.array(reach)[None, :, None]
         self.low = (self.p - spheres).min(axis=(0, 1))
         self.high = (self.p + spheres).max(axis=(0, 1))
@@ -149,11 +151,18 @@ class _Stage:
         """Returns the centre and half the side of the cube that is drawn."""
         return (self.low + self.high) / 2, 0.5 * float((self.high - self.low).max())
 
-    def polygons(self, row: int) -> Iterator[tuple[int, Array]]:
-        """Returns body and corners (world axes) of each facet at a sample."""
+    def polygons(self, row: int, enlarged: float = 1.0) -> Iterator[tuple[int, Array]]:
+        """Returns body and corners (world axes) of each facet at a sample, enlarged about the centre of mass."""
         for body, facets in enumerate(self.bodies):
             for facet in facets:
-                yield body, facet @ self.R[row, body].T + self.p[row, body]
+                yield body, enlarged * facet @ self.R[row, body].T + self.p[row, body]
+
+    def tips(self) -> Iterator[Array]:
+        """Returns the path of each body's point furthest from its centre of mass, of several bodies of the centre."""
+        for body, facets in enumerate(self.bodies):
+            corners = np.concatenate(facets)
+            furthest = corners[np.linalg.norm(corners, axis=1).argmax()] if len(self.bodies) == 1 else np.zeros(3)
+            yield self.p[:, body] + self.R[:, body] @ furthest
 
     def ground(self) -> list[Array]:
         """Returns a square of each plane."""
@@ -188,19 +197,80 @@ def _shaded(polygons: list[tuple[int, Array]]) -> list[tuple[float, float, float
     return colors
 
 
-def animate(motion: Any, *, frames: int, fps: float, size: tuple[float, float]) -> FuncAnimation:
-    """Makes the animation of a Trajectory: every frame shows the bodies at one sample."""
+class _Panel:
+    """The drawing of one motion in a part of the figure."""
+
+    def __init__(self, figure: Any, place: tuple[int, int, int], stage: _Stage, motion: Any, wanted: Array) -> None:
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+        self.stage, self.motion = stage, motion
+        # each frame shows the sample nearest to its time
+        self.rows = np.abs(motion.t[None, :] - wanted[:, None]).argmin(axis=1)
+        self.space = figure.add_subplot(*place, projection="3d")
+        self.bodies = Poly3DCollection([], edgecolor="#00000030", linewidth=0.3)
+        for square in stage.ground():
+            self.space.add_collection3d(Poly3DCollection([square], facecolor="#999999", alpha=0.25, edgecolor="#777777"))
+        self.space.add_collection3d(self.bodies)
+
+    def set_cube(self, center: Array, half: float) -> None:
+        for axis, middle in zip("xyz", center):
+            getattr(self.space, f"set_{axis}lim")(middle - half, middle + half)
+            getattr(self.space, f"set_{axis}label")(f"{axis} (m)")
+        self.space.set_box_aspect((1, 1, 1))
+
+    def draw(self, frame: int) -> float:
+        """Draws a frame and returns its time, s."""
+        row = int(self.rows[frame])
+        polygons = list(self.stage.polygons(row))
+        self.bodies.set_verts([corners for _, corners in polygons])
+        self.bodies.set_facecolor(_shaded(polygons))
+        return float(self.motion.t[row])
+
+
+def animate(motion: Any, *, frames: int, fps: float, size: tuple[float, float], beside: Sequence[Any] = ()) -> FuncAnimation:
+    """Makes the animation of a Trajectory, and of others beside it in the same cube of space."""
     import matplotlib.pyplot as plt
     from matplotlib.animation import FuncAnimation
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    if len(motion.t) < 2:
+    motions = [motion, *beside]
+    if min(len(one.t) for one in motions) < 2:
         raise _polhode.InputError("the motion has fewer than 2 samples; solve it with more")
     if frames < 2 or not fps > 0:
         raise _polhode.InputError(f"{frames} frames at {fps} per second; give at least 2 frames and a rate > 0")
+    stages = [_Stage(one) for one in motions]
+    figure = plt.figure(figsize=(size[0] * len(motions), size[1]))
+    wanted = np.linspace(motion.t[0], motion.t[-1], frames)
+    panels = [_Panel(figure, (1, len(motions), k), stage, one, wanted)
+              for k, (stage, one) in enumerate(zip(stages, motions), 1)]
+    low, high = np.min([stage.low for stage in stages], axis=0), np.max([stage.high for stage in stages], axis=0)
+    for panel in panels:
+        panel.set_cube((low + high) / 2, 0.5 * float((high - low).max()))
+        if beside:
+            panel.space.set_title(panel.motion.method, fontsize="medium")
+    heading = figure.suptitle("", fontsize="medium")
+    name = ", ".join([motion.scene.get("name", ""), *([] if beside else [motion.method])])
+
+    def draw(frame: int) -> list[Any]:
+        times = [panel.draw(frame) for panel in panels]
+        heading.set_text(f"{name}, t = {times[0]:.2f} s")
+        return [*(panel.bodies for panel in panels), heading]
+
+    animation = FuncAnimation(figure, draw, frames=frames, interval=1000 / fps)
+    # the figure belongs to the animation, not to the notebook
+    plt.close(figure)
+    return animation
+
+
+def strobe(motion: Any, *, count: int, size: tuple[float, float]) -> Figure:
+    """Draws the bodies of a Trajectory at several times in one picture, the earlier the paler."""
+    import matplotlib.pyplot as plt
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    if count < 1 or len(motion.t) < 1:
+        raise _polhode.InputError(f"{count} times of {len(motion.t)} samples; give at least one of each")
     stage = _Stage(motion)
     figure = plt.figure(figsize=size)
-    space = figure.add_subplot(projection="3d")
+    space = figure.add_subplot(projection="3d", computed_zorder=False)
     center, half = stage.cube()
     for axis, middle in zip("xyz", center):
         getattr(space, f"set_{axis}lim")(middle - half, middle + half)
@@ -208,25 +278,20 @@ def animate(motion: Any, *, frames: int, fps: float, size: tuple[float, float]) 
     space.set_box_aspect((1, 1, 1))
     for square in stage.ground():
         space.add_collection3d(Poly3DCollection([square], facecolor="#999999", alpha=0.25, edgecolor="#777777"))
-    bodies = Poly3DCollection([], edgecolor="#00000030", linewidth=0.3)
-    space.add_collection3d(bodies)
-    heading = figure.suptitle("", fontsize="medium")
-    # frames at equal times, each the sample nearest to it
-    wanted = np.linspace(motion.t[0], motion.t[-1], frames)
-    rows = np.abs(motion.t[None, :] - wanted[:, None]).argmin(axis=1)
-
-    def draw(frame: int) -> list[Any]:
-        row = int(rows[frame])
-        polygons = list(stage.polygons(row))
-        bodies.set_verts([corners for _, corners in polygons])
-        bodies.set_facecolor(_shaded(polygons))
-        heading.set_text(f"{motion.scene.get('name', '')}, {motion.method}, t = {motion.t[row]:.2f} s")
-        return [bodies, heading]
-
-    animation = FuncAnimation(figure, draw, frames=frames, interval=1000 / fps)
-    # the figure belongs to the animation, not to the notebook
-    plt.close(figure)
-    return animation
+    # bodies too small to be seen in the whole path are enlarged
+    enlarged = max(1.0, half / (14 * stage.reach))
+    rows = np.unique(np.linspace(0, len(motion.t) - 1, count).round().astype(int))
+    for place, row in enumerate(rows):
+        polygons = list(stage.polygons(int(row), enlarged))
+        alpha = 1.0 if len(rows) == 1 else 0.15 + 0.85 * (place / (len(rows) - 1)) ** 2
+        faces = Poly3DCollection([corners for _, corners in polygons], facecolor=_shaded(polygons), alpha=alpha,
+                                 edgecolor=(0, 0, 0, 0.15 * alpha), linewidth=0.3, zorder=2 + place)
+        space.add_collection3d(faces)
+    for body, path in enumerate(stage.tips()):
+        space.plot(*path.T, color=_COLORS[body % len(_COLORS)], linewidth=0.8, alpha=0.8, zorder=1)
+    about = f"{motion.scene.get('name', '')}, {motion.t[0]:g} to {motion.t[-1]:g} s"
+    figure.suptitle(about + (f", bodies enlarged {enlarged:.0f} times" if enlarged > 1 else ""), fontsize="medium")
+    return figure
 
 
 #: The buttons of matplotlib's player, whose icons would come from the network.

@@ -1,4 +1,4 @@
-"""Events of a motion: times at which a function of the state passes zero."""
+"""Events of a motion: times at which a function or a formula of the state passes zero."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from polhode import _polhode
 from polhode._types import Array
+from polhode.symbols import Formula
 
 #: Largest number of times at which the signs of the functions are compared.
 _MOST_CHECKS = 20_000
@@ -16,14 +17,67 @@ _MOST_CHECKS = 20_000
 _MOST_ITERATIONS = 200
 
 
-def check_times(begin: float, end: float, samples: Array, steps: int) -> Array:
-    """Returns the times at which signs are compared: samples, and about two times per step of the method."""
-    count = min(max(2 * steps, len(samples)), _MOST_CHECKS)
+class Event:
+    """An event of `solve`, with the attributes that a text cannot have.
+
+    Parameters
+    ----------
+    of : str, Formula or callable
+        A formula of time and state in the language of formula loads, such as ``"p.z - 1"`` or ``"elbow.angle"``, a
+        formula made by `symbols`, or a function of the `Motion` at one time.
+    terminal : bool or int, optional
+        Whether the event ends the motion, or the number of its occurrence that ends it.
+    direction : float, optional
+        > 0: only upwards; < 0: only downwards; 0: both.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> falls = polhode.Event("v.z", direction=-1)
+    >>> ball = {"name": "ball", "duration": 3, "body": {"mass": 1, "inertia": [1, 1, 1]},
+    ...         "initial": {"velocity": [0, 0, 5]}, "loads": [polhode.gravity(acceleration=[0, 0, -10])]}
+    >>> polhode.solve(ball, events=[falls, "p.z"]).t_events
+    [array([0.5]), array([1.])]
+    """
+
+    def __init__(self, of: Any, *, terminal: bool | int = False, direction: float = 0.0) -> None:
+        self.of: Any = of.of if isinstance(of, Event) else of
+        self.terminal = terminal
+        self.direction = direction
+
+    def __repr__(self) -> str:
+        of = str(self.of) if isinstance(self.of, Formula) else self.of
+        return f"polhode.Event({of!r}, terminal={self.terminal}, direction={self.direction})"
+
+
+def as_events(given: Any) -> list[Event]:
+    """Returns events from functions, texts, formulas and events. Functions keep their attributes."""
+    if callable(given) or isinstance(given, (str, Formula, Event)):
+        given = [given]
+    events = []
+    for k, one in enumerate(given):
+        of = one.of if isinstance(one, Event) else one
+        if not (callable(of) or isinstance(of, (str, Formula))):
+            raise _polhode.InputError(f"events[{k}] is {of!r}; give a function of the motion at one time, or a formula "
+                                      "such as \"p.z - 1\"")
+        event = Event(of)
+        event.terminal, event.direction = getattr(one, "terminal", False), getattr(one, "direction", 0.0)
+        events.append(event)
+    return events
+
+
+def check_times(begin: float, end: float, samples: Array, steps: int, rate: float) -> Array:
+    """Returns the times at which signs are compared.
+
+    These are the samples, about two times per step of the method, and 32 per revolution at `rate` (rad/s).
+    """
+    revolutions = rate * (end - begin) / (2 * np.pi)
+    count = int(min(max(2 * steps, len(samples), 32 * revolutions), _MOST_CHECKS))
     return np.asarray(np.unique(np.concatenate([samples, np.linspace(begin, end, count + 1)])))
 
 
-def _directions(events: Sequence[Any]) -> Array:
-    return np.array([float(getattr(event, "direction", 0.0)) for event in events])
+def _directions(events: Sequence[Event]) -> Array:
+    return np.array([float(event.direction) for event in events])
 
 
 def _passes(before: Array, after: Array, direction: Array) -> Any:
@@ -33,7 +87,7 @@ def _passes(before: Array, after: Array, direction: Array) -> Any:
     return (rises & (direction >= 0)) | (falls & (direction <= 0))
 
 
-def locate_events(values: Callable[[Array], Array], times: Array, events: Sequence[Any]) -> list[Array]:
+def locate_events(values: Callable[[Array], Array], times: Array, events: Sequence[Event]) -> list[Array]:
     """Locates the zeros of functions along a motion.
 
     Parameters
@@ -42,8 +96,8 @@ def locate_events(values: Callable[[Array], Array], times: Array, events: Sequen
         Returns the values of all functions at times, shape (times, events).
     times : ndarray
         Times at which signs are compared, s. Two zeros between neighbouring times are not seen.
-    events : sequence
-        The functions, for their attributes ``direction``.
+    events : sequence of Event
+        The events, for their directions.
 
     Returns
     -------
@@ -93,14 +147,14 @@ def _find_roots(values: Callable[[Array], Array], which: Any, b: Array, a: Array
     return x
 
 
-def first_terminal(times: Sequence[Array], events: Sequence[Any]) -> tuple[float, int] | None:
+def first_terminal(times: Sequence[Array], events: Sequence[Event]) -> tuple[float, int] | None:
     """Returns time and index of the event that ends the motion, or None.
 
     The attribute ``terminal`` of an event is a bool, or the number of its occurrence that ends the motion.
     """
     ends = []
     for k, event in enumerate(events):
-        terminal = int(getattr(event, "terminal", False))
+        terminal = int(event.terminal)
         if terminal < 0:
             raise _polhode.InputError(f"event {k}: terminal is {terminal}; give a bool or a number > 0")
         if 0 < terminal <= len(times[k]):

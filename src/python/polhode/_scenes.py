@@ -299,6 +299,25 @@ class Scene(Block):
         """Returns the scene as the text of a scene file, without user-defined torques."""
         return json.dumps(self, default=_plain, indent=indent)
 
+    def expanded(self) -> Scene:
+        """Returns the scene with the bodies and joints of an imported robot in place of ``import``.
+
+        Returns
+        -------
+        Scene
+            A scene with the same motion that names no files.
+
+        Examples
+        --------
+        >>> import polhode
+        >>> arm = polhode.scene("mechanisms/arm6").expanded()
+        >>> [joint.name for joint in arm.joints][:3]
+        ['waist', 'shoulder', 'elbow']
+        """
+        other = Scene(json.loads(self._compiled().canonical()), self._file, self._directory)
+        other._torques.extend(self._torques)
+        return other
+
     def describe(self) -> str:
         """Describes mass properties, the system posed, omitted terms, invariants and conditioning.
 

@@ -12,12 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode import _polhode
-from polhode._animation import animate, cell, save
+from polhode._animation import animate, cell, save, strobe
 from polhode._attitudes import Attitudes, BodyMotion, matrices_of
 from polhode._checking import Report, check
 from polhode._contacts import ContactEvent, ContactInterval, contact_events, contact_intervals
 from polhode._errors import Errors, errors
-from polhode._events import check_times, first_terminal, locate_events
+from polhode._events import Event, as_events, check_times, first_terminal, locate_events
 from polhode._html import pairs_html
 from polhode._joints import Joints, Reactions, index_of
 from polhode._plot import plot_trajectory
@@ -27,6 +27,8 @@ from polhode._types import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from polhode.symbols import Formula
 
 #: No sample times: samples are equally spaced.
 _NO_TIMES = np.empty(0)
@@ -243,18 +245,22 @@ class Trajectory(Attitudes):
         (2, 4)
         """
         asked = np.asarray(times, dtype=np.float64)
+        ordered, places = np.unique(asked.ravel(), return_inverse=True)
+        found, shape = self._again(ordered), asked.shape
+        return Motion(asked.copy(), *(a[places].reshape(shape + a.shape[1:]) for a in
+                                      (found.q, found.w, found.p, found.v)))
+
+    def _again(self, times: Array) -> Trajectory:
+        """Repeats the run with other sample times, in increasing order."""
         if self._native.step > 0:
             raise _polhode.InputError(
                 f"{self.method} uses a fixed step and has no values between steps; pass the times to solve()"
             )
-        ordered, places = np.unique(asked.ravel(), return_inverse=True)
-        settings = _polhode.Settings(tolerance=self._native.tolerance, times=ordered, **self._limits)
+        settings = _polhode.Settings(tolerance=self._native.tolerance, times=times, **self._limits)
         found = Trajectory(_polhode.solve(self._native.scene, self.method, settings, self._full, False), self.scene)
-        if len(found.t) != len(ordered):
+        if len(found.t) != len(times):
             raise _polhode.InputError(f"there is no motion at these times: {found.message}")
-        shape = asked.shape
-        return Motion(asked.copy(), *(a[places].reshape(shape + a.shape[1:]) for a in
-                                      (found.q, found.w, found.p, found.v)))
+        return found
 
     def errors(self, truth: Truth | None = None, *, digits: int = 25) -> Errors:
         """Computes the errors of this trajectory against the truth; see `polhode.errors`."""
@@ -286,7 +292,25 @@ class Trajectory(Attitudes):
         """
         return plot_trajectory(self, **options)
 
-    def animate(self, *, frames: int = 100, fps: float = 25, size: tuple[float, float] = (5.0, 5.0)) -> Any:
+    def strobe(self, count: int = 6, *, size: tuple[float, float] = (5.0, 5.0)) -> Figure:
+        """Draws the bodies at several times in one picture, the earlier the paler, with the path of a point.
+
+        Parameters
+        ----------
+        count : int, optional
+            Number of times, at equal numbers of samples, including the first and the last.
+        size : (float, float), optional
+            Width and height, inches.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Bodies that would be invisible beside their path are enlarged; the heading states by how much.
+        """
+        return strobe(self, count=count, size=size)
+
+    def animate(self, *, frames: int = 100, fps: float = 25, size: tuple[float, float] = (5.0, 5.0),
+                beside: Sequence[Trajectory] = ()) -> Any:
         """Makes an animation for a notebook: an HTML cell that needs no network.
 
         Parameters
@@ -296,7 +320,9 @@ class Trajectory(Attitudes):
         fps : float, optional
             Pictures per second.
         size : (float, float), optional
-            Width and height, inches.
+            Width and height of each motion, inches.
+        beside : sequence of Trajectory, optional
+            Other motions, drawn beside this one in the same cube of space.
 
         Returns
         -------
@@ -308,7 +334,7 @@ class Trajectory(Attitudes):
         InputError
             If there are fewer than 2 samples or frames.
         """
-        text = cell(animate(self, frames=frames, fps=fps, size=size), fps)
+        text = cell(animate(self, frames=frames, fps=fps, size=size, beside=beside), fps)
         try:
             from IPython.display import HTML
         except ImportError:
@@ -323,6 +349,7 @@ class Trajectory(Attitudes):
         fps: float = 25,
         size: tuple[float, float] = (5.0, 5.0),
         dpi: float = 80,
+        beside: Sequence[Trajectory] = (),
     ) -> Path:
         """Writes an animated picture of the bodies, without a browser.
 
@@ -335,9 +362,11 @@ class Trajectory(Attitudes):
         fps : float, optional
             Pictures per second.
         size : (float, float), optional
-            Width and height, inches.
+            Width and height of each motion, inches.
         dpi : float, optional
             Pixels per inch.
+        beside : sequence of Trajectory, optional
+            Other motions, drawn beside this one in the same cube of space.
 
         Returns
         -------
@@ -350,7 +379,7 @@ class Trajectory(Attitudes):
             If the ending is unknown, ffmpeg is missing, or there are fewer than 2 samples or frames.
         """
         file = Path(path)
-        save(animate(self, frames=frames, fps=fps, size=size), file, fps, dpi)
+        save(animate(self, frames=frames, fps=fps, size=size, beside=beside), file, fps, dpi)
         return file
 
     def __len__(self) -> int:
@@ -393,7 +422,7 @@ def solve(
     duration: float | None = None,
     full: bool = False,
     reactions: bool = False,
-    events: Sequence[Callable[[Motion], float]] = (),
+    events: Sequence[Callable[[Motion], float] | str | Formula | Event] = (),
     max_steps: int = 1_000_000_000,
     max_evaluations: int = 10_000_000_000,
     max_seconds: float = 3600,
@@ -421,12 +450,14 @@ def solve(
         Integrate all 13 variables instead of the reduced formulation (one body).
     reactions : bool, optional
         Compute the reactions of joints at the samples, if the method supports it.
-    events : sequence of callable, optional
-        Functions of the `Motion` at one time, such as ``lambda motion: motion.p[2] - 1``. Times at which a function
-        passes zero are located to the accuracy of the method, between its steps. As in SciPy, a function may have the
-        attributes ``terminal`` (True, or the number of the occurrence that ends the motion) and ``direction`` (> 0:
-        only upwards, < 0: only downwards). Signs are compared at the samples and about twice per step. Methods with a
-        fixed step are refused.
+    events : sequence of str, Formula, Event or callable, optional
+        Formulas of time and state in the language of formula loads, such as ``"p.z - 1"`` or ``"elbow.angle"``, with
+        the parameters, tables and definitions of the scene; or functions of the `Motion` at one time, such as
+        ``lambda motion: motion.p[2] - 1``. Times at which a value passes zero are located to the accuracy of the
+        method, between its steps. `Event` adds ``terminal`` (True, or the number of the occurrence that ends the
+        motion) and ``direction`` (> 0: only upwards, < 0: only downwards); as in SciPy, a function may also have
+        these attributes. Signs are compared at the samples, about twice per step, and 32 times per revolution
+        of the fastest body. Methods with a fixed step are refused.
     max_steps, max_evaluations : int, optional
         The run ends as ``failed`` after this many steps or right-hand-side evaluations.
     max_seconds : float, optional
@@ -448,6 +479,9 @@ def solve(
     >>> motion = polhode.solve("free_asymmetric", "dop853", tolerance=1e-9, samples=4)
     >>> motion.status, motion.w.shape
     ('ok', (5, 3))
+    >>> swing = polhode.solve("mechanisms/double_pendulum", duration=2, events=["elbow.angle - 1"])
+    >>> len(swing.t_events[0])
+    3
     """
     if samples is not None and times is not None:
         raise _polhode.InputError("both samples and times; give one of them")
@@ -463,25 +497,39 @@ def solve(
     native = _polhode.solve(posed._compiled(), name, settings, full, reactions)
     limits = {"max_steps": max_steps, "max_evaluations": max_evaluations, "max_seconds": max_seconds}
     motion = Trajectory(native, posed, limits, full)
-    return _with_events(motion, tuple(events), reactions) if events else motion
+    located = as_events(events)
+    return _with_events(motion, located, reactions) if located else motion
 
 
-def _with_events(motion: Trajectory, events: tuple[Callable[[Motion], float], ...], reactions: bool) -> Trajectory:
+def _values_of(motion: Trajectory, events: list[Event]) -> Callable[[Array], Array]:
+    """Returns the function that computes all events at times, shape (times, events)."""
+    written = [k for k, event in enumerate(events) if not callable(event.of)]
+    formulas = _polhode.EventFormulas(motion._native.scene, [str(events[k].of) for k in written])
+
+    def values(times: Array) -> Array:
+        found = motion._again(times)
+        all_ = np.empty((len(times), len(events)))
+        if written:
+            all_[:, written] = formulas.values(found._native)
+        for k in set(range(len(events))) - set(written):
+            for i, t in enumerate(found.t):
+                all_[i, k] = float(events[k].of(Motion(t, found.q[i], found.w[i], found.p[i], found.v[i])))
+        return all_
+
+    return values
+
+
+def _with_events(motion: Trajectory, events: list[Event], reactions: bool) -> Trajectory:
     """Returns the motion up to the first terminal event, with ``t_events`` and ``y_events``."""
-    if not all(callable(event) for event in events):
-        raise _polhode.InputError("events: give functions of the motion at one time")
     if motion._native.step > 0:
         raise _polhode.InputError(f"events lie between steps, and {motion.method} uses a fixed step; give a method "
                                   "with a tolerance")
+    values = _values_of(motion, events)
     if len(motion.t) < 2:
         return motion
-
-    def values(times: Array) -> Array:
-        found = motion.at(times)
-        return np.array([[float(event(Motion(*(block[i] for block in found)))) for event in events]
-                         for i in range(len(times))])
-
-    times = locate_events(values, check_times(motion.t[0], motion.t[-1], motion.t, motion.steps), events)
+    fastest = float(np.linalg.norm(motion.w_B, axis=-1).max())
+    checks = check_times(motion.t[0], motion.t[-1], motion.t, motion.steps, fastest)
+    times = locate_events(values, checks, events)
     end = first_terminal(times, events)
     if end is not None:
         kept = np.append(motion.t[motion.t < end[0]], end[0])
@@ -595,7 +643,7 @@ def solve_ivp(
     method: str | Callable[..., Any] = "auto",
     t_eval: npt.ArrayLike | None = None,
     dense_output: bool = False,
-    events: Callable[[float, Array], float] | Sequence[Callable[[float, Array], float]] = (),
+    events: Callable[[float, Array], float] | str | Sequence[Callable[[float, Array], float] | str | Event] = (),
     *,
     rtol: float | None = None,
 ) -> OdeResult:
@@ -614,7 +662,7 @@ def solve_ivp(
     dense_output : bool, optional
         Whether the result has ``sol``.
     events : callable or sequence of callable, optional
-        Functions of t and y, with the attributes ``terminal`` and ``direction``.
+        Functions of t and y, with the attributes ``terminal`` and ``direction``, and formulas as for `solve`.
     rtol : float, optional
         Relative tolerance. Default: 1e-10.
 
@@ -640,17 +688,14 @@ def solve_ivp(
         settings["tolerance"] = rtol
     if t_eval is not None:
         settings["times"], settings["duration"] = t_eval, posed.duration
-    if events:
-        settings["events"] = [_of_state(event) for event in ([events] if callable(events) else events)]
+    settings["events"] = [_of_state(event) for event in as_events(events)]
     return OdeResult(solve(posed, method, **settings), dense_output)
 
 
-def _of_state(event: Callable[[float, Array], float]) -> Callable[[Motion], float]:
-    """Returns an event of t and y as an event of the motion, with the same attributes."""
-
-    def of_motion(motion: Motion) -> float:
-        return event(float(motion.t), OdeResult._columns(motion))
-
-    for name in ("terminal", "direction"):
-        setattr(of_motion, name, getattr(event, name, False))
-    return of_motion
+def _of_state(event: Event) -> Event:
+    """Returns an event whose function is of t and y as an event of the motion."""
+    if not callable(event.of):
+        return event
+    function: Callable[[float, Array], float] = event.of
+    return Event(lambda motion: function(float(motion.t), OdeResult._columns(motion)), terminal=event.terminal,
+                 direction=event.direction)

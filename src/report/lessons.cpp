@@ -1,6 +1,6 @@
-// Reads lessons. The page computes the motion of a body that is free or has a fixed point under gravity
-// (page/source/lesson), so the scene is checked against this and reduced to numbers: mass, inertia, arm, gravity,
-// start.
+// Reads lessons. The page computes the motion of a body that is free, has a fixed point under gravity, or slides and
+// rolls on a plane (page/source/lesson), so the scene is checked against this and reduced to numbers: mass, inertia,
+// arm, gravity, contact, start.
 #include "report/lessons.h"
 
 #include <fmt/format.h>
@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "report/body_shape.h"
+#include "report/lesson_contact.h"
 #include "scene/builtin.h"
 #include "scene/scene_file.h"
 #include "text/json_document.h"
@@ -35,17 +36,25 @@ const std::vector<std::string> lesson_updates = {
     "gyroscopic_none",          "gyroscopic_explicit",          "gyroscopic_implicit",   "gyroscopic_linearly_implicit",
     "midpoint_gyroscopic",      "gyroscopic_rescaled_momentum", "gyroscopic_substepped", "first_order_quaternion",
     "momentum_exponential_map", "baraff_witkin_euler",          "baraff_witkin_rk4"};
+// those of page/source/lesson/contact_kernels.ts
+const std::vector<std::string> contact_lesson_updates = {"contact_impulses_cone", "contact_impulses_cone_cold",
+                                                         "contact_impulses_cone_baumgarte", "contact_impulses_pyramid",
+                                                         "moreau_jean"};
 const std::vector<std::string> lesson_quantities = {"angular_velocity_x",
                                                     "angular_velocity_y",
                                                     "angular_velocity_z",
                                                     "moment_x",
                                                     "moment_y",
                                                     "moment_z",
+                                                    "velocity_x",
+                                                    "velocity_y",
                                                     "tilt",
+                                                    "friction",
                                                     "gravity",
                                                     "step",
                                                     "duration"};
-const std::vector<std::string> lesson_graphs = {"angular_velocity", "energy", "momentum", "step_error", "tilt"};
+const std::vector<std::string> lesson_graphs = {"angular_velocity", "energy", "height", "momentum", "slip", "spin",
+                                                "step_error",       "tilt"};
 const std::vector<std::string> lesson_marks = {"angular_velocity", "axes", "ellipsoid", "momentum", "path", "trail"};
 
 // Returns the string of a node, which must be one of `known`.
@@ -119,8 +128,7 @@ Scene read_lesson_scene(const JsonNode& node, const std::string& directory) {
 // Refuses what the page does not compute. Returns gravity, m/s^2.
 std::optional<Vector3<double>> require_lesson_scene(const JsonNode& node, const Scene& scene) {
     if (!scene.bodies.empty()) node.fail("has several bodies", "give a scene of one body");
-    if (!scene.planes.empty()) node.fail("has planes", "give a scene without planes");
-    if (!scene.pivot && !(scene.initial.velocity_W == Vector3<double>()))
+    if (scene.planes.empty() && !scene.pivot && !(scene.initial.velocity_W == Vector3<double>()))
         node.fail("has a velocity", "give a scene that starts without velocity; a lesson shows the rotation only");
     std::optional<Vector3<double>> gravity;
     for (const Load& load : scene.loads) {
@@ -129,7 +137,8 @@ std::optional<Vector3<double>> require_lesson_scene(const JsonNode& node, const 
             node.fail("has loads other than constant gravity", "give a scene whose only load is gravity, or none");
         gravity = one->acceleration_W;
     }
-    if (gravity && !scene.pivot) node.fail("has gravity and no pivot", "remove the gravity, or give the body a pivot");
+    if (gravity && !scene.pivot && scene.planes.empty())
+        node.fail("has gravity and neither a pivot nor a plane", "remove the gravity, or give the body a pivot");
     return gravity;
 }
 
@@ -153,6 +162,10 @@ Json read_sliders(const JsonNode& node, const Scene& scene, bool has_gravity) {
         if (positive && !(range[0]->number() > 0)) range[0]->fail(range[0]->describe(), "give a number > 0");
         if (one->key() == "gravity" && !has_gravity)
             one->fail("has no effect without gravity", "remove it, or give a scene with a pivot and gravity");
+        if (scene.planes.empty() && (one->key() == "friction" || one->key().starts_with("velocity")))
+            one->fail("has no effect without a plane", "remove it, or give a scene with a plane");
+        if (one->key() == "friction" && !(range[0]->number() >= 0))
+            range[0]->fail(range[0]->describe(), "give a number >= 0");
         if (one->key().starts_with("moment"))
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < i; ++j)
@@ -205,6 +218,7 @@ Json parse_lesson(std::string_view text, const std::string& file, const std::str
     const JsonNode& scene_node = root.require_member("scene", "a built-in scene or a scene file");
     const Scene scene = read_lesson_scene(scene_node, directory);
     const std::optional<Vector3<double>> gravity = require_lesson_scene(scene_node, scene);
+    const Json contact = lesson_contact_json(scene_node, scene);
     const JsonNode* const duration_node = root.find("duration");
     const double duration = duration_node ? read_positive(*duration_node) : scene.duration;
     const JsonNode& step_node = root.require_member("step", "the step of the update, s");
@@ -214,18 +228,29 @@ Json parse_lesson(std::string_view text, const std::string& file, const std::str
                        fmt::format("give at least {:.3g} s, or a shorter duration", duration / most_lesson_steps));
     json["scene"] = scene.name;
     json["duration"] = number_json(duration, exact_digits);
-    json["update"] = read_choice(root.require_member("update", "the name of an update"), lesson_updates);
+    const bool has_contact = !contact.is_null();
+    json["update"] = read_choice(root.require_member("update", "the name of an update"),
+                                 has_contact ? contact_lesson_updates : lesson_updates);
     json["step"] = number_json(step, exact_digits);
     const JsonNode* const sliders = root.find("sliders");
     json["sliders"] = sliders ? read_sliders(*sliders, scene, gravity.has_value()) : Json::array();
     json["graphs"] = read_choices(root.find("graphs"), lesson_graphs);
+    for (const Json& one : json["graphs"]) {
+        const std::string graph = one.get<std::string>();
+        const bool needs_plane = graph == "height" || graph == "slip" || graph == "spin";
+        if (needs_plane && !has_contact)
+            root.find("graphs")->fail("has " + graph + ", which needs a plane", "remove it");
+        if (graph == "step_error" && has_contact)
+            root.find("graphs")->fail("has step_error, which is not available with a plane", "remove it");
+    }
     std::string show;
     for (const Json& one : read_choices(root.find("show"), lesson_marks))
         show += (show.empty() ? "" : ",") + one.get<std::string>();
     json["show"] = show;
     add_scene_numbers(scene, gravity, json);
-    if (has_slider(json["sliders"], "tilt") && !scene.pivot)
-        sliders->fail("has a slider for the tilt, which needs a pivot", "remove it, or give a scene with a pivot");
+    json["contact"] = contact;
+    if (has_slider(json["sliders"], "tilt") && !scene.pivot && !has_contact)
+        sliders->fail("has a slider for the tilt, which needs a pivot or a plane", "remove it, or give another scene");
     return json;
 }
 

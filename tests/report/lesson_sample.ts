@@ -7,7 +7,7 @@ const shape = (name: string, mass: number, moments: number[]): BodyShape => ({ n
 /** The scene free_asymmetric. */
 export const freeLesson = (): Lesson => ({
   name: "gyroscopic_term", title: "The gyroscopic term", text: ["First paragraph.", "Second paragraph."], scene: "free_asymmetric", duration: 10, mass: 1,
-  inertia: [1, 0, 0, 0, 2, 0, 0, 0, 3], arm: null, gravity: null, orientation: [1, 0, 0, 0], angular_velocity: [1, 1, 1], update: "gyroscopic_explicit", step: 1 / 60,
+  inertia: [1, 0, 0, 0, 2, 0, 0, 0, 3], arm: null, gravity: null, contact: null, orientation: [1, 0, 0, 0], angular_velocity: [1, 1, 1], update: "gyroscopic_explicit", step: 1 / 60,
   sliders: [{ quantity: "step", from: 1e-3, to: 0.1 }, { quantity: "angular_velocity_y", from: -5, to: 5 }, { quantity: "moment_y", from: 1, to: 4 }],
   graphs: ["energy", "momentum", "angular_velocity", "step_error"], show: "", shape: shape("free_asymmetric", 1, [1, 2, 3]), about: { moments: [1, 2, 3], principal: [1, 0, 0, 0] },
 });

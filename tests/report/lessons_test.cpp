@@ -59,29 +59,53 @@ TEST(Lessons, ContainTheNumbersOfTheScene) {
 }
 
 TEST(Lessons, BuiltInOnesUseUpdatesOfTheCatalogueThatThePageComputes) {
-    const std::string kernels = read_source("lesson/kernels.ts");
-    ASSERT_FALSE(kernels.empty());
+    const std::string kernels = read_source("lesson/kernels.ts"),
+                      contact_kernels = read_source("lesson/contact_kernels.ts");
+    ASSERT_FALSE(kernels.empty() || contact_kernels.empty());
     const std::vector<std::string> names = builtin_lesson_names();
-    for (const char* name : {"dzhanibekov", "gyroscopic_term", "poinsot", "spinning_top", "step_against_error"})
+    for (const char* name : {"dzhanibekov", "gyroscopic_term", "poinsot", "rattleback", "rolling_ball", "spinning_top",
+                             "step_against_error", "tippe_top"})
         EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
     for (const Json& lesson : builtin_lessons_json()) {
         const std::string update = lesson["update"].get<std::string>();
-        EXPECT_NE(kernels.find('"' + update + '"'), std::string::npos) << update;
+        const std::string& known = lesson["contact"].is_null() ? kernels : contact_kernels;
+        EXPECT_NE(known.find('"' + update + '"'), std::string::npos) << update;
         EXPECT_NE(find_method(update), nullptr) << update;
         EXPECT_FALSE(lesson["sliders"].empty()) << lesson["name"];
         EXPECT_FALSE(lesson["graphs"].empty()) << lesson["name"];
     }
     // every name that a refusal offers is one of the page's kernels
-    std::istringstream offered(fault_of(lesson_with(R"("scene": "sphere", "step": 1, "update": "zzzzzzzzzz")")));
-    std::string word;
-    int count = 0;
-    while (offered >> word) {
-        word = word.substr(0, word.find(','));
-        if (!find_method(word)) continue;
-        EXPECT_NE(kernels.find('"' + word + '"'), std::string::npos) << word;
-        ++count;
-    }
-    EXPECT_EQ(count, 11);
+    const auto offered = [&](const std::string& scene, const std::string& known) {
+        std::istringstream words(
+            fault_of(lesson_with(R"("scene": ")" + scene + R"(", "step": 1, "update": "zzzzzzzzzz")")));
+        int count = 0;
+        for (std::string word; words >> word;) {
+            word = word.substr(0, word.find(','));
+            if (!find_method(word)) continue;
+            EXPECT_NE(known.find('"' + word + '"'), std::string::npos) << word;
+            ++count;
+        }
+        return count;
+    };
+    EXPECT_EQ(offered("sphere", kernels), 11);
+    EXPECT_EQ(offered("contact/bowling_ball", contact_kernels), 5);
+}
+
+TEST(Lessons, ContainTheContactOfTheScene) {
+    const Json top = find_lesson("tippe_top")["contact"];
+    // two balls of 0.01 kg and 0.005 kg, 0.006 m apart: the larger one touches, its centre is 0.002 m above that of
+    // mass
+    EXPECT_NEAR(top["center"][2].get<double>(), 0.002, 1e-17);
+    EXPECT_EQ(top["radius"], 0.02);
+    EXPECT_EQ(top["friction"], 0.3);
+    EXPECT_EQ(top["normal"], Json({0, 0, 1}));
+    EXPECT_EQ(top["axes"], Json({0, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_NEAR(top["reach"].get<double>(), 0.022, 1e-16);
+    const Json stone = find_lesson("rattleback")["contact"];
+    EXPECT_EQ(stone["axes"], Json({0.2, 0, 0, 0, 0.03125, 0, 0, 0, 0.0234375}));
+    EXPECT_EQ(stone["center"], Json({0, 0, 0.0078125}));
+    EXPECT_EQ(stone["velocity"], Json({0.015625, 0, 0}));
+    EXPECT_TRUE(find_lesson("poinsot")["contact"].is_null());
 }
 
 TEST(Lessons, RefuseWhatThePageCannotCompute) {
@@ -95,6 +119,19 @@ TEST(Lessons, RefuseWhatThePageCannotCompute) {
     refused(R"("scene": "mechanisms/double_pendulum_spatial", )" + run, "/scene: ");
     refused(R"("scene": "bouncing_ball", )" + run, "/scene: ");
     refused(R"("scene": "damped_spin", )" + run, "/scene: ");
+    refused(R"("scene": "sphere", "graphs": ["slip"], )" + run, "/graphs: ");
+    refused(R"("scene": "sphere", "sliders": {"friction": [0, 1]}, )" + run, "/sliders/friction: ");
+    const std::string impulses = R"("update": "contact_impulses_cone", "step": 0.01)";
+    EXPECT_EQ(fault_of(lesson_with(R"("scene": "contact/bowling_ball", )" + impulses)), "");
+    refused(R"("scene": "contact/bowling_ball", )" + run, "/update: ");
+    refused(R"("scene": "sphere", )" + impulses, "/update: ");
+    refused(R"("scene": "contact/bowling_ball", "graphs": ["step_error"], )" + impulses, "/graphs: ");
+    refused(R"("scene": "contact/bowling_ball", "sliders": {"friction": [-1, 1]}, )" + impulses,
+            "/sliders/friction/0: ");
+    // a box, two planes, and a body that falls
+    refused(R"("scene": "contact/block_on_ramp", )" + impulses, "/scene: ");
+    refused(R"("scene": "contact/ball_in_gutter", )" + impulses, "/scene: ");
+    refused(R"("scene": "contact/ball_bounces_to_rest", )" + impulses, "/scene: ");
     refused(R"("scene": "no_such_scene", )" + run, "/scene: ");
     refused(R"("scene": "../up.json", )" + run, "/scene: ");
     refused(R"("scene": "sphere", "update": "gyroscopic_non", "step": 1)", "/update: ");

@@ -209,7 +209,8 @@ export interface Motion {
   methods: MotionMethod[];
 }
 
-/** A lesson: a body that is free or has a fixed point, whose motion the page computes for any position of its sliders. */
+/** A lesson: a body that is free, has a fixed point, or slides and rolls on a plane. The page computes its motion for any
+ * position of its sliders. */
 export interface Lesson {
   name: string;
   title: string;
@@ -222,13 +223,28 @@ export interface Lesson {
   gravity: number[] | null; // m/s^2, world
   orientation: number[]; // w, x, y, z
   angular_velocity: number[]; // rad/s, body axes
-  update: string; // name of a kernel of lesson/kernels.ts
+  contact: LessonContact | null; // null: without a plane
+  update: string; // name of a kernel of lesson/kernels.ts or lesson/contact_kernels.ts
   step: number; // s
   sliders: { quantity: string; from: number; to: number }[]; // quantities: valueOf() of lesson/simulate.ts
-  graphs: string[]; // "energy", "momentum", "angular_velocity", "tilt", "step_error"
+  graphs: string[]; // "energy", "momentum", "angular_velocity", "tilt", "step_error", with a plane "slip", "spin", "height"
   show: string; // what the view shows at first, as the key motion_show
   shape: BodyShape;
   about: { moments: number[]; principal: number[] }; // inertia about the pivot or the centre of mass
+}
+
+/** The shape { c + A u + r b : |u| <= 1, |b| <= 1 } that touches the plane n . x = offset, and the start of the body. */
+export interface LessonContact {
+  center: number[]; // c, m, from the centre of mass, body axes
+  axes: number[]; // A, m, nine numbers
+  radius: number; // r, m
+  reach: number; // bound of the distance of the hull's points from the centre of mass, m
+  normal: number[]; // n, unit, world axes
+  offset: number; // m
+  restitution: number;
+  friction: number;
+  position: number[]; // centre of mass, m
+  velocity: number[]; // m/s
 }
 
 export interface BodyShape {

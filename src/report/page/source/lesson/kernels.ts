@@ -12,12 +12,13 @@ export interface Stepper {
   step(h: number): void;
   q(): Quaternion;
   w(): Vector; // rad/s, body axes
+  at?(): { p: Vector; v: Vector }; // contact updates: centre of mass and its velocity, world axes
 }
 
 export interface Kernel {
   name: string;
   about: string;
-  start(body: Body, q: Quaternion, w: Vector): Stepper;
+  start(body: Body, q: Quaternion, w: Vector, at?: { p: Vector; v: Vector }): Stepper;
 }
 
 type Term = (body: Body, w: Vector, h: number) => Vector;
@@ -151,7 +152,7 @@ function baraffWitkin(name: string, about: string, scheme: "euler" | "rk4"): Ker
   };
 }
 
-/** All updates of the page. */
+/** All updates without contact. */
 export const kernels: readonly Kernel[] = [
   engine("gyroscopic_none", "no gyroscopic term", none),
   engine("gyroscopic_explicit", "gyroscopic term by an explicit Euler step", explicit),
@@ -165,5 +166,3 @@ export const kernels: readonly Kernel[] = [
   baraffWitkin("baraff_witkin_euler", "q and L by explicit Euler steps", "euler"),
   baraffWitkin("baraff_witkin_rk4", "q and L by the classical Runge–Kutta method of order 4", "rk4"),
 ];
-
-export const kernelOf = (name: string): Kernel | undefined => kernels.find((one) => one.name === name);

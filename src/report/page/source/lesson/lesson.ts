@@ -12,10 +12,12 @@ import { length } from "../motion/algebra.ts";
 import { mountMotion, type MotionHandle } from "../motion/motion.ts";
 import { oneLine, shorten } from "../text.ts";
 import { type Curve, Graph } from "./graph.ts";
-import { kernelOf, kernels } from "./kernels.ts";
+import { kernels } from "./kernels.ts";
 import style from "./lesson.css" with { type: "text" };
-import { conservedMomentum, energyOf, type Sample, tiltOf } from "./mechanics.ts";
-import { errorOfSteps, momentFault, mostSteps, type Results, type Setup, setupOf, simulate, type Values, valueOf } from "./simulate.ts";
+import { type Sample, tiltOf } from "./mechanics.ts";
+import {
+  energyAt, errorOfSteps, heightAt, kernelOf, kernelsOf, momentFault, momentumAt, mostSteps, type Results, type Setup, setupOf, simulate, slipAt, spinAt, type Values, valueOf,
+} from "./simulate.ts";
 
 const defaultShow = "angular_velocity,momentum";
 const positions = 200; // steps of every slider
@@ -23,7 +25,7 @@ const positions = 200; // steps of every slider
 const quantities: Record<string, [string, string]> = {
   angular_velocity_x: ["ω x", "rad/s"], angular_velocity_y: ["ω y", "rad/s"], angular_velocity_z: ["ω z", "rad/s"],
   moment_x: ["moment about x", "kg m²"], moment_y: ["moment about y", "kg m²"], moment_z: ["moment about z", "kg m²"],
-  tilt: ["tilt", "rad"], gravity: ["gravity", "m/s²"], step: ["step", "s"], duration: ["duration", "s"],
+  velocity_x: ["velocity x", "m/s"], velocity_y: ["velocity y", "m/s"], friction: ["friction", ""], tilt: ["tilt", "rad"], gravity: ["gravity", "m/s²"], step: ["step", "s"], duration: ["duration", "s"],
 };
 
 /** Slider value at a position, with three digits; the step's slider is logarithmic. */
@@ -116,13 +118,13 @@ class LessonView {
   private follow(): void {
     const { data, page } = this;
     const lesson = data.lessons.find((one) => one.name === page.get("lesson")) ?? (data.lessons[0] as Lesson);
-    const update = kernelOf(page.get("lesson.update"))?.name ?? lesson.update;
+    const update = kernelOf(lesson, page.get("lesson.update"))?.name ?? lesson.update;
     this.values = parseValues(lesson, page.get("lesson.values"));
     const asked = JSON.stringify([lesson.name, update, this.values, page.dark()]);
     if (asked === this.asked) return;
     this.asked = asked;
     if (lesson !== this.lesson || this.outputs.size === 0) this.build(lesson);
-    this.updates.update(kernels.map((one) => [one.name, `${one.name}: ${one.about}`]), update);
+    this.updates.update(kernelsOf(lesson).map((one) => [one.name, `${one.name}: ${one.about}`]), update);
     for (const slider of lesson.sliders) this.showValue(slider, this.values[slider.quantity] ?? valueOf(lesson, slider.quantity), true);
     if (this.frame === 0) this.frame = requestAnimationFrame(() => {
       this.frame = 0;
@@ -166,7 +168,7 @@ class LessonView {
 
   private compute(): void {
     const { lesson, values } = this;
-    const kernel = kernelOf(this.page.get("lesson.update")) ?? kernelOf(lesson.update);
+    const kernel = kernelOf(lesson, this.page.get("lesson.update")) ?? kernelOf(lesson, lesson.update);
     if (kernel === undefined) return;
     const asked = setupOf(lesson, values);
     const fault = momentFault(asked.central);
@@ -188,7 +190,7 @@ class LessonView {
     else this.view.replace(data);
   }
 
-  private showNumbers(name: string, { setup, truth, update, motion }: Results): void {
+  private showNumbers(name: string, { setup, truth, update, motion, left }: Results): void {
     const [first, last] = [update[0], update[update.length - 1]] as [Sample, Sample];
     const change = (of: (sample: Sample) => number): string => {
       const before = of(first);
@@ -196,11 +198,12 @@ class LessonView {
     };
     const error = motion.methods[0]?.difference ?? 0;
     const ended = motion.methods[0]?.status === 0 ? "" : ` The update diverges after ${significant(last.t)} s.`;
+    const lifts = left === null ? "" : ` The body leaves the plane at ${significant(left)} s; the page follows the contact up to this time.`;
     const limited = setup.steps === mostSteps ? ` The step is limited to ${significant(setup.step)} s, ${mostSteps} steps.` : "";
-    this.numbers.textContent = `${name}: ${setup.steps} steps of ${significant(setup.step)} s; largest attitude error ${quantity(error, "rad")}; energy changes by ${change((sample) => energyOf(setup.body, sample))}, ` +
-      `${length(setup.body.weight) > 0 ? "vertical" : ""} angular momentum by ${change((sample) => conservedMomentum(setup.body, sample))}.${ended}${limited}`.replace(/^ /, "");
+    this.numbers.textContent = `${name}: ${setup.steps} steps of ${significant(setup.step)} s; largest attitude error ${quantity(error, "rad")}; energy changes by ${change((sample) => energyAt(setup, sample))}, ` +
+      `${length(setup.body.weight) > 0 ? "vertical" : ""} angular momentum by ${change((sample) => momentumAt(setup, sample))}.${ended}${lifts}${limited}`.replace(/^ /, "");
     // for programs that drive the page
-    this.root.dataset.result = JSON.stringify({ update: name, steps: setup.steps, duration: setup.duration, q: last.q, w: last.w, truth: truth[truth.length - 1] ?? null, error });
+    this.root.dataset.result = JSON.stringify({ update: name, steps: setup.steps, duration: setup.duration, q: last.q, w: last.w, p: last.at?.p ?? null, truth: truth[truth.length - 1] ?? null, error });
   }
 
   private showGraphs(name: string, results: Results): void {
@@ -215,9 +218,8 @@ class LessonView {
       `Truth (grey) ${significant(of(truth[truth.length - 1] as Sample), 4)} ${unit} at the end, ${name} (blue, dashed) ${significant(of(update[update.length - 1] as Sample), 4)} ${unit}.`;
     for (const [graph, place] of this.drawn) {
       const time = { x: "time (s)", log: false };
-      if (graph === "energy") place.show(two((sample) => energyOf(setup.body, sample)), { ...time, y: "energy (J)" }, ends((sample) => energyOf(setup.body, sample), "J"));
-      else if (graph === "momentum") place.show(two((sample) => conservedMomentum(setup.body, sample)), { ...time, y: "momentum (N m s)" }, ends((sample) => conservedMomentum(setup.body, sample), "N m s"));
-      else if (graph === "tilt") place.show(two(({ q }) => tiltOf(q)), { ...time, y: "tilt (rad)" }, ends(({ q }) => tiltOf(q), "rad"));
+      const single = singleGraphs[graph];
+      if (single !== undefined) place.show(two((sample) => single.of(setup, sample)), { ...time, y: `${single.label} (${single.unit})` }, ends((sample) => single.of(setup, sample), single.unit));
       else if (graph === "angular_velocity") {
         const colors = dark ? ["#ff9a8a", "#7fd79b", "#7cc0ff"] : ["#b3261e", "#1b7f3b", "#00518a"];
         const curves = ([0, 1, 2] as const).flatMap((i): Curve[] => two(({ w }) => w[i]).map((curve) => ({ ...curve, color: colors[i] ?? grey, thin: curve.name !== "truth" })));
@@ -252,6 +254,17 @@ class LessonView {
   }
 }
 
+/** Graphs of one quantity over time. */
+const singleGraphs: Record<string, { of: (setup: Setup, sample: Sample) => number; label: string; unit: string }> = {
+  energy: { of: energyAt, label: "energy", unit: "J" },
+  momentum: { of: momentumAt, label: "momentum", unit: "N m s" },
+  tilt: { of: (_, { q }) => tiltOf(q), label: "tilt", unit: "rad" },
+  slip: { of: slipAt, label: "slip", unit: "m/s" },
+  spin: { of: spinAt, label: "vertical rate", unit: "rad/s" },
+  height: { of: heightAt, label: "height", unit: "m" },
+};
+
 const titles: Record<string, string> = {
+  slip: "Speed of the slip at the contact.", spin: "Angular velocity about the vertical.", height: "Height of the centre of mass.",
   energy: "Energy.", momentum: "Angular momentum.", tilt: "Tilt of the body's z axis.", angular_velocity: "Angular velocity.", step_error: "Error against step.",
 };

@@ -17,6 +17,7 @@ export interface Sample {
   t: number; // s
   q: Quaternion;
   w: Vector;
+  at?: { p: Vector; v: Vector }; // contact: centre of mass (m) and its velocity (m/s), world axes
 }
 
 export const transform = (m: Matrix, v: Vector): Vector => [dot(m[0], v), dot(m[1], v), dot(m[2], v)];

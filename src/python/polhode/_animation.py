@@ -312,6 +312,34 @@ def cell(animation: FuncAnimation, fps: float) -> str:
     return text
 
 
+def _gif_writer(fps: float) -> Any:
+    """Returns a writer of GIFs with one palette for all frames, so that frames store only what changes."""
+    from matplotlib.animation import PillowWriter
+    from PIL import Image
+
+    class Writer(PillowWriter):  # type: ignore[misc]
+        def finish(self) -> None:
+            frames = [frame.convert("RGB") for frame in self._frames]
+            # the colours of a frame in the middle, and one index for pixels that do not change
+            unchanged = 63
+            colors = frames[len(frames) // 2].quantize(unchanged, dither=0).getpalette()[: 3 * unchanged]
+            colors += colors[:3] * (256 - len(colors) // 3)
+            palette = Image.new("P", (1, 1))
+            palette.putpalette(colors)
+            indices = [np.asarray(frame.quantize(palette=palette, dither=0)) for frame in frames]
+            # further entries of the palette repeat the first
+            indices = [np.where(one < unchanged, one, 0).astype(np.uint8) for one in indices]
+            for k in range(len(indices) - 1, 0, -1):
+                indices[k] = np.where(indices[k] == indices[k - 1], unchanged, indices[k]).astype(np.uint8)
+            pictures = [Image.fromarray(one, "P") for one in indices]
+            for picture in pictures:
+                picture.putpalette(colors)
+            pictures[0].save(self.outfile, save_all=True, append_images=pictures[1:], duration=int(1000 / self.fps),
+                             loop=0, optimize=False, transparency=unchanged, disposal=1)
+
+    return Writer(fps=fps)
+
+
 def save(animation: FuncAnimation, path: Path, fps: float, dpi: float) -> None:
     """Writes an animation as GIF, animated PNG or MP4, under a temporary name first. Raises InputError."""
     ending = path.suffix.lower()
@@ -320,8 +348,9 @@ def save(animation: FuncAnimation, path: Path, fps: float, dpi: float) -> None:
     if ending == ".mp4" and not shutil.which("ffmpeg"):
         raise _polhode.InputError(f"{path}: MP4 needs ffmpeg; install it, or give NAME.gif or NAME.png")
     new = path.with_name(f".{path.stem}.{os.getpid()}{ending}")
+    writer: Any = _gif_writer(fps) if ending == ".gif" else "ffmpeg" if ending == ".mp4" else "pillow"
     try:
-        animation.save(str(new), writer="ffmpeg" if ending == ".mp4" else "pillow", fps=fps, dpi=dpi)
+        animation.save(str(new), writer=writer, fps=None if ending == ".gif" else fps, dpi=dpi)
         with new.open("rb+") as file:
             os.fsync(file.fileno())
         new.replace(path)

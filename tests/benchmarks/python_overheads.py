@@ -52,6 +52,47 @@ def call_overhead() -> list[list[str]]:
     return rows
 
 
+def survey() -> list[list[str]]:
+    """The same overhead on all scenes that C++ solves within 0.5 ms; lists those slower by more than 20 us."""
+    found = []
+    for name, *_ in polhode.scenes():
+        scene = polhode.scene(name)
+        motion = polhode.solve(scene, samples=10, max_seconds=0.1)
+        if not motion.ok or motion.seconds > 5e-4:
+            continue
+        settings = _polhode.Settings(samples=10)
+        within, outside = float("inf"), float("inf")
+        for _ in range(40):
+            within = min(within, _polhode.seconds_of_solve(scene._compiled(), motion.method, settings, 5))
+            outside = min(outside, shortest(lambda: polhode.solve(scene, motion.method, samples=10).q, 5))
+        found.append((1e6 * (outside - within), name))
+    slow = [f"{name} {more:.0f} us" for more, name in sorted(found, reverse=True) if more > 20]
+    more, name = max(found)
+    return [[f"solve, all {len(found)} scenes below 0.5 ms, 11 samples: the largest overhead, {name}", "", "",
+             f"{more:.1f} us more", "20 us more"],
+            ["scenes with an overhead above 20 us", "", str(len(slow)), ", ".join(slow[:5]), "0"]]
+
+
+def accesses() -> list[list[str]]:
+    """What Python computes after a run of 101 samples, without a counterpart in C++."""
+    rows = []
+    arm = polhode.scene("mechanisms/arm6")
+    for title, scene, work in (
+        ("motion.w, first access", "free_asymmetric", lambda motion: motion.w),
+        ("motion.frames()", "free_asymmetric", lambda motion: motion.frames()),
+        ("motion.joints, 6 joints: repeats the run to count revolutions", arm, lambda motion: motion.joints),
+        ("motion.at(10 times): repeats the run", "free_asymmetric", lambda motion: motion.at(np.linspace(0, 1, 10))),
+        ("motion.csv()", "free_asymmetric", lambda motion: motion.csv()),
+    ):
+        posed = polhode.scene(scene) if isinstance(scene, str) else scene
+        best = float("inf")
+        for _ in range(20):
+            motion = polhode.solve(posed)
+            best = min(best, shortest(lambda: work(motion), 1))
+        rows.append([title, "", f"{1e6 * best:.0f} us", "", ""])
+    return rows
+
+
 def ensembles() -> list[list[str]]:
     """10^6 free bodies from arrays to arrays, compared with solve_ensemble() in C++."""
     scene = polhode.scene("free_asymmetric")
@@ -133,7 +174,7 @@ def main() -> None:
     directory = Path(sys.argv[1])
     directory.mkdir(parents=True, exist_ok=True)
     head = ["what", "C++", "Python", "difference", "target, at most"]
-    rows = [*starting(), *call_overhead(), *ensembles(), *memory(), *callables()]
+    rows = [*starting(), *call_overhead(), *survey(), *accesses(), *ensembles(), *memory(), *callables()]
     widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
     lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in [head, *rows]]
     lines.insert(1, "| " + " | ".join("-" * width for width in widths) + " |")

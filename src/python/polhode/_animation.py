@@ -121,6 +121,8 @@ def facets_of(shape: dict[str, Any]) -> _Facets:
     points = np.reshape(shape["points"] or [], (-1, 3))
     size = 0.06 * float(np.abs(points).max(initial=0.0)) or 0.05
     facets += [facet + point for point in points for facet in _ellipsoid([size] * 3)]
+    if not facets and not (shape["mass"] > 0 and max(shape["moments"]) > 0):
+        facets = _ellipsoid([0.05] * 3)  # a point, or a body without mass
     if not facets:
         # a homogeneous box: a^2 = 3 (I_y + I_z - I_x) / (2 m)
         moments = np.array(shape["moments"])
@@ -284,13 +286,14 @@ def strobe(motion: Any, *, count: int, size: tuple[float, float]) -> Figure:
     for place, row in enumerate(rows):
         polygons = list(stage.polygons(int(row), enlarged))
         alpha = 1.0 if len(rows) == 1 else 0.15 + 0.85 * (place / (len(rows) - 1)) ** 2
-        faces = Poly3DCollection([corners for _, corners in polygons], facecolor=_shaded(polygons), alpha=alpha,
-                                 edgecolor=(0, 0, 0, 0.15 * alpha), linewidth=0.3, zorder=2 + place)
+        colors = [(*color, alpha) for color in _shaded(polygons)]
+        faces = Poly3DCollection([corners for _, corners in polygons], facecolor=colors,
+                                 edgecolor=(0, 0, 0, 0.2 * alpha), linewidth=0.3, zorder=2 + place)
         space.add_collection3d(faces)
     for body, path in enumerate(stage.tips()):
         space.plot(*path.T, color=_COLORS[body % len(_COLORS)], linewidth=0.8, alpha=0.8, zorder=1)
     about = f"{motion.scene.get('name', '')}, {motion.t[0]:g} to {motion.t[-1]:g} s"
-    figure.suptitle(about + (f", bodies enlarged {enlarged:.0f} times" if enlarged > 1 else ""), fontsize="medium")
+    figure.suptitle(about + (f"\nbodies enlarged {enlarged:.0f} times" if enlarged > 1 else ""), fontsize="small")
     return figure
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from cpp_pages import cpp_pages, read_headers
+from gallery import gallery_page
 from pages import Pages
 from program_pages import Program, column_pages, command_page, experiment_page, key_page, method_page, scene_pages
 from python_pages import comparison_outputs, notebook_pages, python_page
@@ -83,6 +84,7 @@ def main() -> int:
         python_page(pages)
         comparison_outputs(pages, HERE, options.work / "comparison", options.program)
         notebook_pages(pages, TOP, options.work / "notebooks", options.program)
+        gallery_page(pages, program, TOP, options.work / "gallery", options.work / "notebooks")
     except (RuntimeError, subprocess.CalledProcessError) as fault:
         print(f"documentation: {fault}", file=sys.stderr)
         if isinstance(fault, subprocess.CalledProcessError) and fault.stderr:

@@ -14,7 +14,7 @@ _NOT_BUILT = (
 )
 
 
-def _environment() -> dict[str, str]:
+def environment() -> dict[str, str]:
     """Returns the environment in which Python finds the module in POLHODE_PYTHON."""
     paths = [os.environ.get("POLHODE_PYTHON", ""), os.environ.get("PYTHONPATH", "")]
     return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
@@ -22,7 +22,7 @@ def _environment() -> dict[str, str]:
 
 def _python(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, *arguments], capture_output=True, text=True, check=False, env=_environment(), cwd=folder
+        [sys.executable, *arguments], capture_output=True, text=True, check=False, env=environment(), cwd=folder
     )
 
 
@@ -77,9 +77,14 @@ def comparison_outputs(pages: Pages, folder: Path, work: Path, program: Path) ->
         pages.write(f"comparison_{name}.txt", cached.read_text(encoding="utf-8"))
 
 
+def notebook_paths(top: Path) -> list[Path]:
+    """Returns the notebooks by number."""
+    return sorted((top / "experiments/notebooks").glob("*.ipynb"), key=lambda path: int(path.stem.split("_")[0]))
+
+
 def notebook_pages(pages: Pages, top: Path, work: Path, program: Path) -> None:
     """Writes the pages of the notebooks; runs a notebook only if it or the module has changed."""
-    notebooks = sorted((top / "experiments/notebooks").glob("*.ipynb"), key=lambda path: int(path.stem.split("_")[0]))
+    notebooks = notebook_paths(top)
     text = ["# Notebooks\n\nThe notebooks of `experiments/notebooks`, run when these pages were built.\n"]
     if not notebooks:
         pages.write("notebooks.md", "# Notebooks\n\nNo notebooks are available.\n")

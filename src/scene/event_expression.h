@@ -12,8 +12,8 @@ namespace polhode {
 /// Scalar formulas of time and state. Inputs and constants of the expression are numbered as those of the scene's
 /// formula loads (scene_formulas.h).
 struct EventExpression {
-    formula::Expression expression;
-    std::vector<int> outputs;  ///< one node per formula
+    formula::Expression expression;  ///< all operations
+    std::vector<int> outputs;        ///< one node per formula
 };
 
 /// Compiles formulas in the language of formula loads. They can use the scene's parameters, tables and definitions.

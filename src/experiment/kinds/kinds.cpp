@@ -52,6 +52,7 @@ std::span<const ExperimentKind> kinds() {
         // one body on planes with friction, by time stepping: position, order, penetration, slip and energy gain
         {.name = "contact", .reads = all_keys, .conclude = conclude_contact, .one_body = true},
         {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},
+        {.name = "event_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_event_truth},
         {.name = "mechanism_cost", .reads = {"repeats"}, .make = run_mechanism_cost},
         {.name = "ensembles", .reads = {"repeats"}, .make = run_ensembles},
         {.name = "gimbal_lock", .reads = {}, .make = run_gimbal_lock},

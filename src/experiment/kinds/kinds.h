@@ -35,6 +35,7 @@ Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
 Findings run_mechanism_cost(const Plan& plan, const RunOptions& options);
 Findings run_ensembles(const Plan& plan, const RunOptions& options);
 Findings run_mechanism_truth(const Plan& plan, const RunOptions& options);
+Findings run_event_truth(const Plan& plan, const RunOptions& options);
 Findings run_orientation(const Plan& plan, const RunOptions& options);
 Findings run_point_bodies(const Plan& plan, const RunOptions& options);
 Findings run_stability(const Plan& plan, const RunOptions& options);

@@ -75,10 +75,13 @@ bool controls_step(const PlannedCurve& curve) {
     return curve.method->library.empty() && curve.kind == SettingKind::tolerance;
 }
 
+// Whether the motion has a closed form: no torque acts, and there are no planes to meet.
+bool is_free_motion(const Scene& scene) { return scene.planes.empty() && pose(scene).needs.torque_free; }
+
 // Compares the fastest method of polhode that chooses its steps with the fastest method of any library. For torque-free
 // scenes of one body, compares the closed form too.
 void add_margins(Table& table, const Plan& plan, const PlannedScene& scene, const std::vector<Result>& rows) {
-    const bool has_exact = pose(scene.scene).needs.torque_free;
+    const bool has_exact = is_free_motion(scene.scene);
     const auto is_exact = [](const PlannedCurve& c) { return c.method->name == "exact"; };
     const auto is_peer = [](const PlannedCurve& c) { return !c.method->library.empty(); };
     for (const bool exact : has_exact ? std::vector{true, false} : std::vector{false})
@@ -166,7 +169,7 @@ Plan long_runs(const Plan& plan) {
     longer.experiment.seconds_per_run = std::numeric_limits<double>::infinity();
     longer.experiment.max_evaluations = std::numeric_limits<long>::max();
     for (const PlannedScene& scene : plan.scenes) {
-        if (!pose(scene.scene).needs.torque_free) continue;  // closed forms only, whose truth costs the same for any T
+        if (!is_free_motion(scene.scene)) continue;  // the truth of a closed form costs the same for any T
         for (const double factor : plan.quick ? std::vector{1.0, 10.0} : std::vector{1.0, 10.0, 100.0}) {
             PlannedScene& added = longer.scenes.emplace_back(scene);
             added.scene.duration *= factor;

@@ -91,5 +91,24 @@ TEST(SpeedStudy, ReportsWhichMethodsDoNotReachAnError) {
     EXPECT_EQ(word(margins, last, "peer"), "no library reaches it");
 }
 
+// Gravity exerts no torque on a ball, but a ball on a plane has no closed form: no rows of `exact` and no long runs.
+TEST(SpeedStudy, ScenesWithPlanesHaveNoClosedForm) {
+    const FreshCache cache;
+    const Plan plan = make_plan(parse_experiment(R"({"name": "x", "kind": "speed", "scenes": ["contact/bowling_ball"],
+        "methods": ["taylor", "cvode_adams"], "settings": {"tolerances": [1e-8, 1e-13]}, "samples": 5, "repeats": 1})",
+                                                 "x.json"),
+                                "x.json", false);
+    const Findings result = findings_of(plan);
+    const Table& margins = table_of(result, "margins");
+    ASSERT_EQ(margins.rows.size(), 3U);
+    EXPECT_EQ(word(margins, margins.rows[0], "own"), "taylor");
+    EXPECT_EQ(word(margins, margins.rows[0], "peer"), "cvode_adams");
+    EXPECT_GT(number(margins, margins.rows[0], "ratio"), 0);
+    for (const NamedTable& named : result.tables)
+        if (named.name == "long") {
+            EXPECT_TRUE(named.table.rows.empty());
+        }
+}
+
 }  // namespace
 }  // namespace polhode

@@ -15,7 +15,7 @@ namespace polhode {
 namespace {
 
 constexpr int event_truth_digits = 25;
-constexpr double working_precision = 1e-50;  // of the arithmetic; two equal runs agree in all its digits
+constexpr double working_precision = 1e-50;  // equal runs agree to this
 constexpr int quick_digits = 10;             // requested with --quick
 constexpr double quick_seconds_limit = 5;    // time limit with --quick
 

@@ -42,6 +42,16 @@ Quaternion<double> quaternion_at(const json& row, std::size_t first) {
     return {number(row.at(first)), number(row.at(first + 1)), number(row.at(first + 2)), number(row.at(first + 3))};
 }
 
+json write_planes(const std::vector<Plane>& planes) {
+    json all = json::array();
+    for (const Plane& plane : planes)
+        all.push_back({{"normal", array(plane.normal_W)},
+                       {"offset", plane.offset},
+                       {"restitution", plane.restitution},
+                       {"friction", plane.friction}});
+    return all;
+}
+
 bool read_outcome(const json& answer, Trajectory& trajectory) {
     trajectory.status = parse_status(answer.at("status"));
     trajectory.message = one_line(answer.value("message", ""), 300);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "body/algebra.h"
 #include "body/rigid_body.h"
 #include "motion/trajectory.h"
+#include "scene/scene.h"
 
 namespace polhode {
 
@@ -20,6 +22,9 @@ using nlohmann::json;
 
 inline json array(const Vector3<double>& v) { return json::array({v[0], v[1], v[2]}); }
 inline json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z}); }
+
+/// The planes of a request.
+json write_planes(const std::vector<Plane>& planes);
 
 /// Reads a number; null stands for a value that is not finite and becomes NaN.
 double number(const json& value);

@@ -18,6 +18,7 @@
 #include "integrators/run/watch.h"
 #include "motion/mechanism.h"
 #include "scene/joint_file.h"
+#include "scene/sphere_contacts.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -159,6 +160,29 @@ void sort_joints(std::vector<EngineJoint>& joints) {
     joints = std::move(sorted);
 }
 
+// Every pair of balls collides, with the same coefficients.
+EngineBalls convert_balls(const Scene& scene, const std::vector<EngineBody>& bodies) {
+    EngineBalls balls;
+    balls.planes = engine_planes(scene);
+    const std::vector<SpherePair> pairs = sphere_pairs(scene);
+    const auto is_like_first = [&](const SpherePair& pair) {
+        return pair.restitution == pairs.front().restitution && pair.friction == pairs.front().friction;
+    };
+    if (2 * pairs.size() != bodies.size() * (bodies.size() - 1) || !std::ranges::all_of(pairs, is_like_first))
+        throw std::invalid_argument(
+            "the engine protocol supports contacts of balls only between all of them, with the same coefficients");
+    balls.restitution = pairs.front().restitution, balls.friction = pairs.front().friction;
+    const std::vector<MassProperties<double>> properties = bodies_mass_properties<double>(scene);
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const auto shapes = engine_shapes(scene.bodies[b].body, properties[b].center, bodies[b].q_BP);
+        if (shapes.size() != 1 || !shapes.front().is_centered_ball())
+            throw std::invalid_argument(
+                "the engine protocol supports contacts only of balls about their centre of mass");
+        balls.radii.push_back(shapes.front().radius);
+    }
+    return balls;
+}
+
 json write_vectors(const std::vector<Vector3<double>>& vectors) {
     json all = json::array();
     for (const Vector3<double>& v : vectors) all.push_back(array(v));
@@ -232,6 +256,7 @@ EngineMechanism engine_mechanism(const Problem& problem) {
         body.p_W = s.position_W, body.v = s.velocity_W;
         result.bodies.push_back(body);
     }
+    if (has_sphere_contacts(scene)) result.balls = convert_balls(scene, result.bodies);
     const InitialBodies initial(scene, result.bodies, properties);
     if (!scene.couplings.empty())
         throw std::invalid_argument("the engine protocol does not support couplings of joints");
@@ -245,7 +270,8 @@ std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& 
     const auto knows = [](const std::vector<std::string>& types, const std::string& type) {
         return std::ranges::find(types, type) != types.end();
     };
-    if (hello.joints.empty()) return "its driver does not support joints";
+    if (mechanism.balls && !hello.contacts) return "its driver does not support contacts of several balls";
+    if (hello.joints.empty() && !mechanism.balls) return "its driver does not support joints";
     for (const EngineJoint& joint : mechanism.joints)
         if (!knows(hello.joints, joint.type)) return fmt::format("it does not support {} joints", joint.type);
     for (const EngineJoint& loop : mechanism.loops)
@@ -265,16 +291,20 @@ std::string mechanism_request(const EngineMechanism& mechanism, const std::strin
                           {"w", array(body.w_W)},
                           {"p", array(body.p_W)},
                           {"v", array(body.v)}});
-    return json{{"setting", setting},
-                {"duration", duration},
-                {"samples", settings.samples},
-                {"steps_per_sample", steps_per_sample},
-                {"repetitions", settings.repetitions},
-                {"gravity", array(mechanism.gravity)},
-                {"bodies", std::move(bodies)},
-                {"joints", write_joints(mechanism.joints)},
-                {"loops", write_joints(mechanism.loops)}}
-        .dump();
+    json request{{"setting", setting},
+                 {"duration", duration},
+                 {"samples", settings.samples},
+                 {"steps_per_sample", steps_per_sample},
+                 {"repetitions", settings.repetitions},
+                 {"gravity", array(mechanism.gravity)},
+                 {"bodies", std::move(bodies)},
+                 {"joints", write_joints(mechanism.joints)},
+                 {"loops", write_joints(mechanism.loops)}};
+    if (const auto& balls = mechanism.balls) {
+        request["balls"] = balls->radii, request["planes"] = engine_json::write_planes(balls->planes);
+        request["contact"] = {{"restitution", balls->restitution}, {"friction", balls->friction}};
+    }
+    return request.dump();
 }
 
 Trajectory read_mechanism_answer(std::string_view line, const Problem& problem, const EngineMechanism& mechanism,

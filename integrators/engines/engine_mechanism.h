@@ -1,6 +1,7 @@
 // Several bodies and their joints as sent to engines: the second kind of request in README.md.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,19 +37,29 @@ struct EngineJoint {
     double length = 0;                         ///< length of `distance`, m
 };
 
+/// Balls that touch each other and planes, instead of joints.
+struct EngineBalls {
+    std::vector<double> radii;             ///< radius by body, about its centre of mass, m
+    double restitution = 0, friction = 0;  ///< coefficients for two balls
+    std::vector<Plane> planes;             ///< unit normals
+};
+
 /// A mechanism in the engines' terms.
 struct EngineMechanism {
-    std::vector<EngineBody> bodies;   ///< in the scene's order
-    std::vector<EngineJoint> joints;  ///< parents precede children
-    std::vector<EngineJoint> loops;   ///< in the scene's order
-    Vector3<double> gravity;          ///< m/s^2
+    std::vector<EngineBody> bodies;      ///< in the scene's order
+    std::vector<EngineJoint> joints;     ///< parents precede children
+    std::vector<EngineJoint> loops;      ///< in the scene's order
+    Vector3<double> gravity;             ///< m/s^2
+    std::optional<EngineBalls> balls{};  ///< for scenes with contacts
 };
 
 /// Converts the scene of a problem with several bodies. Throws std::invalid_argument with a short reason if this is not
-/// possible: springs, dampers and motors, and loads other than constant gravity and impulses at t = 0.
+/// possible: springs, dampers and motors, loads other than constant gravity and impulses at t = 0, and pairs of balls
+/// with different coefficients.
 EngineMechanism engine_mechanism(const Problem& problem);
 
-/// Why an engine does not support the mechanism: the first joint or loop type that its hello lacks. Empty if none.
+/// Why an engine does not support the mechanism: contacts of balls, or the first joint or loop type that its hello
+/// lacks. Empty if none.
 std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& hello);
 
 /// The request as one line of JSON. `setting`: name of the engine's setting.

@@ -85,6 +85,13 @@ struct EngineContext {
     void solve_bodies(const EngineScene& scene, const Problem& problem, const Settings& settings, long steps,
                       EngineAnswer& result) const {
         EngineHello hello;
+        if (!scene.planes.empty()) {
+            if (!check_answer(session->request_hello(hello), hello, result.trajectory)) return;
+            if (const std::string why = shapes_refusal(scene.shapes, hello.shapes); !why.empty()) {
+                result.trajectory = unsupported(fmt::format("{}: {}", entry.name, why));
+                return;
+            }
+        }
         const LineAnswer reply =
             session->send(engine_request(scene, setting, settings, steps), settings.seconds_limit, hello);
         if (!check_answer(reply, hello, result.trajectory)) return;

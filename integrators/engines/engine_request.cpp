@@ -1,7 +1,7 @@
 // Requests to engines for one body, and their answers (README.md has the protocol).
 //
-// engine_scene() converts the scene to the body's principal frame (LoadConverter rotates the loads, add_shape() adds
-// planes and hull). engine_request() writes it as JSON, with the loads as one piece per interval between events
+// engine_scene() converts the scene to the body's principal frame (LoadConverter rotates the loads, engine_shapes()
+// adds the shapes). engine_request() writes it as JSON, with the loads as one piece per interval between events
 // (PieceWriter). read_answer() reads samples and readback into the scene's body axes.
 #include "integrators/engines/engine_request.h"
 
@@ -14,7 +14,6 @@
 
 #include "integrators/engines/engine_json.h"
 #include "integrators/run/watch.h"
-#include "motion/contact.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
 
@@ -71,25 +70,6 @@ struct LoadConverter {
     static constexpr const char* several_bodies = "motors and point springs need a scene of several bodies";
 };
 
-void add_shape(EngineScene& result, const Scene& scene) {
-    for (Plane plane : scene.planes) {
-        const double length = hypotenuse(plane.normal_W);
-        plane.normal_W = (1 / length) * plane.normal_W, plane.offset /= length;
-        result.planes.push_back(plane);
-    }
-    if (result.planes.empty()) return;
-    const auto geometry = contact_geometry(scene, scene.body.center_of_mass, result.q_BP);
-    for (const SupportPiece<double>& piece : geometry.pieces) {
-        const bool is_centered = hypotenuse(piece.center) <= 1e-12 * piece.radius;
-        if (!piece.extended && piece.radius == 0)
-            result.hull.push_back(piece.center);
-        else if (!piece.extended && geometry.pieces.size() == 1 && is_centered)
-            result.ball = piece.radius;
-        else
-            throw std::invalid_argument("the shape must be a polyhedron or a ball about the centre of mass");
-    }
-}
-
 /// Writes the loads that act from one event to the next.
 struct PieceWriter {
     double begin;
@@ -144,6 +124,16 @@ json write_pieces(const Scene& scene) {
     return pieces;
 }
 
+json write_shape(const EngineShape& shape) {
+    json written{{"type", shape.type}, {"position", array(shape.position)}, {"orientation", array(shape.q)}};
+    if (shape.radius > 0) written["radius"] = shape.radius;
+    if (shape.type == "cylinder" || shape.type == "capsule") written["half_height"] = shape.half_height;
+    if (shape.type == "box") written["half_extents"] = array(shape.half);
+    if (shape.type == "ellipsoid") written["semi_axes"] = array(shape.half);
+    for (const Vector3<double>& corner : shape.corners) written["corners"].push_back(array(corner));
+    return written;
+}
+
 EngineReadback read_readback(const json& answer) {
     EngineReadback readback;
     const auto found = answer.find("readback");
@@ -179,6 +169,21 @@ void read_samples(const json& rows, const Problem& problem, const EngineScene& s
 
 }  // namespace
 
+std::vector<Plane> engine_planes(const Scene& scene) {
+    std::vector<Plane> planes;
+    for (Plane plane : scene.planes) {
+        const Plane& first = scene.planes.front();
+        if (plane.friction != first.friction || plane.restitution != first.restitution)
+            throw std::invalid_argument("the engine protocol does not support planes with different coefficients");
+        if (plane.torsional_friction > 0 || plane.rolling_friction > 0)
+            throw std::invalid_argument("the engine protocol does not support torsional and rolling friction");
+        const double length = hypotenuse(plane.normal_W);
+        plane.normal_W = (1 / length) * plane.normal_W, plane.offset /= length;
+        planes.push_back(plane);
+    }
+    return planes;
+}
+
 EngineScene engine_scene(const Problem& problem) {
     const Scene& scene = problem.scene;
     const ExactBody<double>& body = problem.body;
@@ -192,7 +197,8 @@ EngineScene engine_scene(const Problem& problem) {
     result.moments = frame.moments, result.q_BP = frame.q_BP;
     const Vector3<double>& center = scene.body.center_of_mass;
     for (const Load& load : scene.loads) free.loads.push_back(std::visit(LoadConverter{result.q_BP, center}, load));
-    add_shape(result, scene);
+    result.planes = engine_planes(scene);
+    if (!result.planes.empty()) result.shapes = engine_shapes(scene.body, center, result.q_BP);
     free.body = {scene.body.mass, diagonal(result.moments), {}, nullptr};
     free.initial = {body.q * result.q_BP, rotate(body.q, body.angular_velocity_B), Frame::world, body.position_W,
                     body.velocity_W};
@@ -222,13 +228,9 @@ double readback_difference(const EngineScene& scene, const EngineReadback& readb
 std::string engine_request(const EngineScene& scene, const std::string& setting, const Settings& settings,
                            long steps_per_sample) {
     const Scene& free = scene.free;
-    json planes = json::array(), hull = json::array();
-    for (const Plane& plane : scene.planes)
-        planes.push_back({{"normal", array(plane.normal_W)},
-                          {"offset", plane.offset},
-                          {"restitution", plane.restitution},
-                          {"friction", plane.friction}});
-    for (const Vector3<double>& corner : scene.hull) hull.push_back(array(corner));
+    json hull = json::array(), shapes = json::array();
+    for (const Vector3<double>& corner : polyhedron_corners(scene.shapes)) hull.push_back(array(corner));
+    for (const EngineShape& shape : scene.shapes) shapes.push_back(write_shape(shape));
     json request{{"setting", setting},
                  {"duration", free.duration},
                  {"samples", settings.samples},
@@ -242,10 +244,12 @@ std::string engine_request(const EngineScene& scene, const std::string& setting,
                  {"v", array(free.initial.velocity_W)},
                  {"pivot", scene.pivot ? array(*scene.pivot) : json()},
                  {"pieces", write_pieces(free)},
-                 {"planes", planes},
+                 {"planes", engine_json::write_planes(scene.planes)},
                  {"hull", hull},
+                 {"shapes", shapes},
                  {"scene", json::parse(write_scene(free), nullptr, true, true)}};
-    if (scene.ball) request["ball"] = *scene.ball;
+    if (scene.shapes.size() == 1 && scene.shapes.front().is_centered_ball())
+        request["ball"] = scene.shapes.front().radius;
     return request.dump();
 }
 
@@ -256,10 +260,12 @@ EngineHello read_hello(std::string_view line) {
     try {
         result.version = one_line(hello.value("version", ""), 80);
         result.missing = one_line(hello.value("missing", ""), 300);
+        result.contacts = hello.value("contacts", false);
         if (const auto settings = hello.find("settings"); settings != hello.end())
             for (const auto& [name, what] : settings->items())
                 result.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));
-        for (const auto& [key, types] : {std::pair{"joints", &result.joints}, {"loops", &result.loops}})
+        for (const auto& [key, types] :
+             {std::pair{"joints", &result.joints}, {"loops", &result.loops}, {"shapes", &result.shapes}})
             for (const json& type : hello.value(key, json::array()))
                 types->push_back(one_line(type.get<std::string>(), 80));
     } catch (const json::exception&) {

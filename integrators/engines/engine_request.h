@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "integrators/engines/engine_shapes.h"
 #include "integrators/method.h"
 
 namespace polhode {
@@ -18,13 +19,12 @@ struct EngineScene {
     Quaternion<double> q_BP;               ///< its axes to those of the scene's body
     std::optional<Vector3<double>> pivot;  ///< fixed at the world's origin: from the centre of mass, in its axes, m
     std::vector<Plane> planes;             ///< unit normals
-    std::vector<Vector3<double>> hull;     ///< corners of the body's convex hull if there are planes; in its axes, m
-    std::optional<double> ball;            ///< radius of a ball about the centre of mass, instead of the hull, m
+    std::vector<EngineShape> shapes;       ///< shapes of the body if there are planes
 };
 
 /// Converts the scene of a problem. A tensor that is already diagonal keeps its axes. Throws std::invalid_argument with
-/// a short reason if this is not possible: user-defined torques, drag about axes that are not principal, a hull that is
-/// round but not a ball about the centre of mass.
+/// a short reason if this is not possible: user-defined torques, drag about axes that are not principal, cones and tori
+/// on planes, planes with different coefficients or with torsional or rolling friction.
 EngineScene engine_scene(const Problem& problem);
 
 /// State of the body that the engine reports right after creating it. Empty members are not reported.
@@ -40,6 +40,10 @@ struct EngineReadback {
 /// size (absolute if that is zero), attitude in rad.
 double readback_difference(const EngineScene& scene, const EngineReadback& readback);
 
+/// The planes of a scene with unit normals. Throws std::invalid_argument if engines do not support them: engines
+/// combine the coefficients of two bodies by rules of their own, so that all planes must have the same ones.
+std::vector<Plane> engine_planes(const Scene& scene);
+
 /// The request as one line of JSON. `setting`: name of the engine's setting.
 std::string engine_request(const EngineScene& scene, const std::string& setting, const Settings& settings,
                            long steps_per_sample);
@@ -51,6 +55,8 @@ struct EngineHello {
     std::vector<std::pair<std::string, std::string>> settings{};  ///< name and description of each setting
     std::vector<std::string> joints{};                            ///< joint types that it supports
     std::vector<std::string> loops{};                             ///< joint types that it supports for closing loops
+    std::vector<std::string> shapes{};                            ///< shapes that it supports on planes; see README.md
+    bool contacts = false;                                        ///< supports balls that touch each other and planes
 };
 
 /// Parses the hello. Throws std::invalid_argument with the fault if the line is not a valid hello.

@@ -99,7 +99,7 @@ bool follows_events(const Method& method) { return method.steps || method.family
 std::string refusal(const Method& method, const Problem& problem) {
     if (std::string why = joint_law_refusal(method, problem.scene); !why.empty()) return why;
     const bool has_contact_modes = follows_events(method) || method.family == Family::reference;
-    if (has_sphere_contacts(problem.scene) && !has_contact_modes)
+    if (has_sphere_contacts(problem.scene) && !has_contact_modes && method.family != Family::engine)
         return fmt::format("{} does not support contacts of several bodies; use taylor or truth", method.name);
     if (!problem.scene.planes.empty() && !method.planes && !has_contact_modes)
         return fmt::format("{} does not support impacts on planes", method.name);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "integrators/engines/drivers/bullet_joints.h"
+#include "integrators/engines/drivers/bullet_shapes.h"
 
 namespace polhode::engines {
 namespace {
@@ -11,15 +12,8 @@ class BulletWorld {
   public:
     explicit BulletWorld(const Body& body) {
         world_.setGravity(bullet(body.gravity));
-        if (!body.hull.empty()) {
-            auto hull = std::make_unique<btConvexHullShape>();
-            for (const auto& corner : body.hull) hull->addPoint(bullet(corner), false);
-            hull->recalcLocalAabb();
-            shape_ = std::move(hull);
-        } else {
-            shape_ = std::make_unique<btSphereShape>(btScalar(body.ball.value_or(1)));
-        }
-        btRigidBody::btRigidBodyConstructionInfo info(btScalar(body.mass), nullptr, shape_.get(), bullet(body.moments));
+        btCollisionShape* const shape = shapes_.make(body.shapes);
+        btRigidBody::btRigidBodyConstructionInfo info(btScalar(body.mass), nullptr, shape, bullet(body.moments));
         info.m_startWorldTransform =
             btTransform(btQuaternion(btScalar(body.q.x), btScalar(body.q.y), btScalar(body.q.z), btScalar(body.q.w)),
                         bullet(body.p));
@@ -85,7 +79,7 @@ class BulletWorld {
     btDbvtBroadphase broadphase_;
     btSequentialImpulseConstraintSolver solver_;
     btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-    std::unique_ptr<btCollisionShape> shape_;
+    BulletShapes shapes_;
     std::unique_ptr<btRigidBody> body_;
     std::vector<std::unique_ptr<btCollisionShape>> plane_shapes_;
     std::vector<std::unique_ptr<btRigidBody>> planes_;
@@ -110,5 +104,7 @@ int main() {
           {"explicit", "gyroscopic term by an explicit step, no sleeping"},
           {"none", "no gyroscopic term, no sleeping"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
-         {"revolute", "spherical"}});
+         {"revolute", "spherical"},
+         {"ball", "capsule", "cylinder", "disc", "ellipsoid", "box", "polyhedron", "several"},
+         true});
 }

@@ -17,23 +17,28 @@ class BulletMechanism {
     explicit BulletMechanism(const Mechanism& mechanism) {
         world_.setGravity(bullet(mechanism.gravity));
         for (const LinkBody& link : mechanism.bodies) {
-            btRigidBody::btRigidBodyConstructionInfo info(btScalar(link.mass), nullptr, &shape_, bullet(link.moments));
+            btCollisionShape* const shape = shape_of(mechanism, bodies_.size());
+            btRigidBody::btRigidBodyConstructionInfo info(btScalar(link.mass), nullptr, shape, bullet(link.moments));
             info.m_startWorldTransform = btTransform(bullet(link.start.q), bullet(link.start.p));
             auto body = std::make_unique<btRigidBody>(info);
             if (mechanism.setting != "default") body->setActivationState(DISABLE_DEACTIVATION);
             if (mechanism.setting == "explicit") body->setFlags(BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT);
             if (mechanism.setting == "none") body->setFlags(0);
-            // bodies do not collide
-            world_.addRigidBody(body.get(), 1, 0);
+            // bodies collide only as balls
+            world_.addRigidBody(body.get(), 1, mechanism.balls ? -1 : 0);
             body->setAngularVelocity(bullet(link.start.w)), body->setLinearVelocity(bullet(link.start.v));
             bodies_.push_back(std::move(body));
         }
+        if (mechanism.balls) add_planes(*mechanism.balls);
         for (const LinkJoint& joint : mechanism.joints) add(mechanism, joint);
         for (const LinkJoint& loop : mechanism.loops) add(mechanism, loop);
     }
     ~BulletMechanism() {
         for (const auto& joint : joints_) world_.removeConstraint(joint.get());
         for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+        for (const auto& plane : planes_) world_.removeRigidBody(plane.get());
+        gCalculateCombinedFrictionCallback = btManifoldResult::calculateCombinedFriction;
+        gCalculateCombinedRestitutionCallback = btManifoldResult::calculateCombinedRestitution;
     }
     BulletMechanism(const BulletMechanism&) = delete;
     BulletMechanism& operator=(const BulletMechanism&) = delete;
@@ -53,6 +58,30 @@ class BulletMechanism {
     void step(double h) { world_.stepSimulation(btScalar(h), 0); }
 
   private:
+    btCollisionShape* shape_of(const Mechanism& mechanism, std::size_t body) {
+        if (!mechanism.balls) return &shape_;
+        balls_.push_back(std::make_unique<btSphereShape>(btScalar(mechanism.balls->radii[body])));
+        return balls_.back().get();
+    }
+    // Bullet's rule, which multiplies the coefficients of both bodies, is replaced by the coefficients of the pair
+    void add_planes(const Balls& balls) {
+        contact_ = balls;
+        gCalculateCombinedFrictionCallback = [](const btCollisionObject* a, const btCollisionObject* b) {
+            return btScalar(is_plane(a, b) ? contact_->planes.front().friction : contact_->friction);
+        };
+        gCalculateCombinedRestitutionCallback = [](const btCollisionObject* a, const btCollisionObject* b) {
+            return btScalar(is_plane(a, b) ? contact_->planes.front().restitution : contact_->restitution);
+        };
+        for (const Plane& plane : balls.planes) {
+            plane_shapes_.push_back(
+                std::make_unique<btStaticPlaneShape>(bullet(plane.normal_W), btScalar(plane.offset)));
+            planes_.push_back(std::make_unique<btRigidBody>(0, nullptr, plane_shapes_.back().get()));
+            world_.addRigidBody(planes_.back().get());
+        }
+    }
+    static bool is_plane(const btCollisionObject* a, const btCollisionObject* b) {
+        return a->isStaticObject() || b->isStaticObject();
+    }
     btRigidBody& body(int index) {
         return index < 0 ? btTypedConstraint::getFixedBody() : *bodies_[std::size_t(index)];
     }
@@ -102,7 +131,10 @@ class BulletMechanism {
     btSequentialImpulseConstraintSolver solver_;
     btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
     btSphereShape shape_{btScalar(0.01)};
-    std::vector<std::unique_ptr<btRigidBody>> bodies_;
+    std::vector<std::unique_ptr<btSphereShape>> balls_;
+    std::vector<std::unique_ptr<btCollisionShape>> plane_shapes_;
+    std::vector<std::unique_ptr<btRigidBody>> bodies_, planes_;
+    static inline std::optional<Balls> contact_;
     std::vector<std::unique_ptr<btTypedConstraint>> joints_;
 };
 

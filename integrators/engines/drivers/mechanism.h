@@ -7,11 +7,13 @@
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "body/mass_properties.h"
 #include "integrators/run/watch.h"
+#include "scene/scene.h"
 
 namespace polhode::engines {
 
@@ -23,7 +25,7 @@ struct Motion {
 
 /// A body of a mechanism. Its origin is its centre of mass and its axes are its principal axes. It starts at `start`.
 struct LinkBody {
-    double mass;
+    double mass = 0;
     Vector3<double> moments;
     Motion start;
 };
@@ -41,12 +43,20 @@ struct LinkJoint {
     bool has_perpendicular_axes() const { return std::abs(dot(axes_W.at(0), axes_W.at(1))) < 1e-9; }
 };
 
+/// Balls that touch each other and planes, instead of joints.
+struct Balls {
+    std::vector<double> radii;  ///< radius by body, m
+    double restitution, friction;
+    std::vector<Plane> planes;  ///< unit normals
+};
+
 struct Mechanism {
     std::vector<LinkBody> bodies;
     std::vector<LinkJoint> joints;  ///< parents precede children
     std::vector<LinkJoint> loops;
     Vector3<double> gravity;
     std::string setting;
+    std::optional<Balls> balls;
 
     const LinkBody& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
     /// The attitude of a body, or of the world, at the start.
@@ -99,8 +109,8 @@ concept MechanismWorld = std::constructible_from<World, const Mechanism&> && req
 /// A request for several bodies.
 struct MechanismRequest {
     Mechanism mechanism;
-    double duration;
-    long samples, steps_per_sample, repetitions;
+    double duration = 0;
+    long samples = 0, steps_per_sample = 0, repetitions = 0;
 };
 
 /// The result of a request.

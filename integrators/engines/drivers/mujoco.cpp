@@ -47,18 +47,44 @@ void advance(mjModel* model, mjData* data, double h) {
         throw std::runtime_error("MuJoCo detected an invalid state and reset the simulation");
 }
 
+// A shape as a geom. Its friction is sliding friction alone: contacts have three dimensions.
+std::string write_geom(const EngineShape& shape, double friction) {
+    const auto write = [&](const char* type, const std::string& size) {
+        return fmt::format(
+            R"(<geom type="{}" size="{}" pos="{}" quat="{:.17g} {:.17g} {:.17g} {:.17g}" friction="{:.17g} 0 0"/>)",
+            type, size, format_vector(shape.position), shape.q.w, shape.q.x, shape.q.y, shape.q.z, friction);
+    };
+    if (shape.type == "ball") return write("sphere", fmt::format("{:.17g}", shape.radius));
+    if (shape.type == "ellipsoid") return write("ellipsoid", format_vector(shape.half));
+    if (shape.type == "box") return write("box", format_vector(shape.half));
+    const double half_height = shape.type == "disc" ? disc_half_height(shape) : shape.half_height;
+    return write(shape.type == "capsule" ? "capsule" : "cylinder",
+                 fmt::format("{:.17g} {:.17g}", shape.radius, half_height));
+}
+
+std::string write_plane(const Plane& plane) {
+    const Quaternion<double> q = frame_about(plane.normal_W);
+    return fmt::format(
+        R"(<geom type="plane" size="0 0 1" pos="{}" quat="{:.17g} {:.17g} {:.17g} {:.17g}" friction="{:.17g} 0 0"/>)",
+        format_vector(plane.offset * plane.normal_W), q.w, q.x, q.y, q.z, plane.friction);
+}
+
 class MujocoWorld {
   public:
     explicit MujocoWorld(const Body& body) : pivot_(body.pivot) {
-        if (!body.planes.empty()) throw Unsupported("MuJoCo's contacts have no coefficient of restitution");
+        if (!body.planes.empty() && body.planes.front().restitution > 0)
+            throw Unsupported("MuJoCo's contacts have no coefficient of restitution");
+        std::string geoms, planes;
+        for (const Plane& plane : body.planes) planes += write_plane(plane);
+        for (const EngineShape& shape : body.shapes) geoms += write_geom(shape, body.planes.front().friction);
         const char* integrator = integrator_name(body.setting);
         const std::string joint =
             body.pivot ? fmt::format(R"(<joint type="ball" pos="{}"/>)", format_vector(*body.pivot)) : "<freejoint/>";
         const std::string xml = fmt::format(
-            R"(<mujoco><option gravity="{}" integrator="{}"/><worldbody><body pos="{}">{}<inertial pos="0 0 0" )"
-            R"(mass="{:.17g}" diaginertia="{}"/></body></worldbody></mujoco>)",
-            format_vector(body.gravity), integrator, format_vector(body.pivot ? -*body.pivot : body.p), joint,
-            body.mass, format_vector(body.moments));
+            R"(<mujoco><option gravity="{}" integrator="{}" cone="{}"/><worldbody>{}<body pos="{}">{}<inertial )"
+            R"(pos="0 0 0" mass="{:.17g}" diaginertia="{}"/>{}</body></worldbody></mujoco>)",
+            format_vector(body.gravity), integrator, body.setting == "elliptic" ? "elliptic" : "pyramidal", planes,
+            format_vector(body.pivot ? -*body.pivot : body.p), joint, body.mass, format_vector(body.moments), geoms);
         model_ = load_model(xml);
         data_ = mj_makeData(model_);
         mjtNum* q = data_->qpos + first_q();
@@ -232,9 +258,11 @@ int main() {
         {"mujoco",
          mj_versionString(),
          "binary64",
-         {{"default", "integrator Euler: semi-implicit, gyroscopic term explicit; no damping"},
+         {{"default", "integrator Euler: semi-implicit, gyroscopic term explicit; no damping; pyramidal friction cone"},
+          {"elliptic", "as default, with the elliptic friction cone"},
           {"implicit", "integrator implicit"},
           {"rk4", "integrator RK4"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
-         {"revolute", "spherical"}});
+         {"revolute", "spherical"},
+         {"ball", "capsule", "cylinder", "disc", "ellipsoid", "box", "several"}});
 }

@@ -1,17 +1,37 @@
 // Open Dynamics Engine: a dBody with optional ball joint and contacts, or several with joints.
 //
-// OdeWorld has one body; contacts are created in add_contacts() with the planes' restitution and friction. OdeMechanism
-// has one dBody per body and one dJoint per joint or loop. serve.h runs the requests.
+// OdeWorld has one body; contacts are created in add_contact_joints() with the requested restitution and friction.
+// OdeMechanism has one dBody per body and one dJoint per joint or loop. serve.h runs the requests.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
-#include <algorithm>
 #include <array>
 
 #include "integrators/engines/drivers/serve.h"
 
 namespace polhode::engines {
 namespace {
+
+// The bodies of a collision as contacts of the next step, with these coefficients.
+void add_contact_joints(dWorldID world, dJointGroupID group, dGeomID a, dGeomID b, double friction,
+                        double restitution) {
+    std::array<dContact, 8> contacts{};
+    const int count = dCollide(a, b, int(contacts.size()), &contacts[0].geom, sizeof(dContact));
+    for (int i = 0; i < count; ++i) {
+        dContact& contact = contacts[std::size_t(i)];
+        // without dContactApprox1, mu is the largest friction force instead of a coefficient
+        contact.surface.mode = dContactBounce | dContactApprox1;
+        contact.surface.mu = dReal(friction);
+        contact.surface.bounce = dReal(restitution);
+        contact.surface.bounce_vel = 0;
+        dJointAttach(dJointCreateContact(world, group, &contact), dGeomGetBody(a), dGeomGetBody(b));
+    }
+}
+
+void add_plane(dSpaceID space, const Plane& plane) {
+    dCreatePlane(space, dReal(plane.normal_W[0]), dReal(plane.normal_W[1]), dReal(plane.normal_W[2]),
+                 dReal(plane.offset));
+}
 
 class OdeWorld {
   public:
@@ -35,10 +55,8 @@ class OdeWorld {
             dJointSetBallAnchor(joint, 0, 0, 0);
         }
         if (body.planes.empty()) return;
-        add_shape(body);
-        for (const Plane& plane : body.planes)
-            dCreatePlane(space_, dReal(plane.normal_W[0]), dReal(plane.normal_W[1]), dReal(plane.normal_W[2]),
-                         dReal(plane.offset));
+        for (const EngineShape& shape : body.shapes) add_shape(shape);
+        for (const Plane& plane : body.planes) add_plane(space_, plane);
         contact_plane_ = body.planes.front();
     }
     ~OdeWorld() {
@@ -83,39 +101,26 @@ class OdeWorld {
         dBodyGetMass(body_, &mass);
         return mass;
     }
-    // ODE's convex bodies require faces, which the request does not contain; boxes and balls do not.
-    void add_shape(const Body& body) {
-        dGeomID shape = nullptr;
-        if (body.ball) {
-            shape = dCreateSphere(space_, dReal(*body.ball));
-        } else {
-            Vector3<double> half;
-            for (const auto& corner : body.hull)
-                for (int i = 0; i < 3; ++i) half[i] = std::max(half[i], std::abs(corner[i]));
-            const bool is_box = body.hull.size() == 8 && std::ranges::all_of(body.hull, [&](const auto& corner) {
-                                    for (int i = 0; i < 3; ++i)
-                                        if (std::abs(std::abs(corner[i]) - half[i]) > 1e-9 * half[i]) return false;
-                                    return true;
-                                });
-            if (!is_box) throw Unsupported("on planes this driver supports only boxes and balls");
-            shape = dCreateBox(space_, dReal(2 * half[0]), dReal(2 * half[1]), dReal(2 * half[2]));
-        }
-        dGeomSetBody(shape, body_);
+    dGeomID make_geom(const EngineShape& shape) {
+        const dReal radius = dReal(shape.radius);
+        if (shape.type == "ball") return dCreateSphere(space_, radius);
+        if (shape.type == "capsule") return dCreateCapsule(space_, radius, dReal(2 * shape.half_height));
+        if (shape.type == "cylinder") return dCreateCylinder(space_, radius, dReal(2 * shape.half_height));
+        if (shape.type == "disc") return dCreateCylinder(space_, radius, dReal(2 * disc_half_height(shape)));
+        return dCreateBox(space_, dReal(2 * shape.half[0]), dReal(2 * shape.half[1]), dReal(2 * shape.half[2]));
+    }
+    void add_shape(const EngineShape& shape) {
+        const dGeomID geom = make_geom(shape);
+        dGeomSetBody(geom, body_);
+        dGeomSetOffsetPosition(geom, dReal(shape.position[0]), dReal(shape.position[1]), dReal(shape.position[2]));
+        const dQuaternion q = {dReal(shape.q.w), dReal(shape.q.x), dReal(shape.q.y), dReal(shape.q.z)};
+        dGeomSetOffsetQuaternion(geom, q);
     }
     static void add_contacts(void* self, dGeomID a, dGeomID b) {
-        OdeWorld& world = *static_cast<OdeWorld*>(self);
-        if (dGeomGetBody(a) == dGeomGetBody(b)) return;
-        std::array<dContact, 8> contacts{};
-        const int count = dCollide(a, b, int(contacts.size()), &contacts[0].geom, sizeof(dContact));
-        for (int i = 0; i < count; ++i) {
-            dContact& contact = contacts[std::size_t(i)];
-            contact.surface.mode = dContactBounce;
-            contact.surface.mu = dReal(world.contact_plane_->friction);
-            contact.surface.bounce = dReal(world.contact_plane_->restitution);
-            contact.surface.bounce_vel = 0;
-            const dJointID joint = dJointCreateContact(world.world_, world.contacts_, &contact);
-            dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
-        }
+        const OdeWorld& world = *static_cast<OdeWorld*>(self);
+        if (dGeomGetBody(a) != dGeomGetBody(b))
+            add_contact_joints(world.world_, world.contacts_, a, b, world.contact_plane_->friction,
+                               world.contact_plane_->restitution);
     }
 
     dWorldID world_;
@@ -147,8 +152,13 @@ class OdeMechanism {
         }
         for (const LinkJoint& joint : mechanism.joints) add(joint);
         for (const LinkJoint& loop : mechanism.loops) add(loop);
+        if (mechanism.balls) add_balls(*mechanism.balls);
     }
-    ~OdeMechanism() { dWorldDestroy(world_); }
+    ~OdeMechanism() {
+        dJointGroupDestroy(contacts_);
+        dSpaceDestroy(space_);
+        dWorldDestroy(world_);
+    }
     OdeMechanism(const OdeMechanism&) = delete;
     OdeMechanism& operator=(const OdeMechanism&) = delete;
 
@@ -163,9 +173,28 @@ class OdeMechanism {
         }
         return all;
     }
-    void step(double h) { dWorldStep(world_, dReal(h)); }
+    void step(double h) {
+        if (balls_) dSpaceCollide(space_, this, add_contacts);
+        dWorldStep(world_, dReal(h));
+        dJointGroupEmpty(contacts_);
+    }
 
   private:
+    void add_balls(const Balls& balls) {
+        balls_ = balls;
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            dGeomSetBody(dCreateSphere(space_, dReal(balls.radii[i])), bodies_[i]);
+        for (const Plane& plane : balls.planes) add_plane(space_, plane);
+    }
+    static void add_contacts(void* self, dGeomID a, dGeomID b) {
+        const OdeMechanism& world = *static_cast<OdeMechanism*>(self);
+        const bool is_plane = !dGeomGetBody(a) || !dGeomGetBody(b);
+        if (is_plane && dGeomGetBody(a) == dGeomGetBody(b)) return;
+        const Balls& balls = *world.balls_;
+        add_contact_joints(world.world_, world.contacts_, a, b,
+                           is_plane ? balls.planes.front().friction : balls.friction,
+                           is_plane ? balls.planes.front().restitution : balls.restitution);
+    }
     void add(const LinkJoint& link_joint) {
         const Vector3<double>& at = link_joint.anchor_W;
         const auto attach = [&](dJointID joint) {
@@ -198,7 +227,10 @@ class OdeMechanism {
     }
 
     dWorldID world_;
+    dSpaceID space_ = dSimpleSpaceCreate(nullptr);
+    dJointGroupID contacts_ = dJointGroupCreate(0);
     std::vector<dBodyID> bodies_;
+    std::optional<Balls> balls_;
 };
 
 std::string version() {
@@ -227,7 +259,9 @@ int main() {
           {"best", "as default, with finite rotations: attitude by an exponential"},
           {"none", "as default, gyroscopic term off"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
-         {"revolute", "spherical"}});
+         {"revolute", "spherical"},
+         {"ball", "capsule", "cylinder", "disc", "box", "several"},
+         true});
     dCloseODE();
     return exit_code;
 }

@@ -31,6 +31,25 @@ Vector3<double> read_vector(const json& v) { return {v.at(0), v.at(1), v.at(2)};
 json array(const Vector3<double>& v) { return json::array({v[0], v[1], v[2]}); }
 json array(const Quaternion<double>& q) { return json::array({q.w, q.x, q.y, q.z}); }
 
+std::vector<Plane> read_planes(const json& request) {
+    std::vector<Plane> planes;
+    for (const json& plane : request.at("planes"))
+        planes.push_back(
+            {read_vector(plane.at("normal")), plane.at("offset"), plane.at("restitution"), plane.at("friction")});
+    return planes;
+}
+
+EngineShape read_shape(const json& shape) {
+    const json& q = shape.at("orientation");
+    EngineShape result{shape.at("type"), read_vector(shape.at("position")), {q.at(0), q.at(1), q.at(2), q.at(3)}};
+    result.radius = shape.value("radius", 0.0), result.half_height = shape.value("half_height", 0.0);
+    if (shape.contains("half_extents")) result.half = read_vector(shape.at("half_extents"));
+    if (shape.contains("semi_axes")) result.half = read_vector(shape.at("semi_axes"));
+    if (shape.contains("corners"))
+        for (const json& corner : shape.at("corners")) result.corners.push_back(read_vector(corner));
+    return result;
+}
+
 Request read_request(const json& request) {
     const Scene scene = parse_scene(request.at("scene").dump(), "the request");
     Request result{pose(scene, Formulation::full), {}, {}};
@@ -45,11 +64,8 @@ Request read_request(const json& request) {
     body.q = start.q, body.w = rotate(start.q, start.angular_velocity_B);
     body.p = start.position_W, body.v = start.velocity_W;
     if (!request.at("pivot").is_null()) body.pivot = read_vector(request.at("pivot"));
-    for (const json& plane : request.at("planes"))
-        body.planes.push_back(
-            {read_vector(plane.at("normal")), plane.at("offset"), plane.at("restitution"), plane.at("friction")});
-    for (const json& corner : request.at("hull")) body.hull.push_back(read_vector(corner));
-    if (request.contains("ball")) body.ball = request.at("ball");
+    body.planes = read_planes(request);
+    for (const json& shape : request.at("shapes")) body.shapes.push_back(read_shape(shape));
     body.setting = request.at("setting");
     return result;
 }
@@ -87,6 +103,11 @@ MechanismRequest read_mechanism(const json& request) {
                                read_vector(body.at("v"))}});
     }
     all.joints = read_joints(request.at("joints")), all.loops = read_joints(request.at("loops"));
+    if (request.contains("balls")) {
+        const json& contact = request.at("contact");
+        all.balls = {request.at("balls").get<std::vector<double>>(), contact.at("restitution"), contact.at("friction"),
+                     read_planes(request)};
+    }
     return result;
 }
 
@@ -148,6 +169,7 @@ int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
     json hello{{"engine", driver.engine}, {"version", driver.version}, {"precision", driver.precision}};
     for (const auto& [name, what] : driver.settings) hello["settings"][name] = what;
     if (run_mechanism) hello["joints"] = driver.joints, hello["loops"] = driver.loops;
+    hello["shapes"] = driver.shapes, hello["contacts"] = driver.contacts;
     try {
         write_line(hello);
         for (std::string line; std::getline(std::cin, line);) write_line(make_answer(line, driver, run, run_mechanism));

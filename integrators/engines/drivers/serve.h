@@ -30,10 +30,12 @@ struct Body {
     Vector3<double> gravity;               ///< world axes, at t = 0, m/s^2
     std::optional<Vector3<double>> pivot;  ///< point fixed at the world's origin by a ball joint, body axes, m
     std::vector<Plane> planes;             ///< unit normals
-    std::vector<Vector3<double>> hull;     ///< corners, body axes, m
-    std::optional<double> ball;            ///< radius of a ball instead of the hull, m
+    std::vector<EngineShape> shapes;       ///< shapes that touch the planes, body axes
     std::string setting;                   ///< one of Driver::settings
 };
+
+/// Half the thickness of the cylinder that represents a disc, m.
+inline double disc_half_height(const EngineShape& disc) { return 1e-3 * disc.radius; }
 
 /// Thrown by a World for scenes that its engine cannot represent.
 struct Unsupported : std::runtime_error {
@@ -58,6 +60,8 @@ struct Driver {
     std::string engine, version, precision;
     std::vector<std::pair<std::string, std::string>> settings;
     std::vector<std::string> joints{}, loops{};  ///< types of joints that it supports
+    std::vector<std::string> shapes{};           ///< types of shapes that it supports on planes
+    bool contacts = false;                       ///< supports balls that touch each other and planes
 };
 
 /// A request as read by a driver.

@@ -1,5 +1,5 @@
 // Ammo: Bullet 2, compiled to JavaScript.
-import {serve, framesOf} from './serve.js';
+import {serve, framesOf, halfHeightOf, Unsupported} from './serve.js';
 
 let Ammo;
 
@@ -33,6 +33,10 @@ class Scene {
     this.world.addRigidBody(body, ...groups);
     return body;
   }
+  plane({normal, offset}) {
+    const shape = this.take(new Ammo.btStaticPlaneShape(this.vector(normal), offset));
+    return this.bodyOf(0, shape, [0, 0, 0], [1, 0, 0, 0], this.vector([0, 0, 0]));
+  }
   step(h) { this.world.stepSimulation(h, 0); }
   leave() {
     for (const object of this.taken.reverse()) Ammo.destroy(object);
@@ -63,9 +67,8 @@ class World extends Scene {
     if (body.planes.length) {
       this.body.setRestitution(body.planes[0].restitution), this.body.setFriction(body.planes[0].friction);
     }
-    for (const {normal, offset} of body.planes) {
-      const shape = this.take(new Ammo.btStaticPlaneShape(this.vector(normal), offset));
-      const ground = this.bodyOf(0, shape, [0, 0, 0], [1, 0, 0, 0], this.vector([0, 0, 0]));
+    for (const plane of body.planes) {
+      const ground = this.plane(plane);
       ground.setRestitution(1), ground.setFriction(1);
     }
     if (body.pivot) {
@@ -73,11 +76,26 @@ class World extends Scene {
       this.world.addConstraint(this.joint);
     }
   }
-  shapeOf(body) {
-    if (!body.hull.length) return this.take(new Ammo.btSphereShape(body.ball ?? 1));
-    const hull = this.take(new Ammo.btConvexHullShape());
-    for (const corner of body.hull) hull.addPoint(this.vector(corner), true);
-    return hull;
+  shapeOf({shapes, ball}) {
+    if (!shapes.length || ball) return this.take(new Ammo.btSphereShape(ball ?? 1));
+    const compound = this.take(new Ammo.btCompoundShape());
+    for (const shape of shapes) {
+      const place = shape.type === 'polyhedron' ? this.place([0, 0, 0], [1, 0, 0, 0]) :
+                                                  this.place(shape.position, shape.orientation);
+      compound.addChildShape(place, this.take(this.convex(shape)));
+    }
+    return compound;
+  }
+  convex(shape) {
+    if (shape.type === 'ball') return new Ammo.btSphereShape(shape.radius);
+    if (shape.type === 'capsule') return new Ammo.btCapsuleShapeZ(shape.radius, 2 * shape.half_height);
+    if (shape.type === 'box') return new Ammo.btBoxShape(this.vector(shape.half_extents));
+    if (shape.type === 'polyhedron') {
+      const hull = new Ammo.btConvexHullShape();
+      for (const corner of shape.corners) hull.addPoint(this.vector(corner), true);
+      return hull;
+    }
+    return new Ammo.btCylinderShapeZ(this.vector([shape.radius, shape.radius, halfHeightOf(shape)]));
   }
   motion() { return motionOf(this.body); }
   setVelocities(w, v) {
@@ -99,16 +117,18 @@ class World extends Scene {
 }
 
 class Mechanism extends Scene {
-  constructor({bodies, joints, loops, gravity, setting}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
     super(gravity);
-    // bodies do not collide
-    this.made = bodies.map((known) => {
-      const shape = this.take(new Ammo.btSphereShape(0.01));
-      const body = this.bodyOf(known.mass, shape, known.p, known.q, this.vector(known.moments), [1, 0]);
+    // bodies collide only as balls
+    this.made = bodies.map((known, i) => {
+      const shape = this.take(new Ammo.btSphereShape(balls ? balls[i] : 0.01));
+      const body =
+          this.bodyOf(known.mass, shape, known.p, known.q, this.vector(known.moments), balls ? [] : [1, 0]);
       liven(body, setting);
       body.setAngularVelocity(this.vector(known.w)), body.setLinearVelocity(this.vector(known.v));
       return body;
     });
+    if (balls) this.addPlanes(planes, contact);
     const still = this.take(new Ammo.btSphereShape(0.01));
     this.ground = this.bodyOf(0, still, [0, 0, 0], [1, 0, 0, 0], this.vector([0, 0, 0]), [1, 0]);
     this.joints = [...joints, ...loops].map((joint) => {
@@ -116,6 +136,20 @@ class Mechanism extends Scene {
       this.world.addConstraint(made, true);
       return made;
     });
+  }
+  // Bullet multiplies the coefficients of both bodies.
+  addPlanes(planes, contact) {
+    const own = {friction: Math.sqrt(contact.friction), restitution: Math.sqrt(contact.restitution)};
+    for (const body of this.made) body.setRestitution(own.restitution), body.setFriction(own.friction);
+    const rest = (plane, name) => {
+      if (!own[name] && plane[name])
+        throw new Unsupported(`Bullet's rule for ${name} cannot represent balls without it on a plane with it`);
+      return own[name] ? plane[name] / own[name] : 0;
+    };
+    for (const plane of planes) {
+      const ground = this.plane(plane);
+      ground.setRestitution(rest(plane, 'restitution')), ground.setFriction(rest(plane, 'friction'));
+    }
   }
   jointOf(bodies, joint) {
     const a = this.made[joint.parent] ?? this.ground, b = this.made[joint.child] ?? this.ground;
@@ -147,6 +181,8 @@ await serve({
   // fixed joints are not supported: this build's constraint fails, by 1.1 rad on a welded pendulum in 0.25 s
   joints: ['revolute', 'prismatic', 'spherical'],
   loops: ['revolute', 'spherical'],
+  contacts: true,
+  shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {
     Ammo = await (await import('ammojs-typed')).default();
     return {World, Mechanism};

@@ -1,5 +1,5 @@
 // cannon-es.
-import {serve} from './serve.js';
+import {serve, add as plus, rotate} from './serve.js';
 
 let CANNON;
 
@@ -17,6 +17,13 @@ function giveMoments(body, moments) {
 
 function motionOf({quaternion: q, angularVelocity, position, velocity}) {
   return {q: [q.w, q.x, q.y, q.z], w: array(angularVelocity), p: array(position), v: array(velocity)};
+}
+
+function groundOf({normal, offset}, material) {
+  const ground = new CANNON.Body({mass: 0, material, shape: new CANNON.Plane()});
+  ground.position.set(...normal.map((n) => n * offset));
+  ground.quaternion.setFromVectors(new CANNON.Vec3(0, 0, 1), vector(normal));
+  return ground;
 }
 
 class World {
@@ -43,13 +50,17 @@ class World {
     const material = new CANNON.Material();
     this.world.addContactMaterial(new CANNON.ContactMaterial(material, material, {restitution, friction}));
     this.body.material = material;
-    this.body.addShape(body.ball ? new CANNON.Sphere(body.ball) : new CANNON.Box(halfSides(body.hull)));
-    for (const plane of body.planes) {
-      const ground = new CANNON.Body({mass: 0, material, shape: new CANNON.Plane()});
-      ground.position.set(...plane.normal.map((n) => n * plane.offset));
-      ground.quaternion.setFromVectors(new CANNON.Vec3(0, 0, 1), vector(plane.normal));
-      this.world.addBody(ground);
-    }
+    for (const shape of body.shapes) this.addShape(shape);
+    for (const plane of body.planes) this.world.addBody(groundOf(plane, material));
+  }
+  addShape(shape) {
+    const [w, x, y, z] = shape.orientation, turn = new CANNON.Quaternion(x, y, z, w);
+    const add = (made, position) => this.body.addShape(made, vector(position), turn);
+    if (shape.type === 'box') return add(new CANNON.Box(vector(shape.half_extents)), shape.position);
+    // on planes, a capsule touches as the balls at its ends
+    const ends = shape.type === 'capsule' ? [-shape.half_height, shape.half_height] : [0];
+    for (const end of ends)
+      add(new CANNON.Sphere(shape.radius), plus(shape.position, rotate(shape.orientation, [0, 0, end])));
   }
   motion() { return motionOf(this.body); }
   setVelocities(w, v) { this.body.angularVelocity.set(...w), this.body.velocity.set(...v); }
@@ -64,14 +75,8 @@ class World {
   free() {}
 }
 
-// Half extents of the box with these corners.
-function halfSides(hull) {
-  const half = [0, 1, 2].map((i) => Math.max(...hull.map((corner) => Math.abs(corner[i]))));
-  return vector(half);
-}
-
 class Mechanism {
-  constructor({bodies, joints, loops, gravity, setting}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
     this.world = new CANNON.World({gravity: vector(gravity)});
     this.bodies = bodies.map((known) => {
       const [w, x, y, z] = known.q;
@@ -87,6 +92,18 @@ class Mechanism {
     this.ground = new CANNON.Body({mass: 0});
     this.world.addBody(this.ground);
     for (const joint of [...joints, ...loops]) this.world.addConstraint(this.jointOf(joint));
+    if (balls) this.addBalls(balls, planes, contact);
+  }
+  addBalls(radii, planes, contact) {
+    const ball = new CANNON.Material(), ground = new CANNON.Material();
+    this.world.addContactMaterial(new CANNON.ContactMaterial(ball, ball, contact));
+    this.bodies.forEach((body, i) => {
+      body.addShape(new CANNON.Sphere(radii[i]));
+      body.material = ball;
+    });
+    for (const {restitution, friction} of planes.slice(0, 1))
+      this.world.addContactMaterial(new CANNON.ContactMaterial(ball, ground, {restitution, friction}));
+    for (const plane of planes) this.world.addBody(groundOf(plane, ground));
   }
   jointOf({type, parent, child, parent_point: pivotA, child_point: pivotB, parent_axes: [axisA], child_axes: [axisB]}) {
     const a = this.bodies[parent] ?? this.ground, b = this.bodies[child] ?? this.ground, maxForce = 1e30;
@@ -110,5 +127,7 @@ await serve({
   },
   joints: ['revolute', 'spherical'],
   loops: ['revolute', 'spherical'],
+  contacts: true,
+  shapes: ['ball', 'capsule', 'box', 'several'],
   load: async () => (CANNON = await import('cannon-es'), {World, Mechanism})
 });

@@ -1,7 +1,7 @@
 // Havok, as packaged by Babylon.js.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
-import {serve, add, cross, framesOf, rotate, scaled} from './serve.js';
+import {serve, add, cross, framesOf, halfHeightOf, isMaximum, rotate, scaled} from './serve.js';
 
 let havok;
 
@@ -16,6 +16,7 @@ function good(answer) {
 class Scene {
   constructor(gravity) {
     this.world = good(havok.HP_World_Create());
+    this.shapes = [];
     this.setGravity(gravity);
   }
   setGravity(g) { good(havok.HP_World_SetGravity(this.world, g)); }
@@ -50,6 +51,20 @@ class Scene {
           joint, havok.ConstraintAxis[axis], havok.ConstraintAxisLimitMode.LOCKED));
     good(havok.HP_Constraint_SetEnabled(joint, 1));
   }
+  // Gives the shape a material; `modes` combine its friction and restitution with those of the other body.
+  touching(shape, {friction, restitution}, modes = [havok.MaterialCombine.GEOMETRIC_MEAN, havok.MaterialCombine.GEOMETRIC_MEAN]) {
+    good(havok.HP_Shape_SetMaterial(shape, [friction, friction, restitution, ...modes]));
+    this.shapes.push(shape);
+    return shape;
+  }
+  // Havok has no planes: a block of 100 m with its upper face in the plane.
+  addPlane(plane, modes) {
+    const {normal, offset} = plane;
+    const ground = this.bodyAt(havok.MotionType.STATIC, scaled(offset - 50, normal), towards(normal));
+    const block = good(havok.HP_Shape_CreateBox([0, 0, 0], [0, 0, 0, 1], [100, 100, 100]));
+    good(havok.HP_Body_SetShape(ground, this.touching(block, plane, modes)));
+    good(havok.HP_World_AddBody(this.world, ground, false));
+  }
   advance(h) {
     good(havok.HP_World_SetIdealStepTime(this.world, h));
     good(havok.HP_World_Step(this.world, h));
@@ -67,7 +82,6 @@ class World extends Scene {
   constructor(body) {
     super(body.gravity);
     this.mass_ = body.mass;
-    this.shapes = [];
     this.body = this.addBody(body, body.setting, (made) => {
       this.body = made;
       if (body.planes.length) this.addContact(body);
@@ -75,20 +89,27 @@ class World extends Scene {
     if (body.pivot) this.addJoint(body.pivot);
   }
   addContact(body) {
-    const {restitution, friction} = body.planes[0];
-    const most = havok.MaterialCombine.MAXIMUM;
-    const take = (shape, owner) => {
-      good(havok.HP_Shape_SetMaterial(shape, [friction, friction, restitution, most, most]));
-      good(havok.HP_Body_SetShape(owner, shape));
-      this.shapes.push(shape);
-    };
-    take(body.ball ? good(havok.HP_Shape_CreateSphere([0, 0, 0], body.ball)) : this.hull(body.hull), this.body);
-    for (const {normal, offset} of body.planes) {
-      // Havok has no planes: a block of 100 m with its upper face in the plane
-      const ground = this.bodyAt(havok.MotionType.STATIC, scaled(offset - 50, normal), towards(normal));
-      take(good(havok.HP_Shape_CreateBox([0, 0, 0], [0, 0, 0, 1], [100, 100, 100])), ground);
-      good(havok.HP_World_AddBody(this.world, ground, false));
-    }
+    const shapes = body.shapes.map((shape) => this.touching(this.convex(shape), body.planes[0]));
+    good(havok.HP_Body_SetShape(this.body, this.joined(shapes)));
+    for (const plane of body.planes) this.addPlane(plane);
+  }
+  // a container has the materials of its children
+  joined(shapes) {
+    if (shapes.length === 1) return shapes[0];
+    const all = good(havok.HP_Shape_CreateContainer());
+    for (const shape of shapes) good(havok.HP_Shape_AddChild(all, shape, [[0, 0, 0], [0, 0, 0, 1], [1, 1, 1]]));
+    this.shapes.push(all);
+    return all;
+  }
+  convex(shape) {
+    const {type, position, orientation, radius} = shape, [w, x, y, z] = orientation;
+    if (type === 'ball') return good(havok.HP_Shape_CreateSphere(position, radius));
+    if (type === 'box')
+      return good(havok.HP_Shape_CreateBox(position, [x, y, z, w], scaled(2, shape.half_extents)));
+    if (type === 'polyhedron') return this.hull(shape.corners);
+    const make = type === 'capsule' ? 'HP_Shape_CreateCapsule' : 'HP_Shape_CreateCylinder';
+    const end = (sign) => add(position, rotate(orientation, [0, 0, sign * halfHeightOf(shape)]));
+    return good(havok[make](end(-1), end(1), radius));
   }
   hull(corners) {
     const numbers = new Float32Array(corners.flat()), at = havok._malloc(4 * numbers.length);
@@ -144,9 +165,17 @@ const locked = {
 };
 
 class Mechanism extends Scene {
-  constructor({bodies, joints, loops, gravity, setting}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
     super(gravity);
-    this.made = bodies.map((known) => this.addBody(known, setting));
+    this.made = bodies.map((known, i) => this.addBody(known, setting, (body) => {
+      if (!balls) return;
+      const ball = good(havok.HP_Shape_CreateSphere([0, 0, 0], balls[i]));
+      good(havok.HP_Body_SetShape(body, this.touching(ball, contact)));
+    }));
+    // Havok applies the combine mode with the larger number, here the plane's
+    const {MAXIMUM, MINIMUM} = havok.MaterialCombine;
+    for (const plane of planes ?? [])
+      this.addPlane(plane, ['friction', 'restitution'].map((name) => isMaximum(contact, plane, name) ? MAXIMUM : MINIMUM));
     this.ground = this.bodyAt(havok.MotionType.STATIC, [0, 0, 0], [1, 0, 0, 0]);
     good(havok.HP_World_AddBody(this.world, this.ground, false));
     for (const joint of [...joints, ...loops]) {
@@ -162,6 +191,7 @@ class Mechanism extends Scene {
   free() {
     havok.HP_World_Release(this.world);
     for (const body of this.made) havok.HP_Body_Release(body);
+    for (const shape of this.shapes) havok.HP_Shape_Release(shape);
   }
 }
 
@@ -175,6 +205,8 @@ await serve({
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  contacts: true,
+  shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {
     const require = createRequire(import.meta.url);
     const binary = require.resolve('@babylonjs/havok/lib/esm/HavokPhysics.wasm');

@@ -1,5 +1,5 @@
 // Jolt Physics.
-import {serve, framesOf, rotate, Unsupported} from './serve.js';
+import {serve, alongY, framesOf, halfHeightOf, rotate, Unsupported} from './serve.js';
 
 let Jolt;
 
@@ -8,11 +8,12 @@ const moving = 0, still = 1;
 
 // Common base of World and Mechanism.
 class Taking {
-  start(gravity) {
+  start({gravity, setting}, collide = false) {
     this.taken = [];
     const settings = new Jolt.JoltSettings();
     const pairs = new Jolt.ObjectLayerPairFilterTable(2);
     pairs.EnableCollision(still, moving);
+    if (collide) pairs.EnableCollision(moving, moving);
     const phases = new Jolt.BroadPhaseLayerInterfaceTable(2, 2);
     phases.MapObjectToBroadPhaseLayer(moving, new Jolt.BroadPhaseLayer(moving));
     phases.MapObjectToBroadPhaseLayer(still, new Jolt.BroadPhaseLayer(still));
@@ -25,6 +26,10 @@ class Taking {
     this.system = this.jolt.GetPhysicsSystem();
     this.bodies = this.system.GetBodyInterface();
     this.setGravity(gravity);
+    if (setting !== 'best') return;
+    const physics = this.system.GetPhysicsSettings();
+    physics.mMinVelocityForRestitution = 1e-2;
+    this.system.SetPhysicsSettings(physics);
   }
   addBody(body, setting, shape, change = () => {}) {
     const [w, x, y, z] = body.q;
@@ -56,6 +61,14 @@ class Taking {
   }
   vector(a) { return this.take(new Jolt.Vec3(...a)); }
   place(a) { return this.take(new Jolt.RVec3(...a)); }
+  addPlane({normal, offset, restitution, friction}) {
+    const shape = new Jolt.PlaneShape(this.take(new Jolt.Plane(this.vector(normal), -offset)), undefined, 1e4);
+    const settings = new Jolt.BodyCreationSettings(
+        shape, this.place([0, 0, 0]), this.take(new Jolt.Quat(0, 0, 0, 1)), Jolt.EMotionType_Static, still);
+    settings.mRestitution = restitution, settings.mFriction = friction;
+    this.bodies.AddBody(this.bodies.CreateBody(settings).GetID(), Jolt.EActivation_DontActivate);
+    Jolt.destroy(settings);
+  }
   setGravity(g) { this.system.SetGravity(this.vector(g)); }
   step(h) { this.jolt.Step(h, 1); }
   free() {
@@ -75,7 +88,7 @@ function motionOf(body) {
 class World extends Taking {
   constructor(body) {
     super();
-    this.start(body.gravity);
+    this.start(body);
     this.body = this.addBody(body, body.setting, this.shapeOf(body), (made) => {
       if (body.planes.length) made.mRestitution = body.planes[0].restitution, made.mFriction = body.planes[0].friction;
     });
@@ -87,23 +100,38 @@ class World extends Taking {
       this.system.AddConstraint(joint.Create(this.body, Jolt.Body.prototype.sFixedToWorld));
     }
   }
-  shapeOf(body) {
-    if (body.ball || !body.hull.length) return new Jolt.SphereShape(body.ball ?? 0.1);
-    const settings = new Jolt.ConvexHullShapeSettings();
-    for (const corner of body.hull) settings.mPoints.push_back(this.vector(corner));
-    // no rounding of edges, which is Jolt's default
-    settings.mMaxConvexRadius = 0;
-    const made = settings.Create();
-    if (made.HasError()) throw new Unsupported(`Jolt cannot build a convex hull: ${made.GetError().c_str()}`);
-    return made.Get();
+  shapeOf({shapes, ball}) {
+    if (!shapes.length || ball) return new Jolt.SphereShape(ball ?? 0.1);
+    const all = new Jolt.StaticCompoundShapeSettings();
+    for (const shape of shapes) {
+      const [w, x, y, z] = shape.type === 'box' ? shape.orientation : alongY(shape);
+      const isPlaced = shape.type !== 'polyhedron';
+      const place = this.vector(isPlaced ? shape.position : [0, 0, 0]);
+      const turn = this.take(isPlaced ? new Jolt.Quat(x, y, z, w) : new Jolt.Quat(0, 0, 0, 1));
+      if (shapes.length === 1)
+        return this.centered(
+            isPlaced ? new Jolt.RotatedTranslatedShapeSettings(place, turn, this.convex(shape)) : this.convex(shape));
+      all.AddShape(place, turn, this.convex(shape), 0);
+    }
+    return this.centered(all);
   }
-  addPlane({normal, offset, restitution, friction}) {
-    const shape = new Jolt.PlaneShape(this.take(new Jolt.Plane(this.vector(normal), -offset)), undefined, 1e4);
-    const settings = new Jolt.BodyCreationSettings(
-        shape, this.place([0, 0, 0]), this.take(new Jolt.Quat(0, 0, 0, 1)), Jolt.EMotionType_Static, still);
-    settings.mRestitution = restitution, settings.mFriction = friction;
-    this.bodies.AddBody(this.bodies.CreateBody(settings).GetID(), Jolt.EActivation_DontActivate);
-    Jolt.destroy(settings);
+  // no rounding of edges, which is Jolt's default
+  convex(shape) {
+    if (shape.type === 'ball') return new Jolt.SphereShapeSettings(shape.radius);
+    if (shape.type === 'capsule') return new Jolt.CapsuleShapeSettings(shape.half_height, shape.radius);
+    if (shape.type === 'box') return new Jolt.BoxShapeSettings(this.vector(shape.half_extents), 0);
+    if (shape.type !== 'polyhedron') return new Jolt.CylinderShapeSettings(halfHeightOf(shape), shape.radius, 0);
+    const settings = new Jolt.ConvexHullShapeSettings();
+    for (const corner of shape.corners) settings.mPoints.push_back(this.vector(corner));
+    settings.mMaxConvexRadius = 0;
+    return settings;
+  }
+  // Jolt takes the centre of the shape for the centre of mass
+  centered(settings) {
+    const made = settings.Create();
+    if (made.HasError()) throw new Unsupported(`Jolt cannot build the shape: ${made.GetError().c_str()}`);
+    const shape = made.Get(), center = array(shape.GetCenterOfMass());
+    return new Jolt.OffsetCenterOfMassShape(shape, this.vector(center.map((x) => -x)));
   }
   motion() { return motionOf(this.body); }
   setVelocities(w, v) {
@@ -124,14 +152,29 @@ class World extends Taking {
 }
 
 class Mechanism extends Taking {
-  constructor({bodies, joints, loops, gravity, setting}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
     super();
-    this.start(gravity);
-    this.made = bodies.map((known) => this.addBody(known, setting, new Jolt.SphereShape(0.1)));
+    this.start({gravity, setting}, Boolean(balls));
+    this.made = bodies.map((known, i) => this.addBody(known, setting, new Jolt.SphereShape(balls ? balls[i] : 0.1)));
+    if (balls) this.addContacts(planes, contact);
     for (const joint of [...joints, ...loops]) {
       const at = (index) => this.made[index] ?? Jolt.Body.prototype.sFixedToWorld;
       this.system.AddConstraint(this.settingsOf(bodies, joint).Create(at(joint.parent), at(joint.child)));
     }
+  }
+  // a listener replaces Jolt's rules for two bodies by the coefficients of the pair
+  addContacts(planes, contact) {
+    for (const plane of planes) this.addPlane(plane);
+    const listener = this.take(new Jolt.ContactListenerJS());
+    const set = (first, second, manifold, settings) => {
+      const isStill = [first, second].some((body) => Jolt.wrapPointer(body, Jolt.Body).IsStatic());
+      const {friction, restitution} = isStill ? planes[0] : contact, made = Jolt.wrapPointer(settings, Jolt.ContactSettings);
+      made.mCombinedFriction = friction, made.mCombinedRestitution = restitution;
+    };
+    listener.OnContactValidate = () => Jolt.ValidateResult_AcceptAllContactsForThisBodyPair;
+    listener.OnContactAdded = listener.OnContactPersisted = set;
+    listener.OnContactRemoved = () => {};
+    this.system.SetContactListener(listener);
   }
   settingsOf(bodies, joint) {
     const settings = {
@@ -157,11 +200,13 @@ await serve({
   packageName: 'jolt-physics',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term; linear and angular damping 0.05; slow bodies sleep; limits 47 rad/s and 500 m/s',
-    best: 'gyroscopic term on (mApplyGyroscopicForce); no damping, no sleeping, no speed limit'
+    default: 'no gyroscopic term; linear and angular damping 0.05; slow bodies sleep; limits 47 rad/s and 500 m/s; no bounce below 1 m/s',
+    best: 'gyroscopic term on (mApplyGyroscopicForce); no damping, no sleeping, no speed limit; bounces from 0.01 m/s on'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  contacts: true,
+  shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {
     Jolt = await (await import('jolt-physics/wasm-compat')).default();
     return {World, Mechanism};

@@ -1,9 +1,9 @@
 // MuJoCo, current version.
-import {serve, add, conjugate, cross, normalized, product, rotate, rotateBack, scaled, subtract, Unsupported} from './serve.js';
+import {serve, add, conjugate, cross, frameAbout, halfHeightOf, normalized, product, rotate, rotateBack, scaled, subtract, Unsupported} from './serve.js';
 
 let mujoco;
 
-const integrators = {default: 'Euler', implicit: 'implicit', implicitfast: 'implicitfast', rk4: 'RK4'};
+const integrators = {default: 'Euler', elliptic: 'Euler', implicit: 'implicit', implicitfast: 'implicitfast', rk4: 'RK4'};
 
 function advance(model, data, h) {
   model.opt.timestep = h;
@@ -13,13 +13,16 @@ function advance(model, data, h) {
 
 class World {
   constructor(body) {
-    if (body.planes.length) throw new Unsupported("MuJoCo's contacts have no coefficient of restitution");
+    if (body.planes.some((plane) => plane.restitution > 0))
+      throw new Unsupported("MuJoCo's contacts have no coefficient of restitution");
     this.pivot = body.pivot;
     const joint = body.pivot ? `<joint type="ball" pos="${body.pivot.join(' ')}"/>` : '<freejoint/>';
     const place = body.pivot ? scaled(-1, body.pivot) : body.p;
-    this.model = mujoco.MjModel.from_xml_string(`<mujoco><option integrator="${integrators[body.setting]}"/><worldbody>
+    this.model = mujoco.MjModel.from_xml_string(`<mujoco><option integrator="${integrators[body.setting]}"
+        cone="${body.setting === 'elliptic' ? 'elliptic' : 'pyramidal'}"/><worldbody>${body.planes.map(planeText).join('')}
         <body pos="${place.join(' ')}">${joint}<inertial pos="0 0 0" mass="${body.mass}"
-        diaginertia="${body.moments.join(' ')}"/></body></worldbody></mujoco>`);
+        diaginertia="${body.moments.join(' ')}"/>${
+        body.shapes.map((shape) => geomText(shape, body.planes[0].friction)).join('')}</body></worldbody></mujoco>`);
     this.data = new mujoco.MjData(this.model);
     this.first = body.pivot ? 0 : 3;
     this.setGravity(body.gravity);
@@ -54,6 +57,19 @@ class World {
   mass() { return this.model.body_mass[1]; }
   moments() { return Array.from(this.model.body_inertia.subarray(3, 6)); }
   free() { this.data.delete(), this.model.delete(); }
+}
+
+// A shape as a geom. Its friction is sliding friction alone: contacts have three dimensions.
+function geomText(shape, friction) {
+  const {type, position, orientation, radius} = shape;
+  const size = shape.half_extents ?? shape.semi_axes ?? (type === 'ball' ? [radius] : [radius, halfHeightOf(shape)]);
+  const name = {ball: 'sphere', disc: 'cylinder'}[type] ?? type;
+  return `<geom type="${name}" size="${size.join(' ')}" pos="${position.join(' ')}" quat="${
+      orientation.join(' ')}" friction="${friction} 0 0"/>`;
+}
+function planeText({normal, offset, friction}) {
+  return `<geom type="plane" size="0 0 1" pos="${scaled(offset, normal).join(' ')}" quat="${
+      frameAbout(normal).join(' ')}" friction="${friction} 0 0"/>`;
 }
 
 const nameOf = (index) => index < 0 ? 'world' : `b${index}`;
@@ -124,13 +140,15 @@ await serve({
   packageName: '@mujoco/mujoco',
   precision: 'binary64',
   settings: {
-    default: 'integrator Euler: semi-implicit, gyroscopic term explicit; no damping',
+    default: 'integrator Euler: semi-implicit, gyroscopic term explicit; no damping; pyramidal friction cone',
+    elliptic: 'as default, with the elliptic friction cone',
     implicit: 'integrator implicit',
     implicitfast: 'integrator implicitfast',
     rk4: 'integrator RK4'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'universal', 'fixed'],
   loops: ['revolute', 'spherical'],
+  shapes: ['ball', 'capsule', 'cylinder', 'disc', 'ellipsoid', 'box', 'several'],
   load: async () => {
     mujoco = await (await import('@mujoco/mujoco')).default();
     return {World, Mechanism};

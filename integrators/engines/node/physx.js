@@ -1,7 +1,7 @@
 // PhysX 5.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
-import {serve, framesOf} from './serve.js';
+import {serve, alongX, framesOf, isMaximum} from './serve.js';
 
 let PhysX, physics, tolerances;
 
@@ -11,10 +11,11 @@ const gyroscopicForces = 1 << 10;
 
 // Common base of World and Mechanism.
 class Scene {
-  constructor(gravity) {
-    this.taken = [];
+  constructor(gravity, setting) {
+    this.taken = [], this.grounds = [];
     const settings = this.take(new PhysX.PxSceneDesc(tolerances));
     settings.gravity = this.vector(gravity);
+    if (setting === 'best') settings.bounceThresholdVelocity = 1e-2;
     settings.cpuDispatcher = this.dispatcher = PhysX.DefaultCpuDispatcherCreate(0);
     settings.filterShader = PhysX.DefaultFilterShader();
     this.scene = physics.createScene(settings);
@@ -41,6 +42,38 @@ class Scene {
   place(p, [w, x, y, z]) {
     return this.take(new PhysX.PxTransform(this.vector(p), this.take(new PhysX.PxQuat(x, y, z, w))));
   }
+  attach(body, part, material) {
+    const flags = this.take(new PhysX.PxShapeFlags(
+        PhysX.PxShapeFlagEnum.eSIMULATION_SHAPE | PhysX.PxShapeFlagEnum.eSCENE_QUERY_SHAPE));
+    const shape = physics.createShape(this.take(this.convex(part)), material, true, flags);
+    if (part.position && part.type !== 'polyhedron')
+      shape.setLocalPose(this.place(part.position, part.type === 'capsule' ? alongX(part) : part.orientation));
+    shape.setSimulationFilterData(this.groups());
+    body.attachShape(shape);
+  }
+  addPlane({normal, offset}, material) {
+    const ground = PhysX.CreatePlane(physics, this.take(new PhysX.PxPlane(this.vector(normal), -offset)), material);
+    const side = this.take(new PhysX.PxArray_PxShapePtr(1));
+    ground.getShapes(side.begin(), 1, 0);
+    side.get(0).setSimulationFilterData(this.groups());
+    this.scene.addActor(ground);
+    this.grounds.push(ground);
+  }
+  groups() { return this.take(new PhysX.PxFilterData(1, 1, 0, 0)); }
+  convex(shape) {
+    if (shape.type === 'ball') return new PhysX.PxSphereGeometry(shape.radius);
+    if (shape.type === 'capsule') return new PhysX.PxCapsuleGeometry(shape.radius, shape.half_height);
+    if (shape.type === 'box') return new PhysX.PxBoxGeometry(...shape.half_extents);
+    return new PhysX.PxConvexMeshGeometry(this.mesh(shape.corners));
+  }
+  mesh(corners) {
+    const points = this.take(new PhysX.PxArray_PxVec3());
+    for (const corner of corners) points.pushBack(this.vector(corner));
+    const settings = this.take(new PhysX.PxConvexMeshDesc());
+    settings.flags = this.take(new PhysX.PxConvexFlags(PhysX.PxConvexFlagEnum.eCOMPUTE_CONVEX));
+    settings.points.count = points.size(), settings.points.stride = 12, settings.points.data = points.begin();
+    return PhysX.CreateConvexMesh(this.take(new PhysX.PxCookingParams(tolerances)), settings);
+  }
   step(h) {
     this.scene.simulate(h);
     this.scene.fetchResults(true);
@@ -61,7 +94,7 @@ function setVelocities(body, w, v) { body.setAngularVelocity(w, true), body.setL
 
 class World extends Scene {
   constructor(body) {
-    super(body.gravity);
+    super(body.gravity, body.setting);
     this.body = this.addBody(body, body.setting);
     if (body.planes.length) this.addContact(body);
     this.scene.addActor(this.body);
@@ -77,30 +110,8 @@ class World extends Scene {
   addContact(body) {
     const {restitution, friction} = body.planes[0];
     const material = physics.createMaterial(friction, friction, restitution);
-    const flags = this.take(new PhysX.PxShapeFlags(
-        PhysX.PxShapeFlagEnum.eSIMULATION_SHAPE | PhysX.PxShapeFlagEnum.eSCENE_QUERY_SHAPE));
-    const groups = this.take(new PhysX.PxFilterData(1, 1, 0, 0));
-    const geometry = this.take(
-        body.ball ? new PhysX.PxSphereGeometry(body.ball) : new PhysX.PxConvexMeshGeometry(this.mesh(body.hull)));
-    const shape = physics.createShape(geometry, material, true, flags);
-    shape.setSimulationFilterData(groups);
-    this.body.attachShape(shape);
-    this.grounds = body.planes.map(({normal, offset}) => {
-      const ground = PhysX.CreatePlane(physics, this.take(new PhysX.PxPlane(this.vector(normal), -offset)), material);
-      const side = this.take(new PhysX.PxArray_PxShapePtr(1));
-      ground.getShapes(side.begin(), 1, 0);
-      side.get(0).setSimulationFilterData(groups);
-      this.scene.addActor(ground);
-      return ground;
-    });
-  }
-  mesh(corners) {
-    const points = this.take(new PhysX.PxArray_PxVec3());
-    for (const corner of corners) points.pushBack(this.vector(corner));
-    const settings = this.take(new PhysX.PxConvexMeshDesc());
-    settings.flags = this.take(new PhysX.PxConvexFlags(PhysX.PxConvexFlagEnum.eCOMPUTE_CONVEX));
-    settings.points.count = points.size(), settings.points.stride = 12, settings.points.data = points.begin();
-    return PhysX.CreateConvexMesh(this.take(new PhysX.PxCookingParams(tolerances)), settings);
+    for (const part of body.shapes) this.attach(this.body, part, material);
+    for (const plane of body.planes) this.addPlane(plane, material);
   }
   motion() { return motionOf(this.body); }
   setVelocities(w, v) {
@@ -116,7 +127,7 @@ class World extends Scene {
   free() {
     this.joint?.release();
     this.body.release();
-    for (const ground of this.grounds ?? []) ground.release();
+    for (const ground of this.grounds) ground.release();
     this.leave();
   }
 }
@@ -138,14 +149,17 @@ async function started() {
 }
 
 class Mechanism extends Scene {
-  constructor({bodies, joints, loops, gravity, setting}) {
-    super(gravity);
-    this.made = bodies.map((known) => {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+    super(gravity, setting);
+    const material = contact && physics.createMaterial(contact.friction, contact.friction, contact.restitution);
+    this.made = bodies.map((known, i) => {
       const body = this.addBody(known, setting);
+      if (balls) this.attach(body, {type: 'ball', radius: balls[i]}, material);
       this.scene.addActor(body);
       setVelocities(body, this.vector(known.w), this.vector(known.v));
       return body;
     });
+    for (const plane of planes ?? []) this.addPlane(plane, groundMaterial(plane, contact));
     this.joints = [...joints, ...loops].map((joint) => {
       const make = {
         revolute: PhysX.RevoluteJointCreate, prismatic: PhysX.PrismaticJointCreate,
@@ -161,9 +175,18 @@ class Mechanism extends Scene {
   motions() { return this.made.map(motionOf); }
   free() {
     for (const joint of this.joints) joint.release();
-    for (const body of this.made) body.release();
+    for (const body of [...this.made, ...this.grounds]) body.release();
     this.leave();
   }
+}
+
+// PhysX applies the combine mode with the larger number, here the plane's.
+function groundMaterial(plane, contact) {
+  const material = physics.createMaterial(plane.friction, plane.friction, plane.restitution);
+  const {eMAX, eMIN} = PhysX.PxCombineModeEnum;
+  material.setFrictionCombineMode(isMaximum(contact, plane, 'friction') ? eMAX : eMIN);
+  material.setRestitutionCombineMode(isMaximum(contact, plane, 'restitution') ? eMAX : eMIN);
+  return material;
 }
 
 await serve({
@@ -171,11 +194,13 @@ await serve({
   packageName: 'physx-js-webidl',
   precision: 'binary32',
   settings: {
-    default: 'no gyroscopic term; angular damping 0.05; slow bodies sleep; speed limit 100 rad/s',
-    best: 'gyroscopic term on (eENABLE_GYROSCOPIC_FORCES); no damping, no sleeping, no speed limit'
+    default: 'no gyroscopic term; angular damping 0.05; slow bodies sleep; speed limit 100 rad/s; no bounce below 2 m/s',
+    best: 'gyroscopic term on (eENABLE_GYROSCOPIC_FORCES); no damping, no sleeping, no speed limit; bounces from 0.01 m/s on'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  contacts: true,
+  shapes: ['ball', 'capsule', 'box', 'polyhedron', 'several'],
   load: async () => {
     PhysX = await started();
     const version = PhysX.PHYSICS_VERSION;

@@ -1,5 +1,5 @@
 // Rapier.
-import {serve, framesOf} from './serve.js';
+import {serve, alongY, framesOf, halfHeightOf, isMaximum} from './serve.js';
 
 let RAPIER;
 
@@ -38,17 +38,9 @@ class World {
     this.body.recomputeMassPropertiesFromColliders();
   }
   addContact(body) {
-    const {restitution, friction} = body.planes[0];
-    const touching = (description) => description.setRestitution(restitution).setFriction(friction);
-    const shape = body.ball ? RAPIER.ColliderDesc.ball(body.ball)
-                            : RAPIER.ColliderDesc.convexHull(new Float32Array(body.hull.flat()));
-    this.world.createCollider(touching(shape).setDensity(0), this.body);
-    for (const {normal, offset} of body.planes) {
-      // a half-space through the origin of its body
-      const place = RAPIER.RigidBodyDesc.fixed().setTranslation(...normal.map((n) => n * offset));
-      const space = new RAPIER.ColliderDesc(new RAPIER.HalfSpace(vector(normal)));
-      this.world.createCollider(touching(space), this.world.createRigidBody(place));
-    }
+    for (const shape of body.shapes)
+      this.world.createCollider(touching(colliderOf(shape), body.planes[0]).setDensity(0), this.body);
+    for (const plane of body.planes) addPlane(this.world, plane);
   }
   motion() { return motionOf(this.body); }
   setVelocities(w, v) { this.body.setAngvel(vector(w), true), this.body.setLinvel(vector(v), true); }
@@ -71,14 +63,44 @@ class World {
   free() { this.world.free(); }
 }
 
+const touching = (description, {restitution, friction}) =>
+    description.setRestitution(restitution).setFriction(friction);
+
+// a half-space through the origin of its body
+function addPlane(world, plane, change = (space) => space) {
+  const place = RAPIER.RigidBodyDesc.fixed().setTranslation(...plane.normal.map((n) => n * plane.offset));
+  const space = touching(new RAPIER.ColliderDesc(new RAPIER.HalfSpace(vector(plane.normal))), plane);
+  world.createCollider(change(space), world.createRigidBody(place));
+}
+
+// Rapier applies the combine rule with the larger number, here the plane's.
+function combinedWith(contact, plane) {
+  const {Max, Min} = RAPIER.CoefficientCombineRule;
+  const rule = (coefficient) => isMaximum(contact, plane, coefficient) ? Max : Min;
+  return (space) => space.setFrictionCombineRule(rule('friction')).setRestitutionCombineRule(rule('restitution'));
+}
+
+function colliderOf(shape) {
+  if (shape.type === 'polyhedron') return RAPIER.ColliderDesc.convexHull(new Float32Array(shape.corners.flat()));
+  const isBox = shape.type === 'box', [w, x, y, z] = isBox ? shape.orientation : alongY(shape);
+  let made;
+  if (isBox) made = RAPIER.ColliderDesc.cuboid(...shape.half_extents);
+  else if (shape.type === 'ball') made = RAPIER.ColliderDesc.ball(shape.radius);
+  else if (shape.type === 'capsule') made = RAPIER.ColliderDesc.capsule(shape.half_height, shape.radius);
+  else made = RAPIER.ColliderDesc.cylinder(halfHeightOf(shape), shape.radius);
+  return made.setTranslation(...shape.position).setRotation({w, x, y, z});
+}
+
 class Mechanism {
-  constructor({bodies, joints, loops, gravity, setting}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
     this.world = new RAPIER.World(vector(gravity));
-    this.bodies = bodies.map((body) => {
+    this.bodies = bodies.map((body, i) => {
       const made = this.world.createRigidBody(descriptionOf(body, setting));
+      if (balls) this.world.createCollider(touching(RAPIER.ColliderDesc.ball(balls[i]), contact).setDensity(0), made);
       made.recomputeMassPropertiesFromColliders();
       return made;
     });
+    for (const plane of planes ?? []) addPlane(this.world, plane, combinedWith(contact, plane));
     this.ground = this.world.createRigidBody(RAPIER.RigidBodyDesc.fixed());
     for (const joint of [...joints, ...loops])
       this.world.createImpulseJoint(
@@ -112,6 +134,8 @@ await serve({
   },
   joints: ['revolute', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  contacts: true,
+  shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {
     RAPIER = (await import('@dimforge/rapier3d-compat')).default;
     await RAPIER.init();

@@ -9,7 +9,8 @@
 //   step(h)
 //   mass(), moments()     the engine's values, undefined if not available
 //   free()                frees the engine's objects
-// For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting}:
+// For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting}, and
+// {balls, planes, contact} if bodies touch each other as balls:
 //   motions()             motions of all bodies, in their order
 //   step(h), free()       as for a World
 import fs from 'node:fs';
@@ -100,6 +101,18 @@ function strike(world, body, impulses) {
   const change = rotateBack(q, kick).map((x, i) => x / body.moments[i]);
   world.setVelocities(add(at.w, rotate(q, change)), v);
 }
+
+// Half the length of the cylinder that represents a cylinder or a disc.
+export const halfHeightOf = (shape) => shape.type === 'disc' ? 1e-3 * shape.radius : shape.half_height;
+
+// Whether a rule "maximum of both bodies" gives the coefficient of a ball with a plane; otherwise "minimum" does, if the
+// ball has the coefficient of two balls and the plane its own.
+export const isMaximum = (contact, plane, coefficient) => plane[coefficient] >= contact[coefficient];
+
+// A rotation from z to the axis of an engine's capsules and cylinders, and the orientation of a shape with it.
+const half = Math.SQRT1_2;
+export const alongY = (shape) => product(shape.orientation, [half, half, 0, 0]);
+export const alongX = (shape) => product(shape.orientation, [half, 0, -half, 0]);
 
 // The smallest rotation to axes with z along `z`, and with x along `x` if given, which must be perpendicular to z.
 export function frameAbout(z, x) {
@@ -233,8 +246,10 @@ function answerTo({World, Mechanism}, settings, line) {
 }
 
 // Answers requests until input ends. `load` returns {World, Mechanism}, or throws if the package is missing. `joints`
-// and `loops` are the types that its Mechanism supports.
-export async function serve({engine, packageName, precision, settings, load, joints = [], loops = []}) {
+// and `loops` are the types that its Mechanism supports, `shapes` those that its World supports on planes. `contacts`:
+// its Mechanism supports balls.
+export async function serve(
+    {engine, packageName, precision, settings, load, joints = [], loops = [], shapes = [], contacts = false}) {
   let loaded;
   try {
     loaded = {version: versionOf(packageName), ...await load()};
@@ -245,7 +260,7 @@ export async function serve({engine, packageName, precision, settings, load, joi
     say({engine, precision, settings, missing: missing.split('\n')[0]});
     return;
   }
-  say({engine, version: loaded.version, precision, settings, joints, loops});
+  say({engine, version: loaded.version, precision, settings, joints, loops, shapes, contacts});
   let unread = '';
   process.stdin.setEncoding('utf8');
   for await (const chunk of process.stdin) {

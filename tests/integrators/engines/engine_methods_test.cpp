@@ -8,12 +8,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "body/orientation.h"
 #include "integrators/run/watch.h"
 #include "places.h"
+#include "scene/body_hull.h"
 #include "scene/scene_file.h"
 
 namespace polhode {
@@ -237,15 +239,109 @@ TEST(EngineScene, IsTheSameMotion) {
     }
 }
 
+void give_shape(Scene& scene, const Shape& shape) {
+    auto source = std::make_shared<BodySource>(*scene.body.source);
+    source->definition = ShapedBody{shape, std::get<ShapedBody>(source->definition).amount};
+    scene.body.source = source;
+    scene = parse_scene(write_scene(scene), "given");
+}
+
+std::string reason_against(const char* name, const std::function<void(Scene&)>& change) {
+    Scene scene = find_scene(name);
+    change(scene);
+    try {
+        engine_scene(pose(scene));
+    } catch (const std::invalid_argument& reason) {
+        return reason.what();
+    }
+    return "none";
+}
+
 TEST(EngineScene, SaysWhatItCannotSay) {
     Scene scene = find_scene("every_load");
     EXPECT_THROW(engine_scene(pose(scene)), std::invalid_argument);
     Scene own = simple_scene();
     own.loads.push_back(UserTorque{"mine", [](const LoadState&) { return Vector3<double>(); }, {}});
     EXPECT_THROW(engine_scene(pose(own)), std::invalid_argument);
-    EXPECT_THROW(engine_scene(pose(find_scene("capsule_bounce"))), std::invalid_argument);
-    EXPECT_EQ(engine_scene(pose(find_scene("tumbling_box_bounce"))).hull.size(), 8u);
-    EXPECT_TRUE(engine_scene(pose(find_scene("bouncing_ball"))).ball.has_value());
+    EXPECT_EQ(reason_against("contact/ball_and_wall", [](Scene&) {}),
+              "the engine protocol does not support planes with different coefficients");
+    EXPECT_EQ(reason_against("contact/bowling_ball", [](Scene& s) { s.planes[0].rolling_friction = 0.001; }),
+              "the engine protocol does not support torsional and rolling friction");
+    EXPECT_EQ(reason_against("contact/bowling_ball",
+                             [](Scene& s) {
+                                 give_shape(s, Torus{0.5, 0.1});
+                             }),
+              "engines do not support tori on planes");
+}
+
+// n.x of the furthest point of a shape along -n, from its definition.
+double lowest_of(const EngineShape& shape, const Vector3<double>& n) {
+    const Vector3<double> in_shape = rotate_back(shape.q, n);
+    const double across = std::hypot(in_shape[0], in_shape[1]), center = dot(n, shape.position);
+    if (shape.type == "ball") return center - shape.radius;
+    if (shape.type == "capsule") return center - shape.radius - shape.half_height * std::abs(in_shape[2]);
+    if (shape.type == "ellipsoid")
+        return center - hypotenuse(Vector3<double>(shape.half[0] * in_shape[0], shape.half[1] * in_shape[1],
+                                                   shape.half[2] * in_shape[2]));
+    if (shape.type == "box")
+        return center - shape.half[0] * std::abs(in_shape[0]) - shape.half[1] * std::abs(in_shape[1]) -
+               shape.half[2] * std::abs(in_shape[2]);
+    return center - shape.radius * across - shape.half_height * std::abs(in_shape[2]);
+}
+
+// The shapes in principal axes touch a plane of any direction where the hull in the scene's axes does.
+TEST(EngineScene, HasTheHullOfTheBody) {
+    for (const char* name : {"contact/capsule_lands", "contact/tippe_top", "contact/rolling_coin", "contact/rattleback",
+                             "contact/ellipsoid_bounces", "contact/block_on_ramp", "contact/bowling_ball"}) {
+        const Scene scene = find_scene(name);
+        const EngineScene known = engine_scene(pose(scene));
+        ASSERT_EQ(known.shapes.size(), 1u) << name;
+        for (const Vector3<double>& direction : {Vector3<double>(0, 0, 1), Vector3<double>(0.6, 0, -0.8),
+                                                 Vector3<double>(-0.48, 0.6, 0.64), Vector3<double>(0, -1, 0)}) {
+            double lowest = 0;
+            for (const auto& piece : hull<double>(*scene.body.source))
+                lowest = std::min(lowest, piece.lowest(direction) - dot(direction, scene.body.center_of_mass));
+            EXPECT_NEAR(lowest_of(known.shapes[0], rotate_back(known.q_BP, direction)), lowest, 1e-13) << name;
+        }
+    }
+    EXPECT_EQ(polyhedron_corners(engine_scene(pose(find_scene("tumbling_box_bounce"))).shapes).size(), 8u);
+    EXPECT_TRUE(engine_scene(pose(find_scene("bouncing_ball"))).shapes.front().is_centered_ball());
+    EXPECT_FALSE(engine_scene(pose(find_scene("contact/tippe_top"))).shapes.front().is_centered_ball());
+}
+
+TEST(EngineScene, IsWrittenWithItsShapes) {
+    const EngineScene known = engine_scene(pose(find_scene("contact/capsule_lands")));
+    const auto request = nlohmann::json::parse(engine_request(known, "default", {}, 1));
+    ASSERT_EQ(request["shapes"].size(), 1u);
+    EXPECT_EQ(request["shapes"][0]["type"], "capsule");
+    EXPECT_EQ(request["shapes"][0]["radius"], 0.5);
+    EXPECT_EQ(request["shapes"][0]["half_height"], 0.25);
+    EXPECT_FALSE(request.contains("ball"));
+    EXPECT_TRUE(request["hull"].empty());
+    const EngineScene ball = engine_scene(pose(find_scene("contact/bowling_ball")));
+    EXPECT_EQ(nlohmann::json::parse(engine_request(ball, "default", {}, 1))["ball"], 0.109);
+}
+
+// The hello decides which shapes an engine receives. An engine that lists none receives balls about the centre of mass
+// and polyhedra.
+TEST(EngineMethods, RefuseShapesThatTheEngineDoesNotList) {
+    const auto outcome = [](const char* shapes, const char* scene) {
+        const std::string greeting = R"(echo '{"version": "1.0", "settings": {"default": "d"}, "shapes": [)" +
+                                     std::string(shapes) + R"(]}' >&3; )";
+        const ScriptedEngine scripted(greeting + "while read -r request; do echo '" + sound + "' >&3; done",
+                                      {{"planes", true}});
+        const Trajectory run = scripted.solved(find_scene(scene));
+        EXPECT_EQ(run.status, run.message.empty() ? Status::ok : Status::unsupported);
+        return run.message;
+    };
+    EXPECT_EQ(outcome("", "contact/bowling_ball"), "");
+    EXPECT_EQ(outcome("", "contact/block_on_ramp"), "");
+    EXPECT_EQ(outcome(R"("polyhedron")", "contact/block_on_ramp"), "");
+    EXPECT_EQ(outcome(R"("capsule")", "contact/capsule_lands"), "");
+    EXPECT_EQ(outcome("", "contact/capsule_lands"),
+              "scripted: its driver supports only polyhedra and balls about the centre of mass on planes");
+    EXPECT_EQ(outcome(R"("ball")", "contact/capsule_lands"), "scripted: it does not support capsules on planes");
+    EXPECT_EQ(outcome(R"("ball")", "contact/block_on_ramp"), "scripted: it does not support boxes on planes");
 }
 
 }  // namespace

@@ -3,91 +3,18 @@
 //
 // An impact or the end of sliding falls somewhere within a step, so that the error of one run varies irregularly with
 // the step. The observed order is therefore the least-squares slope over all steps whose error is below the saturation.
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "experiment/kinds/cells.h"
+#include "experiment/kinds/contact_tables.h"
 #include "experiment/kinds/curves.h"
 #include "experiment/kinds/engines.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/kinds/step_rows.h"
-#include "measure/statistics.h"
 
 namespace polhode {
 namespace {
-
-constexpr double lost_position = 1;       // m; larger errors are not used for the observed order
-constexpr double exact_position = 1e-11;  // m; an error below it is rounding, and has no order
-constexpr std::size_t fewest_order_points = 3;
-
-// Slope of log(position error) over log(step).
-std::optional<double> contact_order(const std::vector<const Result*>& rows) {
-    std::vector<std::pair<double, double>> points;
-    for (const Result* row : rows) {
-        const double error = row->errors["position"].max.value_or(0);
-        if (row->status != Status::ok || !(error > exact_position) || !(error < lost_position)) continue;
-        points.emplace_back(std::log(row->step_taken.value_or(row->setting)), std::log(error));
-    }
-    if (points.size() < fewest_order_points) return {};
-    const double slope = least_squares_line(points).slope;
-    return std::isfinite(slope) ? std::optional(slope) : std::nullopt;
-}
-
-// The largest values over the steps of one curve.
-struct ContactExtremes {
-    std::optional<double> penetration, slip, energy_gain;
-};
-void keep_largest(std::optional<double>& most, const std::optional<double>& value) {
-    if (value && !(most && *most >= *value)) most = value;
-}
-ContactExtremes contact_extremes(const std::vector<const Result*>& rows) {
-    ContactExtremes most;
-    for (const Result* row : rows) {
-        keep_largest(most.penetration, row->contacts.penetration);
-        keep_largest(most.slip, row->contacts.slip);
-        keep_largest(most.energy_gain, row->contacts.energy_gain);
-    }
-    return most;
-}
-
-// For each scene and method: position error at each step, order, and the largest of the other errors.
-NamedTable contact_scenes_table(const Plan& plan, const std::vector<Result>& rows) {
-    const std::vector<double> steps = all_steps(plan);
-    std::vector<ColumnChoice> columns{{"scene", "scene"}, {"method", "method"}};
-    for (const double step : steps)
-        columns.push_back({"position_error at " + step_name(step), "position, " + step_name(step) + " (m)"});
-    columns.insert(columns.end(), {{"order", "order"},
-                                   {"attitude_error_max", "attitude (rad)"},
-                                   {"penetration_max", "penetration (m)"},
-                                   {"slip_error_max", "slip (m/s)"},
-                                   {"contact_energy_gain", "energy gain (J)"},
-                                   {"message", "remark"}});
-    NamedTable named = make_named_table("scenes", "Errors for each scene", columns);
-    for (const PlannedScene& scene : plan.scenes)
-        for (const PlannedCurve& curve : plan.curves) {
-            const std::vector<const Result*> own = select_rows(rows, scene, curve);
-            if (curve.kind != SettingKind::step || own.empty()) continue;
-            std::vector<Cell> row{scene.label, std::string(curve.method->name)};
-            std::string message;
-            std::optional<double> attitude;
-            for (const Result* r : own) {
-                if (message.empty()) message = r->message;
-                keep_largest(attitude, r->errors["attitude"].max);
-            }
-            for (const double step : steps) {
-                const Result* r = find_step(own, step);
-                row.push_back(r ? error_cell(*r, "position") : Cell());
-            }
-            const ContactExtremes most = contact_extremes(own);
-            row.insert(row.end(), {cell_of(contact_order(own)), cell_of(attitude), cell_of(most.penetration),
-                                   cell_of(most.slip), cell_of(most.energy_gain), Cell(message)});
-            named.table.rows.push_back(std::move(row));
-        }
-    return named;
-}
 
 // The observed order of each method on each scene.
 NamedTable contact_orders_table(const Plan& plan, const std::vector<Result>& rows) {
@@ -175,7 +102,8 @@ std::vector<NamedFigure> contact_figures(const Plan& plan, const std::vector<Res
 
 Findings conclude_contact(const Plan& plan, const std::vector<Result>& rows) {
     if (all_steps(plan).empty()) return {};
-    return {{contact_methods_table(plan, rows), contact_orders_table(plan, rows), contact_scenes_table(plan, rows)},
+    return {{contact_methods_table(plan, rows), contact_orders_table(plan, rows),
+             contact_scenes_table(plan, rows, {"position"})},
             contact_figures(plan, rows)};
 }
 

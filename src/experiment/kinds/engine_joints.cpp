@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "experiment/kinds/cells.h"
 #include "experiment/kinds/curves.h"
@@ -18,18 +17,6 @@
 namespace polhode {
 namespace {
 
-constexpr double joint_tie_factor = 1.1;  // errors within this factor share a place
-
-std::optional<double> largest_error(const Result& row, const char* measure) {
-    return row.status == Status::ok ? row.errors[measure].max : std::nullopt;
-}
-void gather(std::vector<double>& values, const std::optional<double>& value) {
-    if (value) values.push_back(*value);
-}
-void gather(std::vector<std::string>& words, const std::string& word) {
-    if (std::ranges::find(words, word) == words.end()) words.push_back(word);
-}
-
 std::optional<double> order_in(const std::vector<const Result*>& rows, const char* measure, double lost) {
     std::vector<double> step, error;
     for (const Result* row : rows)
@@ -38,12 +25,6 @@ std::optional<double> order_in(const std::vector<const Result*>& rows, const cha
     const auto observed = observed_order(step, error, lost);
     // errors that do not converge have no order
     return observed && observed->order > 0.5 ? std::optional(observed->order) : std::nullopt;
-}
-
-// the message without the engine's name: "cannon_es: it does not support universal joints"
-std::string find_reason(const Result& row) {
-    const std::size_t colon = row.message.find(": ");
-    return colon == std::string::npos ? row.message : row.message.substr(colon + 2);
 }
 
 void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>& rows) {
@@ -55,14 +36,7 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
             gather(gap_orders, order_in(own, "joint_gap", std::numeric_limits<double>::infinity()));
         }
         for (const Result* row : own) {
-            const double error = capped_error(*row);
-            long better = 0;
-            for (const Result& other : rows)
-                if (other.scene == row->scene && other.setting == row->setting &&
-                    other.method.find(':') != std::string::npos)
-                    better += capped_error(other) * joint_tie_factor < error;
-            standing.push_back(static_cast<double>(better + 1));
-            if (row->status == Status::unsupported) gather(place.refused, find_reason(*row));
+            standing.push_back(place_of(*row, rows, capped_error));
             if (const auto time = step_seconds(*row)) seconds.push_back(*time);
             const bool by_step = place.curve->kind == SettingKind::step;
             if (by_step && is_step(*row, fine_step)) {
@@ -71,10 +45,8 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
             }
             // for runs by tolerance use the loosest one
             if (by_step ? !is_step(*row, default_engine_step) : row != own.front()) continue;
-            if (row->status != Status::ok) {
-                if (row->status != Status::unsupported) place.lost.push_back(scene.label);
-                continue;
-            }
+            add_incomplete(place, *row, scene.label);
+            if (row->status != Status::ok) continue;
             ++place.scenes;
             gather(attitude, largest_error(*row, "attitude")), gather(gap, largest_error(*row, "joint_gap"));
             gather(turn, largest_error(*row, "joint_turn")), gather(energy, largest_error(*row, "energy"));
@@ -82,11 +54,7 @@ void place_among(JointPlace& place, const Plan& plan, const std::vector<Result>&
                 place.worst_gap = g, place.worst_gap_scene = scene.label;
         }
     }
-    if (!standing.empty()) {
-        place.median_place = median(standing);
-        place.mean_place =
-            std::accumulate(standing.begin(), standing.end(), 0.0) / static_cast<double>(standing.size());
-    }
+    set_places(place, standing);
     place.attitude = optional_median(attitude), place.gap = optional_median(gap), place.turn = optional_median(turn);
     place.energy = optional_median(energy), place.fine_attitude = optional_median(fine_attitude);
     place.fine_gap = optional_median(fine_gap), place.order = optional_median(orders);
@@ -231,32 +199,15 @@ std::vector<NamedFigure> energy_figures(const Plan& plan, const std::vector<Resu
 std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>& rows) {
     std::vector<JointPlace> places;
     for (const PlannedCurve& curve : plan.curves) {
-        const auto is_own = [&](const Result& row) { return row.method == curve.method->name; };
-        if (std::ranges::none_of(rows, is_own)) continue;
+        if (!has_rows(curve, rows)) continue;
         JointPlace place;
-        place.curve = &curve, place.engine = engine_of(*curve.method);
-        if (place.engine) {
-            place.report = place.engine->inspect(nullptr);
-            for (const auto& [name, what] : place.report.hello.settings)
-                if (name == place.engine->setting) place.setting_description = what;
-            if (place.is_available() && place.report.hello.joints.empty())
-                place.report.fault = "its driver does not support joints";
-        }
+        static_cast<EngineStanding&>(place) = inspect_curve(curve);
+        if (place.engine && place.is_available() && place.report.hello.joints.empty())
+            place.report.fault = "its driver does not support joints";
         place_among(place, plan, rows);
         places.push_back(std::move(place));
     }
-    std::ranges::stable_sort(places, [](const JointPlace& a, const JointPlace& b) {
-        const auto rank = [](const JointPlace& p) { return !p.engine ? 2 : p.is_available() ? 0 : 1; };
-        if (rank(a) != rank(b)) return rank(a) < rank(b);
-        if (rank(a) != 0) return false;
-        if (a.median_place != b.median_place) return a.median_place < b.median_place;
-        return a.mean_place < b.mean_place;
-    });
-    for (std::size_t i = 0; i < places.size() && places[i].engine && places[i].is_available(); ++i) {
-        const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
-                               places[i].mean_place == places[i - 1].mean_place;
-        places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;
-    }
+    sort_places(places);
     return places;
 }
 

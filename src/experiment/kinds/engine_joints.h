@@ -5,20 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "experiment/kinds/engines.h"
+#include "experiment/kinds/engine_standing.h"
 
 namespace polhode {
 
 /// Summary of a method's joint errors over the scenes of a plan, and its place in the ranking.
-struct JointPlace {
-    const PlannedCurve* curve = nullptr;
-    const EngineMethod* engine = nullptr;  ///< null for methods of polhode
-    EngineReport report;                   ///< engines only
-    std::string setting_description;       ///< engines only: the driver's description of the setting
-    double median_place = 0, mean_place = 0;
-    long place = 0;   ///< among the engines; 0 for other methods and for engines that are not available
-    long scenes = 0;  ///< number of scenes completed at the usual step
-    /// Medians over these scenes of the largest errors of a run.
+struct JointPlace : EngineStanding {
+    /// Medians over the scenes completed at the usual step of the largest errors of a run.
     std::optional<double> attitude, gap, turn, energy;
     std::optional<double> fine_attitude, fine_gap;  ///< medians of the largest errors at the fine step
     std::optional<double> order;                    ///< median of the observed orders of the attitude error
@@ -26,9 +19,6 @@ struct JointPlace {
     std::optional<double> step_seconds;             ///< median over all runs
     std::optional<double> worst_gap;                ///< m, at the usual step
     std::string worst_gap_scene;                    ///< the scene with the largest gap
-    std::vector<std::string> refused;               ///< reasons for unsupported scenes, without repetitions
-    std::vector<std::string> lost;                  ///< scenes not completed at the usual step
-    bool is_available() const { return report.fault.empty(); }
     /// Whether all gaps are round-off, as with joint coordinates.
     bool closes() const { return gap && *gap < 1e-9 && worst_gap && *worst_gap < 1e-9; }
 };

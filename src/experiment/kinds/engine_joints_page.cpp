@@ -10,15 +10,6 @@
 namespace polhode {
 namespace {
 
-std::string listed_words(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
-std::string format_amount(const std::optional<double>& value, const char* unit) {
-    return value ? fmt::format("{:.2g}{}", *value, unit) : "not measured";
-}
-
 // Describes the joint, attitude and energy errors of one setting.
 std::string describe_joints(const JointPlace& place) {
     if (place.scenes == 0) return " No scene was completed.";
@@ -46,26 +37,15 @@ std::string describe_joints(const JointPlace& place) {
     return text;
 }
 
-std::string describe_refusals(const JointPlace& place) {
-    std::string text;
-    if (!place.refused.empty()) text += " Reasons for unsupported scenes: " + listed_words(place.refused) + ".";
-    if (!place.lost.empty())
-        text += " Not completed at " + step_name(default_engine_step) + ": " + listed_words(place.lost) + ".";
-    return text;
-}
-
 std::string describe_engine_joints(const std::vector<const JointPlace*>& own) {
     const JointPlace& first = *own.front();
     const EngineHello& hello = first.report.hello;
-    std::string text =
-        fmt::format("### {}{}{}\n\n", first.engine->engine, hello.version.empty() ? "" : " ", hello.version);
-    if (!first.is_available()) return text + fmt::format("Not compared: {}.\n", first.report.fault);
+    std::string text = engine_heading(first);
+    if (!first.is_available()) return text;
     text += fmt::format("Supported joints: {}. Supported loop closures: {}.\n\n", listed_words(hello.joints),
                         hello.loops.empty() ? "none" : listed_words(hello.loops));
     for (const JointPlace* place : own)
-        text += fmt::format("- `{}`{}: place {}.{}{}\n", place->engine->setting,
-                            place->setting_description.empty() ? "" : " (" + place->setting_description + ")",
-                            place->place, describe_joints(*place), describe_refusals(*place));
+        text += setting_heading(*place) + describe_joints(*place) + describe_incomplete(*place) + "\n";
     return text;
 }
 
@@ -89,15 +69,7 @@ std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& 
     for (const NamedFigure& named : findings.figures)
         text += fmt::format("![{}]({}.svg)\n\n", named.figure.title, named.name);
     text += "## Details for each engine\n\n";
-    std::vector<std::string> printed_engines;
-    for (const JointPlace& one : places) {
-        if (!one.engine || std::ranges::find(printed_engines, one.engine->engine) != printed_engines.end()) continue;
-        printed_engines.push_back(one.engine->engine);
-        std::vector<const JointPlace*> own;
-        for (const JointPlace& other : places)
-            if (other.engine && other.engine->engine == one.engine->engine) own.push_back(&other);
-        text += describe_engine_joints(own) + "\n";
-    }
+    for (const auto& own : group_by_engine(places)) text += describe_engine_joints(own) + "\n";
     text += fmt::format("## Errors for each scene\n\n[This table]({}_scenes.md) lists all errors on all scenes.\n\n",
                         plan.experiment.name);
     return text;

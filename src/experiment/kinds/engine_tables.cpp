@@ -14,8 +14,6 @@
 namespace polhode {
 namespace {
 
-constexpr double tie_factor = 1.1;  // errors within this factor share a place
-
 const PlannedCurve* curve_of_engine(const Plan& plan, const EngineMethod& engine) {
     for (const PlannedCurve& curve : plan.curves)
         if (curve.method == engine.method.get()) return &curve;
@@ -58,6 +56,14 @@ double capped_error(const Result& row) {
     return std::min(*row.errors["attitude"].max, attitude_error_cap);
 }
 
+double place_of(const Result& row, const std::vector<Result>& rows, const std::function<double(const Result&)>& error) {
+    const auto is_better = [&, own = error(row)](const Result& other) {
+        return other.scene == row.scene && other.setting == row.setting &&
+               other.method.find(':') != std::string::npos && error(other) * tie_factor < own;
+    };
+    return static_cast<double>(std::ranges::count_if(rows, is_better) + 1);
+}
+
 bool is_step(const Result& row, double step) { return std::abs(row.setting / step - 1) < 1e-3; }
 
 std::string step_name(double step) {
@@ -82,12 +88,7 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
             bool represented = false;
             for (const Result* row : own) {
                 const double error = capped_error(*row);
-                long better = 0;
-                for (const Result& other : rows)
-                    if (other.scene == row->scene && other.setting == row->setting &&
-                        other.method.find(':') != std::string::npos)
-                        better += capped_error(other) * tie_factor < error;
-                standing.push_back(static_cast<double>(better + 1));
+                standing.push_back(place_of(*row, rows, capped_error));
                 represented = represented || row->status != Status::unsupported;
                 errors[row->setting].push_back(error);
                 if (const auto time = step_seconds(*row)) seconds.push_back(*time);
@@ -110,16 +111,7 @@ std::vector<EnginePlace> engine_places(const Plan& plan, const std::vector<Resul
             if (scenes > 0) place.within[i] = step_within(errors, accuracies[i], scenes);
         places.push_back(place);
     }
-    std::ranges::stable_sort(places, [](const EnginePlace& a, const EnginePlace& b) {
-        if (a.facts->is_available() != b.facts->is_available()) return a.facts->is_available();
-        if (a.median_place != b.median_place) return a.median_place < b.median_place;
-        return a.mean_place < b.mean_place;
-    });
-    for (std::size_t i = 0; i < places.size() && places[i].facts->is_available(); ++i) {
-        const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
-                               places[i].mean_place == places[i - 1].mean_place;
-        places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;
-    }
+    sort_places(places);
     return places;
 }
 

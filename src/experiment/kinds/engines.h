@@ -1,6 +1,8 @@
 // The kind `engines`: physics engines compared with the truth.
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,6 +21,9 @@ inline constexpr double fine_step = 1e-3;
 
 /// rad; larger attitude errors are all ranked alike.
 inline constexpr double attitude_error_cap = 1;
+
+/// Errors within this factor share a place.
+inline constexpr double tie_factor = 1.1;
 
 /// Replaces the name of an update if identify_update() finds none that matches the engine.
 inline constexpr const char* no_update = "no known update";
@@ -50,6 +55,8 @@ struct EnginePlace {
     std::optional<double> step_seconds;                ///< median over all runs
     /// The largest step from which on the error is within 0.1, 0.01 and 0.001 rad on at least half of the scenes.
     std::optional<double> within[3];
+    /// 0: ranked; 1: not available. See sort_places().
+    int group() const { return facts->is_available() ? 0 : 1; }
 };
 inline constexpr double accuracies[3] = {0.1, 0.01, 0.001};
 
@@ -75,6 +82,25 @@ std::string engines_page(const Plan& plan, const std::vector<EnginePlace>& place
 
 /// The error used for ranking: the largest attitude error, at most 1 rad; infinite if the run is not `ok`.
 double capped_error(const Result& row);
+/// 1 + the number of engines that have an error smaller by more than tie_factor on the row's scene at its step.
+double place_of(const Result& row, const std::vector<Result>& rows, const std::function<double(const Result&)>& error);
+
+/// Sorts by group, and the ranked ones, of group 0, by median and mean place. Sets their final places; equal medians
+/// and means share one.
+template <class Place>
+void sort_places(std::vector<Place>& places) {
+    std::ranges::stable_sort(places, [](const Place& a, const Place& b) {
+        if (a.group() != b.group()) return a.group() < b.group();
+        if (a.group() != 0) return false;
+        if (a.median_place != b.median_place) return a.median_place < b.median_place;
+        return a.mean_place < b.mean_place;
+    });
+    for (std::size_t i = 0; i < places.size() && places[i].group() == 0; ++i) {
+        const bool as_before = i > 0 && places[i].median_place == places[i - 1].median_place &&
+                               places[i].mean_place == places[i - 1].mean_place;
+        places[i].place = as_before ? places[i - 1].place : static_cast<long>(i) + 1;
+    }
+}
 /// Whether a row has this step (s), to 0.1 %.
 bool is_step(const Result& row, double step);
 /// Formats a step: "1/60 s".

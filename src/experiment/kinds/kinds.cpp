@@ -47,6 +47,8 @@ std::span<const ExperimentKind> kinds() {
          .conclude = conclude_engine_joints,
          .follow_up = joint_sweeps,
          .keeps_series = true},
+        // contact of physics engines, on planes with friction
+        {.name = "engine_contact", .reads = all_keys, .conclude = conclude_engine_contact},
         // joint solvers of games and robotics: attitude, gaps and energy at each step
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
         // one body on planes with friction, by time stepping: position, order, penetration, slip and energy gain

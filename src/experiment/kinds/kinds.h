@@ -19,6 +19,7 @@ Findings conclude_leave_out(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_conservation(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_engines(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_engine_joints(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_engine_contact(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_contact(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows);

@@ -3,13 +3,17 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
+#include "experiment/kinds/contact_probes.h"
 #include "experiment/kinds/findings_read.h"
 #include "experiment/kinds/kinds.h"
 #include "experiment/plan/experiment.h"
 #include "experiment/run/run_experiment.h"
+#include "integrators/engines/engine_methods.h"
 #include "integrators/truth/fresh_cache.h"
+#include "places.h"
 
 namespace polhode {
 namespace {
@@ -95,6 +99,110 @@ TEST(ContactStudy, CountsRefusals) {
     const Table& scenes = table_of(result, "scenes");
     EXPECT_EQ(word(scenes, scenes.rows[0], "position_error at 0.016 s"), "unsupported");
     EXPECT_NE(word(scenes, scenes.rows[0], "message"), "");
+}
+
+constexpr double usual_step = 1.0 / 60, small_step = 1e-3;
+
+ContactProbe probe(const char* method, double step) { return probe_contact(*find_method(method), step); }
+
+// Solvers whose friction is known: a circular cone; the product of two intervals, which is larger by sqrt(2) at 45
+// degrees; the square inscribed in the cone, which is smaller by sqrt(2). A push within the larger pyramid moves
+// nothing.
+TEST(EngineContact, ProbesFindTheFrictionCone) {
+    const ContactProbe cone = probe("contact_impulses_cone", small_step),
+                       pyramid = probe("contact_impulses_pyramid", small_step),
+                       inscribed = probe("anitescu_potra_4", small_step);
+    ASSERT_EQ(cone.friction.size(), probe_angles.size());
+    for (const double friction : cone.friction) EXPECT_NEAR(friction, 1, 5e-3);
+    EXPECT_LT(cone.deviation.value(), 0.1);
+    EXPECT_NEAR(cone.pushed.value(), 1, 0.02);
+    EXPECT_EQ(describe_cone(cone), "cone");
+    EXPECT_NEAR(pyramid.friction[3] / pyramid.friction[0], std::sqrt(2), 0.02);
+    EXPECT_GT(pyramid.deviation.value(), 1);
+    EXPECT_LT(pyramid.pushed.value(), 1e-3);
+    EXPECT_EQ(describe_cone(pyramid), "pyramid, 1.41 at 45 degrees");
+    EXPECT_NEAR(inscribed.friction[3], std::sqrt(0.5), 0.02);
+    EXPECT_EQ(describe_cone(inscribed), "pyramid, 0.71 at 45 degrees");
+}
+
+// The closed forms of contact_probes.h, by a scheme of order 1.
+TEST(EngineContact, ProbesAgreeWithClosedForms) {
+    const ContactProbe found = probe("moreau_jean", small_step);
+    EXPECT_LT(found.held.value(), 1e-6);
+    EXPECT_NEAR(found.slipped.value(), 1, 0.02);
+    EXPECT_EQ(describe_hold(found), "holds, slips");
+    EXPECT_NEAR(found.rolling.value(), 1, 2e-3);
+    EXPECT_NEAR(found.slow_path.value(), 1, 2e-3);
+    EXPECT_NEAR(found.first_bounce.value(), 0.64, 0.01);
+    EXPECT_NEAR(found.fifth_bounce.value(), 0.107, 0.01);
+    EXPECT_NEAR(exact_bounce(5), 0.1073741824, 1e-12);
+    EXPECT_LT(found.drift.value(), 1e-6);
+    EXPECT_LT(std::abs(found.depth.value()), 1e-4);
+    // does not support several bodies
+    EXPECT_FALSE(found.throw_error);
+    // XPBD's friction between several points is low: 2 % at any step
+    EXPECT_EQ(describe_hold(probe("xpbd_contacts", usual_step)).substr(0, 5), "slips");
+}
+
+// The rattleback reverses its spin, and an implicit scheme approaches the time with the step (1.2 s at 1/1000 s).
+TEST(EngineContact, RattlebackReverses) {
+    ASSERT_TRUE(exact_reversal());
+    EXPECT_GT(*exact_reversal(), 2);
+    EXPECT_LT(*exact_reversal(), 3);
+    const ContactProbe found = probe("moreau_jean", small_step), coarse = probe("moreau_jean", 4 * small_step);
+    EXPECT_LT(coarse.reversal.value(), found.reversal.value());
+    EXPECT_LT(found.reversal.value(), *exact_reversal());
+    EXPECT_FALSE(found.keeps_spin);
+    EXPECT_TRUE(probe("contact_impulses_cone", usual_step).keeps_spin);
+}
+
+/// A file that lists an engine: polhode's program with one of its methods.
+class ProgramAsEngine {
+  public:
+    ProgramAsEngine() : path_(std::filesystem::path(::testing::TempDir()) / "polhode_contact_engines.json") {
+        std::ofstream(path_) << R"({"engines": [{"name": "program", "command": [")" << program_path()
+                             << R"(", "solve", "/dev/stdin", "--method", "contact_impulses_cone", "--samples",
+            "{samples}"], "by_step": ["--step", "{step}"], "planes": true}]})";
+        add_engines(path_.string());
+    }
+    ~ProgramAsEngine() { std::filesystem::remove(path_); }
+
+  private:
+    std::filesystem::path path_;
+};
+
+// An engine that solves by a known method has that method's errors and measurements, and a paragraph.
+TEST(EngineContact, RanksAndDescribesAnEngine) {
+    const FreshCache cache;
+    const ProgramAsEngine engine;
+    const Plan plan = make_plan(parse_experiment(R"({"name": "x", "kind": "engine_contact", "samples": 5, "repeats": 1,
+        "scenes": ["contact/bowling_ball", "contact/ball_and_wall"],
+        "methods": ["program:default", "contact_impulses_cone"],
+        "settings": {"steps": [0.016666666666666666, 0.001]}})",
+                                                 "x.json"),
+                                "x.json", false);
+    RunOptions options = quickly();
+    const std::filesystem::path directory = std::filesystem::path(::testing::TempDir()) / "polhode_engine_contact";
+    std::filesystem::remove_all(directory);
+    options.directory = directory.string(), options.quiet = true;
+    ASSERT_TRUE(run_experiment(plan, options, "polhode run x"));
+    const Findings result = conclude_finished(plan, options.directory);
+    std::filesystem::remove_all(directory);
+    const Table &leaderboard = table_of(result, "leaderboard"), &solvers = table_of(result, "solvers"),
+                &friction = table_of(result, "friction"), &scenes = table_of(result, "scenes");
+    ASSERT_EQ(leaderboard.rows.size(), 1U);
+    ASSERT_EQ(solvers.rows.size(), 1U);
+    EXPECT_EQ(word(leaderboard, leaderboard.rows[0], "place"), "1");
+    EXPECT_EQ(word(leaderboard, leaderboard.rows[0], "scenes"), "2");
+    for (const char* column : {"attitude_error", "position_error", "fine_attitude_error"})
+        EXPECT_NEAR(number(leaderboard, leaderboard.rows[0], column), number(solvers, solvers.rows[0], column), 1e-9);
+    ASSERT_EQ(friction.rows.size(), 2U);
+    EXPECT_EQ(word(friction, friction.rows[0], "cone at 1/1000 s"), "cone");
+    EXPECT_EQ(scenes.rows.size(), 4U);
+    EXPECT_NE(result.page.find("### program"), std::string::npos);
+    EXPECT_NE(result.page.find("Friction acts in a circular cone"), std::string::npos);
+    EXPECT_NE(result.page.find("at 0.99 of the critical slope and slips at 1.01"), std::string::npos);
+    EXPECT_EQ(result.figures.size(), 1U);
 }
 
 }  // namespace

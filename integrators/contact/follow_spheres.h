@@ -34,7 +34,9 @@ template <class P>
 struct SphereRun {
     std::string fault;                                ///< why the run stopped early; empty if it did not
     std::vector<std::vector<BodyMotion<P>>> motions;  ///< one per sample
-    std::vector<Record<P>> records;                   ///< one per body, then that of the pairs
+    /// Per sample and body: the force of each plane on the body, N.
+    std::vector<std::vector<std::vector<Vector3<P>>>> forces_W;
+    std::vector<Record<P>> records;  ///< one per body, then that of the pairs
     long steps = 0;
     long evaluations = 0;  ///< number of right-hand sides, or of series if the steps are Taylor series
 };
@@ -258,9 +260,12 @@ class SphereDriver {
         for (const auto& body : bodies_) runs.push_back(body->finish());
         std::size_t samples = runs.front().motions.size();
         for (const Run<P>& run : runs) samples = std::min(samples, run.motions.size());
-        result.motions.resize(samples);
+        result.motions.resize(samples), result.forces_W.resize(samples);
         for (std::size_t i = 0; i < runs.size(); ++i) {
-            for (std::size_t k = 0; k < samples; ++k) result.motions[k].push_back(runs[i].motions[k]);
+            for (std::size_t k = 0; k < samples; ++k) {
+                result.motions[k].push_back(runs[i].motions[k]);
+                result.forces_W[k].push_back(std::move(runs[i].forces_W[k]));
+            }
             Record<P>& record = runs[i].record;
             for (Event<P>& event : record.events) event.plane = contact_with_plane(*scene_, i, event.plane);
             for (Interval<P>& interval : record.intervals)

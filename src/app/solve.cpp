@@ -8,8 +8,8 @@
 
 #include "app/commands.h"
 #include "app/contact_output.h"
-#include "app/joint_history.h"
 #include "app/lookup.h"
+#include "integrators/analysis/joint_history.h"
 #include "integrators/contact/solve_contacts.h"
 #include "integrators/contact/solve_joints.h"
 #include "integrators/contact/solve_spheres.h"

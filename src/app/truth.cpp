@@ -11,8 +11,8 @@
 
 #include "app/commands.h"
 #include "app/contact_output.h"
-#include "app/joint_history.h"
 #include "app/lookup.h"
+#include "integrators/analysis/joint_history.h"
 #include "integrators/truth/balls/certified.h"
 #include "integrators/truth/reference.h"
 #include "motion/mechanism_motion.h"

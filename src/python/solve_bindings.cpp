@@ -5,8 +5,8 @@
 
 #include "app/commands.h"
 #include "app/describe.h"
-#include "app/joint_history.h"
 #include "app/lookup.h"
+#include "integrators/analysis/joint_history.h"
 #include "motion/event_formulas.h"
 #include "motion/mechanism_motion.h"
 #include "motion/trajectory_csv.h"

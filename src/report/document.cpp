@@ -431,8 +431,27 @@ class DocumentWriter {
         return method->family == Family::published_update || method->family == Family::engine_update ? 0 : 1;
     }
 
+    // Removes the curves of contacts and joints of the last motions if there are too many.
+    void omit_curves(Json& list) {
+        std::size_t curves = 0, dropped = 0;
+        for (Json& motion : list) {
+            if (!motion.contains("contacts")) continue;
+            const std::size_t joints = motion["coordinates"].is_null() ? 0 : motion["coordinates"]["curves"].size();
+            const std::size_t own = motion["contacts"].size() + joints;
+            if (own == 0 || (curves += own) <= detail_.curves) continue;
+            motion["contacts"] = Json::array(), motion["coordinates"] = nullptr;
+            motion["remark"] = "Curves of contacts and joints are omitted to keep the page small.";
+            ++dropped;
+        }
+        if (dropped > 0)
+            remarks_.push_back(
+                fmt::format("{} of {} motions have no curves of contacts and joints, to keep the page small.", dropped,
+                            list.size()));
+    }
+
     Json motions_json() {
         Json list = content_.motions.list;
+        omit_curves(list);
         std::size_t tracks = 0, dropped = 0;
         for (const Json& motion : list)
             for (const Json& method : motion["methods"]) tracks += method["track"].is_null() ? 0 : 1;

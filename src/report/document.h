@@ -21,6 +21,7 @@ struct Detail {
     std::size_t series = 2000;      ///< runs with errors over time
     std::size_t series_points = 200;
     std::size_t tracks = 100'000;  ///< motions of methods; beyond this number, only errors are kept
+    std::size_t curves = 1000;  ///< contacts and joints with curves; beyond this number, only modes and events are kept
 };
 
 /// Contents of a page.

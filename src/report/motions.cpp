@@ -14,6 +14,7 @@
 #include <set>
 
 #include "body/mass_properties.h"
+#include "integrators/contact/solve_contacts.h"
 #include "integrators/engines/engine_methods.h"
 #include "integrators/method.h"
 #include "integrators/truth/dense.h"
@@ -23,6 +24,8 @@
 #include "motion/problem.h"
 #include "report/body_shape.h"
 #include "report/keyframes.h"
+#include "report/motion_contacts.h"
+#include "report/motion_joints.h"
 #include "scene/joint_file.h"
 #include "scene/scene_file.h"
 #include "text/message.h"
@@ -31,7 +34,8 @@
 namespace polhode {
 namespace {
 
-constexpr double most_revolutions = 15;
+// if contacts or joints have events, which often follow a long motion: twice as much
+constexpr double most_revolutions = 15, most_revolutions_with_events = 30;
 // rotation of the fastest body between two samples, rad
 constexpr double turn_per_sample = 0.1;
 constexpr long least_samples = 200, most_samples = 2000;
@@ -40,7 +44,7 @@ constexpr long slow_truth_samples = 400;
 constexpr std::size_t error_samples = 400, error_points = 100, fewer_error_points = 30;
 // rad, invisible in a picture of a few hundred pixels, where a degree is one or two pixels
 constexpr double visible_angle = 1e-2;
-constexpr double truth_limit = 5, run_limit = 0.5;  // s
+constexpr double truth_limit = 5, truth_limit_with_events = 15, run_limit = 0.5;  // s
 constexpr long run_steps = 200'000;
 // The setting shown of each method is the one nearest to common use: this tolerance, or a step of this rotation (rad).
 constexpr double drawn_tolerance = 1e-6, turn_per_step = 0.1;
@@ -62,14 +66,17 @@ bool precedes(const DrawnRun& a, const DrawnRun& b, double step) {
 // The truth at arbitrary times, with a cache for scenes without dense output.
 class SceneTruth {
   public:
-    explicit SceneTruth(const Scene& scene) : scene_(scene) { dense_ = dense_reference(scene, scene.duration); }
+    explicit SceneTruth(const Scene& scene)
+        : scene_(scene), limit_(contact::has_events(scene) ? truth_limit_with_events : truth_limit) {
+        dense_ = dense_reference(scene, scene.duration);
+    }
 
     // whether new times are inexpensive
     bool is_dense() const { return dense_.available; }
 
     Reference at(const std::vector<double>& times) {
         if (!dense_.available) {
-            if (times != times_) times_ = times, known_ = reference(scene_, times, 17, truth_limit);
+            if (times != times_) times_ = times, known_ = reference(scene_, times, 17, limit_);
             return known_;
         }
         Reference truth;
@@ -91,6 +98,7 @@ class SceneTruth {
 
   private:
     const Scene& scene_;
+    const double limit_;  // s
     DenseTruth dense_;
     std::vector<double> times_;
     Reference known_;
@@ -146,14 +154,8 @@ class MotionWriter {
                 const std::vector<const DrawnFile*>& files) {
         const double whole = scene_.duration;
         const Problem problem = pose(scene_);
-        window(problem);
-        SceneTruth truth(scene_);
-        const double rate = problem.scales.angular_velocity;
-        dense_ = truth.is_dense();
-        samples_ = std::clamp(static_cast<long>(std::ceil(scene_.duration * rate / turn_per_sample)), least_samples,
-                              dense_ ? most_samples : slow_truth_samples) /
-                   2 * 2;
-        const Reference reference = truth.at(sample_times(scene_.duration, samples_));
+        std::optional<SceneTruth> truth;
+        const Reference reference = windowed_truth(problem, truth);
         if (!reference.available) {
             fault_ = reference.message;
             return nullptr;
@@ -179,18 +181,35 @@ class MotionWriter {
         json["energy"] = number_json(several ? 0 : energy(motion.at(0, 0)), 6);
         json["truth"] = track_json(motion, keyframes);
         json["how"] = fmt::format("{}; error bound {:.1e}", reference.message, reference.bound);
+        add_details(reference, json);
         json["methods"] = Json::array();
-        for (const DrawnRun& run : runs) json["methods"].push_back(run_json(run, folder.methods[run.method], truth));
-        for (const DrawnFile* file : files) json["methods"].push_back(file_json(*file, truth));
+        for (const DrawnRun& run : runs) json["methods"].push_back(run_json(run, folder.methods[run.method], *truth));
+        for (const DrawnFile* file : files) json["methods"].push_back(file_json(*file, *truth));
         json["thinning"] = {{"angle", number_json(worst_.angle, 3)}, {"length", number_json(worst_.length, 3)}};
         return json;
     }
 
   private:
-    // Limits the duration to `most_revolutions` of the fastest body.
-    void window(const Problem& problem) {
-        const double rate = problem.scales.angular_velocity;
-        if (rate > 0) scene_.duration = std::min(scene_.duration, most_revolutions * 2 * std::numbers::pi / rate);
+    // The truth over the window of the page, to which scene_.duration is set: the number of revolutions of the fastest
+    // body is limited. If the longer window of motions with events takes too long, the shorter one is used.
+    Reference windowed_truth(const Problem& problem, std::optional<SceneTruth>& truth) {
+        const double whole = scene_.duration, rate = problem.scales.angular_velocity;
+        Reference reference;
+        double last = 0;
+        for (const double most : {most_revolutions_with_events, most_revolutions}) {
+            if (most == most_revolutions_with_events && !contact::has_events(scene_)) continue;
+            scene_.duration = rate > 0 ? std::min(whole, most * 2 * std::numbers::pi / rate) : whole;
+            if (scene_.duration == last) break;
+            last = scene_.duration;
+            truth.emplace(scene_);
+            dense_ = truth->is_dense();
+            samples_ = std::clamp(static_cast<long>(std::ceil(scene_.duration * rate / turn_per_sample)), least_samples,
+                                  dense_ ? most_samples : slow_truth_samples) /
+                       2 * 2;
+            reference = truth->at(sample_times(scene_.duration, samples_));
+            if (reference.available) break;
+        }
+        return reference;
     }
 
     // The extent of the largest body, m.
@@ -220,6 +239,17 @@ class MotionWriter {
         for (const Load& load : scene_.loads)
             if (const Gravity* gravity = std::get_if<Gravity>(&load))
                 json["gravity"] = vector_json(gravity->acceleration_W);
+    }
+
+    // Adds contacts and joint coordinates.
+    void add_details(const Reference& reference, Json& json) const {
+        MotionDetails details;
+        if (!scene_.planes.empty() || !scene_.contacts.empty())
+            details = contacts_of_motion(scene_, reference, tolerance_);
+        else if (!scene_.joints.empty())
+            details = joints_of_motion(scene_, reference, tolerance_);
+        json["timeline"] = std::move(details.timeline), json["contacts"] = std::move(details.contacts);
+        json["coordinates"] = std::move(details.coordinates), json["remark"] = std::move(details.remark);
     }
 
     static bool is_moving(const SampledMotion& motion) {

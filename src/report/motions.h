@@ -28,10 +28,10 @@ struct Motions {
     std::vector<std::string> omissions;  ///< one sentence per scene without a motion, with the reason
 };
 
-/// Solves each scene with every method that has rows for it in the directory, over at most about 15 revolutions, and
-/// reduces the motions to keyframes. Each method uses its setting in the directory that is nearest to common use: a
-/// step of 0.1 rad of rotation, or a tolerance of 1e-6. Scenes that differ only in duration share a motion. Uses `jobs`
-/// threads.
+/// Solves each scene with every method that has rows for it in the directory, over at most about 15 revolutions (30 if
+/// it has contacts, or joints with limits or friction), and reduces the motions to keyframes. Each method uses its
+/// setting in the directory that is nearest to common use: a step of 0.1 rad of rotation, or a tolerance of 1e-6.
+/// Scenes that differ only in duration share a motion. Uses `jobs` threads.
 Motions make_motions(const ResultFolder& folder, const std::map<std::string, Scene>& scenes,
                      const std::vector<DrawnFile>& files, int jobs);
 

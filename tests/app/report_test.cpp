@@ -95,6 +95,39 @@ TEST_F(Report, ShowsTheContentOfTheTables) {
     EXPECT_TRUE(page["comparison"].is_null());
 }
 
+TEST_F(Report, ShowsContactsAndJoints) {
+    write("events.json", R"({"name": "events", "about": "Contacts and joints",
+          "scenes": ["contact/bowling_ball", "joints/pendulum_with_stops", "mechanisms/double_pendulum"], "methods": ["taylor"],
+          "settings": {"tolerances": [1e-8]}, "repeats": 1})");
+    ASSERT_EQ(run({"run", "events.json", "--output", "here", "--quiet"}).exit_code, 0);
+    ASSERT_EQ(report({"here"}).exit_code, 0);
+    const nlohmann::json page = document("here/report.html");
+    const auto motion_of = [&](const std::string& name) {
+        for (const auto& scene : page["scenes"])
+            if (scene["name"] == name) return page["motions"][scene["motion"].get<std::size_t>()];
+        return nlohmann::json();
+    };
+    // Hopkins and Patterson 1977: the ball slides on a parabola until t = 2 |u| / (7 mu g)
+    const nlohmann::json ball = motion_of("contact/bowling_ball");
+    const double u = std::hypot(8 - 10 * 0.109, -0.5 - 30 * 0.109), rolls = 2 * u / (7 * 0.12 * 9.8);
+    EXPECT_EQ(ball["timeline"]["rows"][0]["name"], "lane");
+    EXPECT_EQ(ball["timeline"]["events"][0]["kind"], "rolls");
+    EXPECT_NEAR(ball["timeline"]["events"][0]["t"].get<double>(), rolls, 1e-6);
+    EXPECT_EQ(ball["contacts"].size(), 1u);
+    EXPECT_TRUE(ball["coordinates"].is_null());
+    const nlohmann::json stops = motion_of("joints/pendulum_with_stops");
+    EXPECT_GE(stops["timeline"]["events"].size(), 3u);
+    EXPECT_EQ(stops["coordinates"]["curves"][0]["upper"], 0.5);
+    for (const auto& angle : stops["coordinates"]["curves"][0]["x"]) {
+        EXPECT_GE(angle.get<double>(), -0.25001);
+        EXPECT_LE(angle.get<double>(), 0.50001);
+    }
+    const nlohmann::json pendulum = motion_of("mechanisms/double_pendulum");
+    EXPECT_TRUE(pendulum["timeline"].is_null());
+    EXPECT_EQ(pendulum["coordinates"]["curves"].size(), 2u);
+    for (const auto& motion : page["motions"]) EXPECT_EQ(motion["remark"], "");
+}
+
 TEST_F(Report, ComparesAFolderWithItself) {
     run_small("here");
     ASSERT_EQ(report({"here", "--against", "here", "--output", "mine.html", "--without-motions"}).exit_code, 0);

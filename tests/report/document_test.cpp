@@ -257,5 +257,25 @@ TEST_F(FolderDocument, ContainsTheDescriptionsOfMethods) {
     EXPECT_TRUE(scene["motion"].is_null());
 }
 
+TEST_F(FolderDocument, OmitsCurvesOfTheLastMotionsIfThereAreTooMany) {
+    for (int i = 0; i < 3; ++i) {
+        Json contacts = Json::array({{{"t", {0, 1}}}, {{"t", {0, 1}}}});
+        Json motion{{"scene", 0}, {"methods", Json::array()}, {"timeline", {{"total", 0}}}, {"remark", ""}};
+        motion["contacts"] = i == 1 ? Json::array() : contacts;
+        motion["coordinates"] = i == 1 ? Json{{"curves", {1, 2, 3}}} : Json();
+        motions.list.push_back(motion);
+    }
+    EXPECT_FALSE(says(document(), "curves"));
+    Detail detail;
+    detail.curves = 5;
+    const Json page = document(detail);
+    EXPECT_EQ(page["motions"][0]["contacts"].size(), 2u);
+    EXPECT_EQ(page["motions"][1]["coordinates"]["curves"].size(), 3u);
+    EXPECT_TRUE(page["motions"][2]["contacts"].empty());
+    EXPECT_EQ(page["motions"][2]["timeline"]["total"], 0);
+    EXPECT_NE(page["motions"][2]["remark"], "");
+    EXPECT_TRUE(says(page, "1 of 3 motions have no curves"));
+}
+
 }  // namespace
 }  // namespace polhode

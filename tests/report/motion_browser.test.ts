@@ -95,7 +95,7 @@ async function violations(page: Page): Promise<string[]> {
 
 test("draws every motion in both layouts and themes, on wide and narrow screens, without overflow", async () => {
   for (const [width, dark] of [[1440, false], [400, true]] as const) {
-    for (const scene of ["t_handle", "lagrange_top", "double_pendulum", "every_shape", "small_and_far"]) {
+    for (const scene of ["t_handle", "lagrange_top", "double_pendulum", "every_shape", "small_and_far", "sliding_ball", "slider"]) {
       for (const layout of ["side", "overlay"]) {
         const { page, faults } = await open(`scene=${scene}&motion_layout=${layout}&motion_show=angular_velocity,momentum,trail`, { width, dark });
         // go to a time within the motion
@@ -124,8 +124,11 @@ test("draws every motion in both layouts and themes, on wide and narrow screens,
 
 test("is accessible in both themes", async () => {
   for (const dark of [false, true]) {
-    for (const scene of ["t_handle", "double_pendulum", "unknown"]) {
+    for (const scene of ["t_handle", "double_pendulum", "sliding_ball", "slider", "unknown"]) {
       const { page, faults } = await open(`scene=${scene}`, { dark });
+      // with all tables open
+      await page.$$eval(".motion-table", (all) => all.forEach((one) => ((one as HTMLDetailsElement).open = true)));
+      await settled(page);
       assert.deepEqual(await violations(page), []);
       assert.deepEqual(faults, []);
       await page.close();
@@ -275,6 +278,57 @@ test("a click on the errors sets the time", async () => {
   assert.ok(at > 3.5 && at < 6, `${at}`);
   assert.match((await page.$eval(".motion-errors", (one) => one.getAttribute("aria-label"))) ?? "", /article_as_written [\d.]+ rad/);
   await page.close();
+});
+
+test("modes, events and contacts follow the time, by pointer and by keys", async () => {
+  const { page, faults } = await open("scene=sliding_ball&motion_methods=-&motion_time=0.2", { width: 390 });
+  assert.ok((await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth)) <= 0);
+  assert.match(await textOf(page, ".motion-now"), /At 0\.200 s: lane sliding/);
+  const value = (figure: number, row: number): Promise<string> => page.evaluate(([i, k]) =>
+    document.querySelectorAll(".motion-plots figure:not([hidden])")[i ?? 0]?.querySelectorAll(".value")[k ?? 0]?.textContent ?? "", [figure, row]);
+  // forces, |F|/(mu N) and slip u - 7/2 mu g t
+  assert.deepEqual([await value(0, 0), await value(0, 1), await value(1, 0), await value(2, 0)], ["19.6 N", "4.9 N", "1", "1.78 m/s"]);
+  const labels = (): Promise<string[]> => page.$$eval(".motion-label", (all) => all.map((one) => one.textContent ?? "").filter((text) => "NFu".includes(text)).sort());
+  assert.deepEqual(await labels(), ["F", "N", "u"]);
+  // the next event is the end of the slip, after which the ball rolls without friction
+  await page.focus(".motion-time input");
+  await page.keyboard.press("]");
+  await settled(page);
+  assert.ok(Math.abs((await drawn(page)) - 7 / 17.15) < 1e-5);
+  assert.match(await textOf(page, ".motion-now"), /lane rolling/);
+  assert.deepEqual([await value(0, 1), await value(1, 0), await value(2, 0)], ["0 N", "0", "0 m/s"]);
+  assert.deepEqual(await labels(), ["N"]);
+  assert.match((await page.$eval(".motion-strip", (one) => one.getAttribute("aria-label"))) ?? "", /1 contact or joint, with 1 event\. At 0\.408 s: lane rolling/);
+  await page.click(".motion-toggles button[aria-label^='Contact points']");
+  await settled(page);
+  assert.deepEqual(await labels(), []);
+  assert.match(decodeURIComponent(page.url()), /motion_show=angular_velocity(&|$)/);
+  assert.deepEqual(faults, []);
+  await page.close();
+  const joints = await open("scene=slider&motion_time=0");
+  await joints.page.click(".motion-time button[aria-label^='Next event']");
+  await settled(joints.page);
+  assert.equal(await drawn(joints.page), 0.5);
+  // a click near an event goes to its time
+  const box = await (await joints.page.$(".motion-strip"))?.boundingBox();
+  assert.ok(box);
+  await joints.page.mouse.click(box.x + 14 + ((box.width - 28) * 3.5) / 8 + 3, box.y + 34);
+  await settled(joints.page);
+  assert.equal(await drawn(joints.page), 3.5);
+  assert.equal(await joints.page.$$eval(".motion-plots .motion-limit", (all) => all.length), 2);
+  assert.match(await textOf(joints.page, ".motion-modes figcaption"), /The last 2 of 6 events are omitted/);
+  // the table of events is filled when it is opened, and its buttons set the time
+  assert.equal(await joints.page.$$eval(".motion-table tbody tr", (all) => all.length), 0);
+  await joints.page.click(".motion-table summary");
+  await joints.page.waitForSelector(".motion-table tbody tr:nth-child(4)");
+  assert.match(await textOf(joints.page, ".motion-table tbody tr:nth-child(1)"), /^0\.5railimpact-2\sN s$/);
+  await joints.page.focus(".motion-table tbody tr:nth-child(2) button");
+  await joints.page.keyboard.press("Enter");
+  await settled(joints.page);
+  assert.equal(await drawn(joints.page), 1.5);
+  assert.match(await textOf(joints.page, ".motion-remarks"), /Limits are shown as lines/);
+  assert.deepEqual(joints.faults, []);
+  await joints.page.close();
 });
 
 test("draws wireframes and a message without WebGL, and everything else", async () => {

@@ -103,7 +103,7 @@ const body = (name: string, more: Partial<BodyShape>): BodyShape => ({ name, mas
 const part = (type: string, sizes: Part["sizes"], position: Vector = [0, 0, 0], orientation: Quaternion = [1, 0, 0, 0], hole = false): Part =>
   ({ type, sizes, position: [...position], orientation: [...orientation], hole });
 const motion = (more: Partial<Motion> & Pick<Motion, "bodies" | "truth" | "duration">): Motion => ({
-  scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, about: null, planes: [], gravity: null, moving: false,
+  scene: 0, whole: more.duration, thinning: { angle: 1.9e-3, length: 2e-4 }, joints: [], pivot: null, about: null, planes: [], gravity: null, moving: false, timeline: null, contacts: [], coordinates: null, remark: "",
   free: false, energy: 0, how: "Jacobi's elliptic functions; error bound 1.0e-17", methods: [], ...more,
 });
 
@@ -210,10 +210,63 @@ function smallAndFar(): Motion {
   return motion({ duration, moving: true, gravity: [0, -3e8, -5e8], planes: [{ normal: [0, 0, 1], offset: 0 }], bodies: [body("small", { mass: 1e-7, moments: [2e-26, 3e-26, 4e-26] })], truth: trackOf(truth) });
 }
 
+/** A solid ball that slides on level ground without rotation at first: it rolls from t = 2 u / (7 mu g) on, with 5/7 of
+ * its initial speed u. */
+function slidingBall(): Motion {
+  const [radius, mu, g, u, duration, count, mass] = [0.1, 0.25, 9.8, 3.5, 1, 200, 2];
+  const rolls = (2 * u) / (7 * mu * g);
+  const state = (t: number): BodyState => {
+    const s = Math.min(t, rolls);
+    const [speed, turn] = [u - mu * g * s, (2.5 * mu * g * s) / radius];
+    const [x, angle] = [u * s - 0.5 * mu * g * s * s + speed * (t - s), ((1.25 * mu * g * s * s) / radius) + turn * (t - s)];
+    return { q: [Math.cos(angle / 2), 0, Math.sin(angle / 2), 0], w: [0, turn, 0], p: [x, 0, radius], v: [speed, 0, 0] };
+  };
+  const frames = Array.from({ length: count + 1 }, (_, k) => ({ t: (k * duration) / count, bodies: [state((k * duration) / count)] }));
+  // 21 samples in each of two intervals
+  const t = [0, 1].flatMap((part) => Array.from({ length: 21 }, (_, k) => (part === 0 ? (rolls * (k + 2e-5)) / 20.00004 : rolls + ((duration - rolls) * (k + 2e-5)) / 20.00004)));
+  return motion({
+    duration, moving: true, gravity: [0, 0, -g], planes: [{ normal: [0, 0, 1], offset: 0 }], truth: trackOf(frames),
+    bodies: [body("sliding_ball", { mass, moments: [0.008, 0.008, 0.008], parts: [part("sphere", { radius })] })],
+    timeline: {
+      rows: [{ name: "lane", unit: "N s", modes: [{ from: 0, to: rolls, mode: "sliding" }, { from: rolls, to: duration, mode: "rolling" }] }],
+      events: [{ t: rolls, row: 0, kind: "rolls", normal: 0, tangential: 0 }], total: 1,
+    },
+    contacts: [{
+      row: 0, body: 0, plane: 0, friction: mu, starts: [0, 21], t, point: t.flatMap((one) => [state(one).p[0], 0, 0]), normal_force: t.map(() => mass * g),
+      friction_force: t.flatMap((one) => [one < rolls ? -mu * mass * g : 0, 0, 0]), slip: t.flatMap((one) => [one < rolls ? u - 3.5 * mu * g * one : 0, 0, 0]),
+    }],
+    methods: [methodOf(1, "rk4", frames, frames, { step: 0.01 })],
+  });
+}
+
+/** A slider between stops at 0 and 1 m, without forces: each impact halves its speed, until friction holds it. */
+function sliderWithStops(): Motion {
+  const duration = 8;
+  const hits = [0.5, 1.5, 3.5, 7.5]; // s: distances 0.5 m at 1 m/s, then 1 m at 1, 1/2, .. m/s
+  const speeds = [1, -1, 0.5, -0.25, 0];
+  const at = (t: number): [number, number] => {
+    const k = hits.filter((hit) => hit < t).length;
+    const before = hits[k - 1];
+    return before === undefined ? [0.5 + t, 1] : [(k % 2 === 1 ? 1 : 0) + (speeds[k] ?? 0) * (t - before), speeds[k] ?? 0];
+  };
+  const times = [...Array.from({ length: 161 }, (_, k) => k / 20), ...hits.map((hit) => hit + 1e-8)].sort((a, b) => a - b);
+  const frames = times.map((t) => ({ t, bodies: [{ q: [1, 0, 0, 0] as Quaternion, w: [0, 0, 0] as Vector, p: [at(t)[0], 0, 0] as Vector, v: [at(t)[1], 0, 0] as Vector }] }));
+  return motion({
+    duration, moving: true, truth: trackOf(frames), bodies: [body("slider", { parts: [part("box", { half_extents: [0.1, 0.1, 0.1] })] })],
+    joints: [{ name: "rail", type: "prismatic", parent: -1, child: 0, parent_point: [0, 0, 0], child_point: [0, 0, 0], axis: [1, 0, 0] }],
+    timeline: {
+      rows: [{ name: "rail", unit: "N s", modes: [{ from: 0, to: 7.5, mode: "free" }, { from: 7.5, to: 8, mode: "at lower limit" }] }],
+      events: hits.map((t, k) => ({ t, row: 0, kind: k < 3 ? "impact" : "rests", normal: k < 3 ? (speeds[k + 1] ?? 0) - (speeds[k] ?? 0) : 0.25, tangential: 0 })), total: 6,
+    },
+    coordinates: { t: times, curves: [{ name: "rail", joint: 0, unit: "m", lower: 0, upper: 1, x: times.map((t) => at(t)[0]), rate: times.map((t) => at(t)[1]) }], total: 1 },
+    remark: "Limits are shown as lines.",
+  });
+}
+
 /** A document with these motions and a scene without motion. */
 export function motionDocument(): ReportData {
   const made: [string, Motion | null][] = [
-    ["t_handle", tHandle()], ["lagrange_top", top()], ["double_pendulum", doublePendulum()], ["every_shape", everyShape()], ["small_and_far", smallAndFar()], ["unknown", null],
+    ["t_handle", tHandle()], ["lagrange_top", top()], ["double_pendulum", doublePendulum()], ["every_shape", everyShape()], ["small_and_far", smallAndFar()], ["sliding_ball", slidingBall()], ["slider", sliderWithStops()], ["unknown", null],
   ];
   const families = [["article", "Articles", "#a14e00", "#f0a35a"], ["runge_kutta", "Runge-Kutta", "#00518a", "#7cc0ff"], ["multistep", "Multistep", "#5b3fa0", "#b9a4f0"]] as const;
   const methods = [["article_as_written", 0, 0], ["rk4", 1, 0], ["cvode_adams", 2, 2], ["odeint_fehlberg78", 1, 7], ["radau", 1, 3]] as const;

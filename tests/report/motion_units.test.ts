@@ -10,10 +10,14 @@ import { errorAt, firstMethods } from "../../src/report/page/source/motion/actor
 import {
   angularMomentum, herpolhodeRadii, invariablePlane, isSeen, onPlane, outline, polhode, semiAxes, toPrincipal, twiceEnergy, worldMomentum,
 } from "../../src/report/page/source/motion/ellipsoid.ts";
-import { decades, ticks } from "../../src/report/page/source/motion/error_plot.ts";
+import { contactAt, frictionOf, plottedContacts, ratioOf, slipOf } from "../../src/report/page/source/motion/contacts.ts";
+import { plottedJoints } from "../../src/report/page/source/motion/coordinate_plot.ts";
+import { decades, errorAxes, errorCurves } from "../../src/report/page/source/motion/error_plot.ts";
 import { azimuthOf } from "../../src/report/page/source/motion/extent.ts";
 import { boxOfMoments, frustumCenter, outlineOf, surfaceOf, surfacesOf, tipOf } from "../../src/report/page/source/motion/geometry.ts";
+import { eventTimes, impulseText, lookOf, modeAt, modesText, neighbour } from "../../src/report/page/source/motion/mode_strip.ts";
 import { attitudeBetween, findInterval, Keyframes, positionBetween } from "../../src/report/page/source/motion/interpolation.ts";
+import { linearRange, placeAt, tickText, ticks, valueAt } from "../../src/report/page/source/motion/time_plot.ts";
 import { flips } from "./motion_flips.ts";
 import { readPng, writePng } from "./motion_png.ts";
 import { motionDocument } from "./motion_sample.ts";
@@ -410,4 +414,118 @@ test("writes PNG pictures without loss, with and without a palette", () => {
     assert.equal(file[25], colors <= 256 ? 3 : 2);
   }
   assert.throws(() => readPng(new Uint8Array(20)), /not a PNG/);
+});
+
+const motionNamed = (name: string): Motion => {
+  const { scenes, motions } = motionDocument();
+  const found = motions[scenes.find((one) => one.name === name)?.motion ?? -1];
+  assert.ok(found, name);
+  return found;
+};
+
+test("curves in several segments have no values between them", () => {
+  const curve = { t: [0, 1, 2, 3], y: [1, 3, 10, 20], starts: [0, 2] };
+  assert.equal(valueAt(curve, 0.25, false), 1.5);
+  assert.equal(valueAt(curve, 1, false), 3);
+  assert.equal(valueAt(curve, 1.5, false), null);
+  assert.equal(valueAt(curve, 2.5, false), 15);
+  assert.ok(Math.abs((valueAt(curve, 2.5, true) ?? 0) - Math.sqrt(200)) < 1e-12);
+  assert.equal(valueAt(curve, -0.1, false), null);
+  assert.equal(valueAt(curve, 3.1, false), null);
+  assert.deepEqual(placeAt({ t: [2], starts: [0] }, 2), [0, 0]);
+  assert.equal(placeAt({ t: [], starts: [] }, 0), null);
+  // a jump: two samples almost at one time
+  const jump = { t: [0, 1, 1 + 1e-9, 2], y: [0, 1, -1, 0] };
+  assert.equal(valueAt(jump, 1, false), 1);
+  assert.ok(Math.abs((valueAt(jump, 1.5, false) ?? 0) + 0.5) < 1e-8);
+});
+
+test("ranges contain all values and limits, and are not empty", () => {
+  const [low, high] = linearRange([0.2, null, -0.1, NaN], [0.5]);
+  assert.ok(low < -0.1 && high > 0.5 && high - low < 0.7);
+  const [bottom, top] = linearRange([3, 3]);
+  assert.ok(bottom < 3 && top > 3);
+  assert.deepEqual(linearRange([null]), [0, 1]);
+  assert.equal(tickText(0.25, 0.05), "0.25");
+  assert.equal(tickText(1000.5, 0.5), "1000.5");
+});
+
+test("the contact of a sliding ball has the closed form at all times", () => {
+  const [ball] = motionNamed("sliding_ball").contacts;
+  assert.ok(ball);
+  const [mu, g, u, m] = [0.25, 9.8, 3.5, 2];
+  const rolls = (2 * u) / (7 * mu * g);
+  for (const t of [0.001, 0.1, 0.25, 0.4, rolls - 1e-3]) {
+    const state = contactAt(ball, t);
+    assert.ok(state);
+    assert.ok(Math.abs(state.slip[0] - (u - 3.5 * mu * g * t)) < 1e-12);
+    assert.ok(Math.abs(state.point[0] - (u * t - 0.5 * mu * g * t * t)) < 5e-4);
+    assert.ok(Math.abs(state.normal - m * g) < 1e-12 && Math.abs(state.friction[0] + mu * m * g) < 1e-12);
+  }
+  const rolling = contactAt(ball, rolls + 0.1);
+  assert.ok(rolling);
+  assert.deepEqual([rolling.friction, rolling.slip], [[0, 0, 0], [0, 0, 0]]);
+  // the force jumps at the end of the slip and is not interpolated across it
+  for (const t of [rolls - 1e-6, rolls, rolls + 1e-6]) assert.ok([-mu * m * g, 0].includes(contactAt(ball, t)?.friction[0] ?? NaN), `${t}`);
+  assert.equal(contactAt(ball, 1.01), null);
+  assert.ok(ratioOf(ball).slice(0, 21).every((one) => Math.abs((one ?? 0) - 1) < 1e-12));
+  assert.ok(ratioOf(ball).slice(21).every((one) => one === 0));
+  assert.deepEqual(ratioOf({ ...ball, friction: 0 })[0], null);
+  assert.ok(Math.abs((slipOf(ball)[0] ?? 0) - u) < 1e-4);
+  assert.ok(Math.abs((frictionOf(ball)[5] ?? 0) - mu * m * g) < 1e-12);
+});
+
+test("modes and events at a time", () => {
+  const { timeline } = motionNamed("sliding_ball");
+  assert.ok(timeline);
+  const rolls = timeline.events[0]?.t ?? 0;
+  const [row] = timeline.rows;
+  assert.ok(row);
+  assert.equal(modeAt(row, 0), "sliding");
+  assert.equal(modeAt(row, rolls), "rolling");
+  assert.equal(modeAt(row, 1.01), "");
+  assert.equal(modesText(timeline, 0.1), "lane sliding");
+  const many = { ...timeline, rows: [row, { ...row, name: "wall", modes: [{ from: 0, to: 1, mode: "flight" }] }] };
+  assert.equal(modesText(many, 0.1), "lane sliding");
+  const times = eventTimes(motionNamed("slider").timeline ?? timeline);
+  assert.deepEqual(times, [0.5, 1.5, 3.5, 7.5]);
+  assert.equal(neighbour(times, 1, 1), 1.5);
+  assert.equal(neighbour(times, 1.5, 1), 3.5);
+  assert.equal(neighbour(times, 1.5, -1), 0.5);
+  assert.equal(neighbour(times, 0.5, -1), null);
+  assert.equal(neighbour(times, 8, 1), null);
+  assert.match(impulseText({ t: 0, row: 0, kind: "impact", normal: 2, tangential: 0.5 }, "N s"), /^2\sN s, 0\.5\sN s tangential$/);
+  assert.equal(impulseText({ t: 0, row: 0, kind: "rolls", normal: 0, tangential: null }, "N s"), "");
+});
+
+test("kinds of modes differ in colour and in filling", () => {
+  const looks = ["flight", "sliding", "rolling", "sticks", "at lower limit"].map(lookOf);
+  assert.equal(new Set(looks.map((look) => look.colors[0])).size, 5);
+  assert.equal(new Set(looks.slice(0, 4).map((look) => look.fill)).size, 4);
+  assert.deepEqual(lookOf("sliding_without_spin"), lookOf("slides"));
+  assert.deepEqual(lookOf("resting"), lookOf("sticks"));
+});
+
+test("plots at most six contacts or joints, else those of one body", () => {
+  const ball = motionNamed("sliding_ball");
+  const [contact] = ball.contacts;
+  assert.ok(contact);
+  const many = { ...ball, contacts: Array.from({ length: 9 }, (_, i) => ({ ...contact, body: i % 3 })) };
+  assert.equal(plottedContacts(ball, 5).length, 1);
+  assert.deepEqual(plottedContacts(many, 1).map((one) => one.body), [1, 1, 1]);
+  const slider = motionNamed("slider");
+  const curve = slider.coordinates?.curves[0];
+  assert.ok(curve);
+  assert.equal(plottedJoints(slider, 0).length, 1);
+  assert.equal(plottedJoints({ ...slider, coordinates: { t: [], total: 20, curves: Array.from({ length: 16 }, (_, i) => ({ ...curve, joint: i % 2 })) } }, 0).length, 6);
+  assert.equal(plottedJoints(ball, 0).length, 0);
+});
+
+test("error curves and the range of their decades", () => {
+  const method = { label: "rk4", t: [0, 1, 2], attitude: [1e-17, 2e-6, 3e-4] } as MotionMethod;
+  const actor = { name: "rk4", method, color: "#000000", place: 2, endsEarly: true, end: 2 } as Parameters<typeof errorCurves>[0][number];
+  const curves = errorCurves([actor, { ...actor, method: null }, { ...actor, method: { ...method, t: [], attitude: [] } }]);
+  assert.equal(curves.length, 1);
+  assert.deepEqual([curves[0]?.dash, curves[0]?.ended], ["7 4", true]);
+  assert.deepEqual(errorAxes(curves).range, [-6, -3]);
 });

@@ -320,7 +320,7 @@ function motionOf(scene: number): Motion {
     bodies: [{ name: "body", mass: 1, moments: [1, 2, 3], principal: [1, 0, 0, 0], parts: [], vertices: null, faces: null, points: null }],
     joints: [], pivot: null, planes: [], gravity: null, moving: false, free: true, about: { moments: [1, 2, 3], principal: [1, 0, 0, 0] }, energy: 1.5,
     truth: { t, bodies: [{ q, w: t.flatMap(() => [0, 0, 32767]), w_scale: 1 / 32767, p: [], v: [], p_scale: 1, v_scale: 1, p_start: [0, 0, 0] }] },
-    how: "closed form", methods: [{ method: 3, label: "rk4", setting_kind: 1, setting: 0.1, status: 0, message: "", track: null, difference: 1e-7, t, attitude: t.map((time) => 1e-8 * time) }],
+    how: "closed form", timeline: null, contacts: [], coordinates: null, remark: "", methods: [{ method: 3, label: "rk4", setting_kind: 1, setting: 0.1, status: 0, message: "", track: null, difference: 1e-7, t, attitude: t.map((time) => 1e-8 * time) }],
   };
 }
 

@@ -206,7 +206,51 @@ export interface Motion {
   energy: number; // J, rotational energy of a single body at the start; 0 for several bodies
   truth: Track;
   how: string; // how the truth was computed, and its error bound
+  timeline: Timeline | null; // modes and events of contacts, or of joints with limits or friction
+  contacts: ContactCurves[];
+  coordinates: JointCurves | null;
+  remark: string; // why contacts or coordinates are not shown; may be empty
   methods: MotionMethod[];
+}
+
+/** Modes and events over time. */
+export interface Timeline {
+  rows: {
+    name: string; // a plane, two bodies, a body and a plane, or joints that are coupled
+    unit: string; // unit of the impulses
+    modes: { from: number; to: number; mode: string }[]; // s; ascending, without overlap; none for pairs of spheres
+  }[];
+  events: TimelineEvent[]; // ascending
+  total: number; // number of events of the motion; if more than events.length, the later ones are omitted
+}
+
+export interface TimelineEvent {
+  t: number; // s
+  row: number; // index into the rows of the timeline
+  kind: string; // "impact", "lands", "rolls", "slides", "lifts_off", .., "rests", "leaves", "sticks", "slips"
+  normal: number | null; // normal impulse, or impulse on a joint's coordinate
+  tangential: number | null; // size of the tangential impulse
+}
+
+/** Contact of a body with a plane. Between samples of an interval all values are interpolated linearly. */
+export interface ContactCurves {
+  row: number; // index into the rows of the timeline
+  body: number;
+  plane: number;
+  friction: number; // coefficient
+  starts: number[]; // index of the first sample of each interval of contact
+  t: number[]; // s
+  point: number[]; // m, world, three numbers per sample
+  normal_force: number[]; // N
+  friction_force: number[]; // N, world, three numbers per sample
+  slip: number[]; // m/s, world, three numbers per sample: velocity of the body's point in contact
+}
+
+/** Coordinates of joints over time. */
+export interface JointCurves {
+  t: number[]; // s; around events at most 1e-9 of the duration apart
+  curves: { name: string; joint: number; unit: string; lower: number | null; upper: number | null; x: (number | null)[]; rate: (number | null)[] }[];
+  total: number; // number of coordinates of the scene
 }
 
 /** A lesson: a body that is free, has a fixed point, or slides and rolls on a plane. The page computes its motion for any

@@ -1,8 +1,7 @@
 // A small graph of a few curves as SVG, linear or logarithmic.
 
 import { element, fill, vector } from "../dom.ts";
-import { significant } from "../format.ts";
-import { ticks } from "../motion/error_plot.ts";
+import { tickText, ticks } from "../motion/time_plot.ts";
 
 export interface Curve {
   name: string;
@@ -32,12 +31,6 @@ export function rangeOf(values: readonly number[], log: boolean): [number, numbe
   const least = log ? 1 : 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-12);
   const pad = Math.max(least - (high - low), 0) / 2 + 0.04 * (high - low);
   return [low - pad, high + pad];
-}
-
-/** Number for a tick, with the digits that the distance of ticks needs. */
-function tickText(value: number, step: number): string {
-  const digits = value === 0 ? 1 : Math.max(1, Math.ceil(Math.log10(Math.abs(value) / step) - 1e-9) + 1);
-  return significant(value, Math.min(8, digits));
 }
 
 export class Graph {

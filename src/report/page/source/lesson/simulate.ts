@@ -202,7 +202,7 @@ export function simulate(lesson: Lesson, values: Values, kernel: Kernel): Result
     about: diagonal ? { moments, principal: [1, 0, 0, 0] } : lesson.about,
     energy: 0.5 * (setup.w[0] * dotRow(tensor, 0, setup.w) + setup.w[1] * dotRow(tensor, 1, setup.w) + setup.w[2] * dotRow(tensor, 2, setup.w)),
     truth: trackOf(drawn.flatMap((t) => at.get(t) ?? []), arm),
-    how: contact === null ? "Taylor series of order 24, computed in this page" : "extrapolation from event to event, computed in this page", methods: [method],
+    how: contact === null ? "Taylor series of order 24, computed in this page" : "extrapolation from event to event, computed in this page", timeline: null, contacts: [], coordinates: null, remark: "", methods: [method],
   };
   return { setup, truth, update, motion, left };
 }

@@ -5,6 +5,7 @@ import { quantity } from "../format.ts";
 import { markOf, methodColor, type Mark } from "../marks.ts";
 import { oneLine, shorten } from "../text.ts";
 import { Keyframes } from "./interpolation.ts";
+import { valueAt } from "./time_plot.ts";
 
 export const mostMethods = 3;
 
@@ -87,16 +88,4 @@ export function firstMethods(motion: Motion): MotionMethod[] {
 }
 
 /** Error at a time, by logarithmic interpolation between samples; null beyond the last sample. */
-export function errorAt(method: MotionMethod, t: number): number | null {
-  const { t: times, attitude } = method;
-  const last = times.length - 1;
-  if (last < 0 || t > (times[last] ?? 0) * (1 + 1e-9)) return null;
-  let high = times.findIndex((one) => one >= t);
-  if (high < 0) high = last;
-  const low = Math.max(0, high - 1);
-  const [a, b] = [attitude[low] ?? null, attitude[high] ?? null];
-  if (a === null || b === null || low === high) return b ?? a;
-  const span = (times[high] ?? 0) - (times[low] ?? 0);
-  const part = span > 0 ? (t - (times[low] ?? 0)) / span : 1;
-  return a > 0 && b > 0 ? Math.exp((1 - part) * Math.log(a) + part * Math.log(b)) : (1 - part) * a + part * b;
-}
+export const errorAt = (method: MotionMethod, t: number): number | null => valueAt({ t: method.t, y: method.attitude }, t, true);

@@ -12,12 +12,13 @@ import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import type { Motion } from "../data.ts";
+import type { ContactCurves, Motion } from "../data.ts";
 import type { Actor } from "./actors.ts";
 import { across, add, length, multiply, type Quaternion, rotate, scale, subtract, type Vector, vectorAt, zero } from "./algebra.ts";
 import { type Extent, extentOf, middleOf } from "./extent.ts";
 import { type Surface, surfacesOf, tipOf } from "./geometry.ts";
 import type { Orbit } from "./orbit.ts";
+import { contactAt, frictionOf, slipOf } from "./contacts.ts";
 import { semiAxes, toPrincipal, twiceEnergy } from "./ellipsoid.ts";
 import type { Keyframes } from "./interpolation.ts";
 import { type Inertia, inertiaOf, spinAt } from "./spin.ts";
@@ -46,6 +47,7 @@ export interface Shown {
   path: boolean; // trace from the start to the present time
   axes: boolean; // body axes
   ellipsoid: boolean; // inertia ellipsoid
+  contacts: boolean; // contact points, forces and slips, of the truth
   follow: boolean; // the camera follows the bodies
   point: TracedPoint;
   body: number; // index of the body with arrows
@@ -95,7 +97,20 @@ interface Figure {
   ellipsoid: Mesh;
   trails: Trail[];
   paths: Trail[];
+  contacts: ContactArrows[]; // empty for methods
 }
+
+/** Arrows at a contact: normal force, friction and slip, each scaled to the largest value of all contacts. */
+interface ContactArrows {
+  contact: ContactCurves;
+  point: Mesh;
+  normal: Arrow;
+  friction: Arrow;
+  slip: Arrow;
+}
+
+const contactColors = { normal: ["#a4141d", "#ff8f8f"], friction: ["#5b3fa0", "#b9a4f0"], slip: ["#00518a", "#7cc0ff"] } as const;
+const contactLetters = [["normal", "N"], ["friction", "F"], ["slip", "u"]] as const;
 
 /** An arrow along z with unit length before scaling. */
 class Arrow {
@@ -103,12 +118,12 @@ class Arrow {
   private readonly shaft: Mesh;
   private readonly head: Mesh;
 
-  constructor(private readonly thick: number, color: string, keep: <T extends { dispose(): void }>(one: T) => T) {
+  /** `inside`: opacity of the parts that a body hides. */
+  constructor(private readonly thick: number, color: string, keep: <T extends { dispose(): void }>(one: T) => T, inside = 0.3) {
     const material = keep(new MeshStandardMaterial({ color, roughness: 0.5 }));
     this.shaft = new Mesh(keep(new CylinderGeometry(thick, thick, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5)), material);
     this.head = new Mesh(keep(new ConeGeometry(2.6 * thick, 7 * thick, 20).rotateX(Math.PI / 2).translate(0, 0, 3.5 * thick)), material);
-    // faintly visible inside bodies
-    const through = keep(new MeshStandardMaterial({ color, roughness: 0.5, transparent: true, opacity: 0.3, depthTest: false, depthWrite: false }));
+    const through = keep(new MeshStandardMaterial({ color, roughness: 0.5, transparent: true, opacity: inside, depthTest: false, depthWrite: false }));
     for (const solid of [this.shaft, this.head]) {
       const behind = new Mesh(solid.geometry, through);
       behind.renderOrder = 5;
@@ -173,6 +188,7 @@ export class BodyView {
   private lineMaterials: LineMaterial[] = [];
   private largestL = 0;
   private largestW = 0;
+  private largestContact = { normal: 0, friction: 0, slip: 0 };
   private palette: Palette = { ground: "#ffffff", ink: "#1c2127", muted: "#59616b", line: "#d9dde2", dark: false };
 
   constructor(private readonly changed: () => void) {
@@ -228,6 +244,10 @@ export class BodyView {
       this.largestL = Math.max(this.largestL, length(L));
       this.largestW = Math.max(this.largestW, length(w));
     }
+    const largest = (values: number[]): number => values.reduce((most, one) => Math.max(most, one), 0);
+    this.largestContact = {
+      normal: largest(motion.contacts.flatMap((one) => one.normal_force)), friction: largest(motion.contacts.flatMap(frictionOf)), slip: largest(motion.contacts.flatMap(slipOf)),
+    };
     for (const actor of actors) {
       if (actor.keyframes === null) continue;
       const figure = this.figure(motion, actor, surfaces, overlaid && actor.method !== null);
@@ -337,7 +357,37 @@ export class BodyView {
     })));
     ellipsoid.renderOrder = 3;
     root.add(ellipsoid);
-    return { actor, root, solid, opacity: solid.opacity, bodies, joints, pivotLink, momentum, angularVelocity, axes, ellipsoid, trails, paths };
+    const contacts = actor.method === null ? motion.contacts.map((contact) => this.contactArrows(contact, root, thick)) : [];
+    return { actor, root, solid, opacity: solid.opacity, bodies, joints, pivotLink, momentum, angularVelocity, axes, ellipsoid, trails, paths, contacts };
+  }
+
+  private contactArrows(contact: ContactCurves, root: Group, thick: number): ContactArrows {
+    const { keep } = this;
+    const color = (which: keyof typeof contactColors): string => contactColors[which][this.palette.dark ? 1 : 0];
+    const point = new Mesh(keep(new SphereGeometry(2.2 * thick, 16, 10)), keep(new MeshStandardMaterial({ color: this.palette.ink, roughness: 0.6, depthTest: false })));
+    point.renderOrder = 6;
+    const made = { contact, point, normal: new Arrow(1.3 * thick, color("normal"), keep, 0.8), friction: new Arrow(1.3 * thick, color("friction"), keep, 0.8), slip: new Arrow(thick, color("slip"), keep, 0.8) };
+    root.add(point, made.normal.root, made.friction.root, made.slip.root);
+    return made;
+  }
+
+  private poseContact(arrows: ContactArrows, motion: Motion, t: number, origin: Vector, visible: boolean): void {
+    const state = visible ? contactAt(arrows.contact, t) : null;
+    const plane = motion.planes[arrows.contact.plane];
+    const { point, normal, friction, slip } = arrows;
+    point.visible = state !== null;
+    if (state === null || plane === undefined) {
+      for (const arrow of [normal, friction, slip]) arrow.root.visible = false;
+      return;
+    }
+    const at = subtract(state.point, origin);
+    const reach = arrowReach(this.extent, motion);
+    const { largestContact: largest } = this;
+    const unitNormal = scale(1 / (length(vectorAt(plane.normal)) || 1), vectorAt(plane.normal));
+    point.position.set(...at);
+    normal.set(at, scale(largest.normal > 0 ? (0.75 * reach * state.normal) / largest.normal : 0, unitNormal));
+    friction.set(at, scale(largest.friction > 0 ? (0.75 * reach) / largest.friction : 0, state.friction));
+    slip.set(at, scale(largest.slip > 0 ? (0.75 * reach) / largest.slip : 0, state.slip));
   }
 
   private addPlane(normal: Vector, offset: number): void {
@@ -435,6 +485,7 @@ export class BodyView {
       }
       figure.axes.forEach((arrows, body) => arrows.forEach((arrow) => (arrow.root.visible = shown.axes && body === shown.body)));
       this.poseEllipsoid(figure, keyframes, inertia, shown, t, from);
+      for (const arrows of figure.contacts) this.poseContact(arrows, motion, t, origin, shown.contacts);
     }
     for (const plane of this.planes) {
       // moves the grid by whole squares
@@ -528,6 +579,9 @@ export class BodyView {
       const head = (arrow: Arrow): Vector3 => new Vector3(0, 0, arrow.root.children[1]?.position.z ?? 0).multiplyScalar(1.12).applyMatrix4(arrow.root.matrixWorld);
       if (isLead && shown.momentum && figure.momentum.root.visible) put("L", head(figure.momentum), null);
       if (isLead && shown.angularVelocity && figure.angularVelocity.root.visible) put("ω", head(figure.angularVelocity), null);
+      for (const arrows of figure.contacts) {
+        for (const [which, letter] of contactLetters) if (arrows[which].root.visible) put(letter, head(arrows[which]), null);
+      }
       if (isLead && shown.axes) figure.axes[shown.body]?.forEach((arrow, i) => {
         arrow.root.updateWorldMatrix(true, true);
         put(axisNames[i] ?? "", head(arrow), null);

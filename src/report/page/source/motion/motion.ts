@@ -3,8 +3,8 @@
 // after changes only, at most once per frame.
 //
 // State: scene (else motion), motion_methods (list of labels), motion_layout (side, overlay), motion_time (s),
-// motion_show (momentum, angular_velocity, axes, ellipsoid, trail, path, follow), motion_point, motion_body, motion_speed, motion_view (azimuth and elevation in
-// degrees, zoom).
+// motion_show (momentum, angular_velocity, contacts, axes, ellipsoid, trail, path, follow), motion_point, motion_body, motion_speed, motion_view (azimuth and
+// elevation in degrees, zoom).
 
 import type { PageContext } from "../context.ts";
 import type { Motion, MotionMethod, ReportData } from "../data.ts";
@@ -17,15 +17,20 @@ import { type Actor, chosenMethods, errorAt, firstMethods, isDrawn, methodActor,
 import { dot, scale, unit, type Vector, vectorAt } from "./algebra.ts";
 import { BodyView, type Palette, type Pane, type Shown } from "./body_view.ts";
 import { Clock, rateOf } from "./clock.ts";
-import { ErrorPlot } from "./error_plot.ts";
+import { ContactPlots } from "./contacts.ts";
+import { CoordinatePlots } from "./coordinate_plot.ts";
+import { errorAxes, errorCurves, errorTitle } from "./error_plot.ts";
 import { composePanes, download, Recording, videoType } from "./export.ts";
 import style from "./motion.css" with { type: "text" };
+import { ModeStrip, modesText } from "./mode_strip.ts";
 import { Orbit } from "./orbit.ts";
 import { PolhodeView } from "./polhode_view.ts";
-import { gravitySentence, methodSentence, thinningSentence, truthSentence, windowSentence } from "./sentences.ts";
+import { contactSentence, gravitySentence, methodSentence, thinningSentence, truthSentence, windowSentence } from "./sentences.ts";
+import { TimePlot } from "./time_plot.ts";
 
 const speeds = ["0.1", "0.25", "0.5", "1", "2", "5", "10"];
-const atFirst = "angular_velocity,momentum";
+/** What is shown at first, as the key motion_show. */
+const atFirst = (motion: Motion): string => motion.contacts.length > 0 ? "angular_velocity,contacts" : "angular_velocity,momentum";
 // delay of texts for screen readers, ms
 const quiet = 1500;
 
@@ -55,7 +60,10 @@ class MotionView implements MotionHandle {
   private readonly orbit: Orbit;
   private readonly polhodeOrbit: Orbit;
   private readonly bodies: BodyView;
-  private readonly errors: ErrorPlot;
+  private readonly errors: TimePlot;
+  private readonly modes: ModeStrip;
+  private readonly contacts: ContactPlots;
+  private readonly coordinates: CoordinatePlots;
   private readonly polhode: PolhodeView;
   private asked = ""; // state of the last build()
   private frame = 0;
@@ -82,6 +90,9 @@ class MotionView implements MotionHandle {
   private readonly live = element("p", { class: "unseen", "aria-live": "polite" });
   private readonly legend = element("ul", { class: "motion-legend" });
   private readonly remarks = element("ul", { class: "motion-remarks" });
+  private readonly plots = element("div", { class: "motion-plots" });
+  private readonly eventSteps = ([[-1, "‹ event", "Previous event (key [)"], [1, "event ›", "Next event (key ])"]] as const)
+    .map(([sign, text, title]) => element("button", { type: "button", title, "aria-label": title, onclick: () => this.stepToEvent(sign) }, text));
   private readonly polhodeText = element("figcaption");
   private readonly worldText = element("figcaption");
 
@@ -91,7 +102,11 @@ class MotionView implements MotionHandle {
     this.orbit = new Orbit({ azimuth: 0.7, elevation: 0.36 }, () => this.redraw(), () => this.remember({ motion_view: this.orbit.text() }));
     this.polhodeOrbit = new Orbit({ azimuth: 0.7, elevation: 0.42 }, () => this.redraw());
     this.bodies = new BodyView(() => this.redraw());
-    this.errors = new ErrorPlot((time, done) => this.scrub(time, done));
+    const go = (time: number, done: boolean): void => this.scrub(time, done);
+    this.errors = new TimePlot(errorTitle, go, 220, "motion-errors");
+    this.modes = new ModeStrip(go);
+    this.contacts = new ContactPlots(go);
+    this.coordinates = new CoordinatePlots(go);
     this.polhode = new PolhodeView(element("canvas", { role: "img" }), element("canvas", { role: "img" }));
 
     this.which = new Choice("Scene", (name) => this.page.set({ motion: name }));
@@ -100,7 +115,7 @@ class MotionView implements MotionHandle {
     this.bodyChoice = new Choice("Arrows and curves of body", (value) => this.page.set({ motion_body: value }));
     this.speed = new Choice("Speed", (value) => this.page.set({ motion_speed: value === "1" ? "" : value }));
     this.pointChoice = new Choice("Trace of", (value) => this.page.set({ motion_point: value === "tip" ? "" : value }));
-    this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["axes", "Axes", "Body axes"],
+    this.toggles = ([["momentum", "L", "Arrow of L, the angular momentum"], ["angular_velocity", "ω", "Arrow of ω, the angular velocity"], ["contacts", "Contact", "Contact points with arrows of the normal force N, the friction F and the slip u"], ["axes", "Axes", "Body axes"],
       ["ellipsoid", "Ellipsoid", "Inertia ellipsoid, on which the tip of ω moves"], ["trail", "Trail", "Trail of a point of the body"], ["path", "Path", "Path of a point of the body from the start"],
       ["follow", "Follow", "Follow the bodies with the camera"]] as const)
       .map(([key, text, title]) => [key, element("button", { type: "button", title, "aria-label": title, onclick: () => this.toggle(key) }, text)]);
@@ -122,14 +137,16 @@ class MotionView implements MotionHandle {
         element("div", { class: "motion-toggles", role: "group", "aria-label": "Export" }, this.png, this.video)),
       this.substitute, this.fault,
       element("div", { class: "motion-stage" }, this.stage, this.orbit.buttons("bodies")),
-      element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step forward (key .)"), this.slider, this.clockText, this.speed.root),
-      this.now, this.live, this.legend,
+      element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step forward (key .)"), this.slider, ...this.eventSteps, this.clockText, this.speed.root),
+      this.now, this.modes.root, this.live, this.legend,
       element("div", { class: "motion-curves" },
-        element("figure", { class: "errors" }, this.errors.root, element("figcaption", {}, "Attitude error over time. Click to set the time.")),
+        element("figure", { class: "errors" }, this.errors.root as unknown as HTMLElement, element("figcaption", {}, "Attitude error over time. Click to set the time.")),
         element("figure", { class: "polhode" }, element("div", { class: "turned" }, this.polhode.polhodeCanvas, this.polhodeOrbit.buttons("polhode")), this.polhodeText),
         element("figure", { class: "herpolhode" }, this.polhode.worldCanvas, this.worldText)),
+      this.plots,
       this.remarks);
     this.host.append(root);
+    fill(this.plots, ...this.contacts.figures, ...this.coordinates.figures);
     page.onState(() => this.follow());
     page.onTheme(() => {
       this.asked = "";
@@ -171,11 +188,11 @@ class MotionView implements MotionHandle {
   }
 
   private shown(): Shown {
-    const keys = (this.page.get("motion_show") || atFirst).split(",");
+    const keys = (this.page.get("motion_show") || atFirst(this.motion)).split(",");
     const body = this.motion.bodies.findIndex((one) => one.name === this.page.get("motion_body"));
     const has = (key: string): boolean => keys.includes(key);
     const point = (["x", "y", "z"] as const).find((one) => one === this.page.get("motion_point")) ?? "tip";
-    return { momentum: has("momentum"), angularVelocity: has("angular_velocity"), trail: has("trail"), path: has("path"), axes: has("axes"), ellipsoid: has("ellipsoid"), follow: has("follow"), point, body: Math.max(0, body) };
+    return { momentum: has("momentum"), angularVelocity: has("angular_velocity"), trail: has("trail"), path: has("path"), axes: has("axes"), ellipsoid: has("ellipsoid"), contacts: has("contacts"), follow: has("follow"), point, body: Math.max(0, body) };
   }
 
   /** Applies the state. Expensive parts are rebuilt only after a change. */
@@ -202,9 +219,9 @@ class MotionView implements MotionHandle {
     this.orbit.read(page.get("motion_view"));
     const shown = this.shown();
     for (const [key, button] of this.toggles) {
-      const field = (key === "angular_velocity" ? "angularVelocity" : key) as "momentum" | "angularVelocity" | "trail" | "path" | "axes" | "ellipsoid" | "follow";
+      const field = (key === "angular_velocity" ? "angularVelocity" : key) as "momentum" | "angularVelocity" | "contacts" | "trail" | "path" | "axes" | "ellipsoid" | "follow";
       button.setAttribute("aria-pressed", String(shown[field]));
-      button.hidden = key === "follow" && (!motion.moving || motion.pivot !== null);
+      button.hidden = (key === "follow" && (!motion.moving || motion.pivot !== null)) || (key === "contacts" && motion.contacts.length === 0);
     }
     this.pointChoice.update([["tip", "tip"], ["x", "x axis"], ["y", "y axis"], ["z", "z axis"]], shown.point);
     this.pointChoice.root.hidden = !shown.trail && !shown.path;
@@ -231,7 +248,12 @@ class MotionView implements MotionHandle {
     this.bodies.show(motion, this.actors, overlaid, this.palette(), body);
     this.orbit.setHome(this.bodies.extent.azimuth);
     this.polhode.show(motion, this.actors, body);
-    this.errors.show(this.actors, motion.duration);
+    const errors = errorCurves(this.actors);
+    this.errors.show(errors, errorAxes(errors), motion.duration);
+    this.modes.show(motion.timeline, motion.duration, dark);
+    this.contacts.show(motion, body, dark);
+    this.coordinates.show(motion, body, dark);
+    for (const button of this.eventSteps) button.hidden = (motion.timeline?.events.length ?? 0) === 0;
 
     const groups = overlaid ? [this.actors] : this.actors.map((actor) => [actor]);
     this.panes = groups.map((group) => this.pane(group));
@@ -268,7 +290,7 @@ class MotionView implements MotionHandle {
     this.worldText.textContent = world;
     const rate = rateOf(motion.duration);
     const sentences = [
-      ...others.map(methodSentence), thinningSentence(motion), truthSentence(motion), windowSentence(motion), gravitySentence(motion),
+      ...others.map(methodSentence), thinningSentence(motion), truthSentence(motion), windowSentence(motion), gravitySentence(motion), contactSentence(motion), motion.remark,
       rate === 1 ? "" : `At speed 1×, one second of playback shows ${quantity(rate, "s")} of motion.`,
       this.bodies.extent.follows ? "The camera follows the bodies." : "",
     ];
@@ -323,8 +345,10 @@ class MotionView implements MotionHandle {
     const spin = this.polhode.describe(t);
     this.polhode.polhodeCanvas.setAttribute("aria-label", `${this.polhodeText.textContent ?? ""}. At ${significant(t)} s: ${spin}`);
     this.polhode.worldCanvas.setAttribute("aria-label", `${this.worldText.textContent ?? ""}. At ${significant(t)} s: ${spin}`);
-    this.errors.resize(this.errors.root.clientWidth);
-    this.errors.at(t);
+    for (const plot of [this.errors, this.modes, this.contacts, this.coordinates]) {
+      plot.resize();
+      plot.at(t);
+    }
     this.slider.value = String(t);
     this.slider.setAttribute("aria-valuetext", `${significant(t)} s`);
     this.clockText.textContent = `${fixed(t, this.motion.duration)} of ${significant(this.motion.duration)} s`;
@@ -364,7 +388,9 @@ class MotionView implements MotionHandle {
 
   private told(t: number): string {
     const errors = this.actors.filter((actor) => actor.method !== null).map((actor) => `${actor.name} ${this.errorText(actor, t)}`);
-    return `At ${fixed(t, this.motion.duration)}${errors.length > 0 ? `: ${errors.join(", ")}` : ""}`;
+    const modes = this.motion.timeline === null ? "" : modesText(this.motion.timeline, t);
+    const parts = [modes, errors.join(", ")].filter((one) => one !== "");
+    return `At ${fixed(t, this.motion.duration)}${parts.length > 0 ? `: ${parts.join("; ")}` : ""}`;
   }
 
   private speak(text: string): void {
@@ -430,7 +456,9 @@ class MotionView implements MotionHandle {
   }
 
   private timeText(): string {
-    return this.clock.time > 0 ? String(Number(this.clock.time.toPrecision(6))) : "";
+    const { time } = this.clock;
+    // times of events are exact, so that the next event follows from them
+    return time > 0 ? String(this.modes.isEvent(time) ? time : Number(time.toPrecision(6))) : "";
   }
 
   private playOrPause(): void {
@@ -453,9 +481,15 @@ class MotionView implements MotionHandle {
     this.scrub(this.clock.time + sign * this.clock.step(), true);
   }
 
+  private stepToEvent(sign: number): void {
+    const time = this.modes.neighbour(this.clock.time, sign);
+    if (time !== null) this.scrub(time, true);
+  }
+
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target instanceof HTMLSelectElement) return;
     if (event.key === "," || event.key === ".") this.step(event.key === "," ? -1 : 1);
+    else if (event.key === "[" || event.key === "]") this.stepToEvent(event.key === "[" ? -1 : 1);
     else if (event.key === " " && !(event.target instanceof HTMLButtonElement)) this.playOrPause();
     else return;
     event.preventDefault();
@@ -469,10 +503,11 @@ class MotionView implements MotionHandle {
   }
 
   private toggle(key: string): void {
-    const keys = (this.page.get("motion_show") || atFirst).split(",").filter((one) => one !== "" && one !== "none");
+    const first = atFirst(this.motion);
+    const keys = (this.page.get("motion_show") || first).split(",").filter((one) => one !== "" && one !== "none");
     const after = keys.includes(key) ? keys.filter((one) => one !== key) : [...keys, key];
     const text = after.sort().join(",");
-    this.page.set({ motion_show: text === atFirst ? "" : text === "" ? "none" : text });
+    this.page.set({ motion_show: text === first ? "" : text === "" ? "none" : text });
   }
 }
 

@@ -53,3 +53,7 @@ export function gravitySentence(motion: Motion): string {
   const way = along >= 0 ? `along ${([x, y, z][along] ?? 0) < 0 ? "−" : "+"}${names[along] ?? ""}` : `along (${[x, y, z].map((one) => significant(one / size)).join(", ")})`;
   return `Gravity: ${significant(size)} m/s² ${way}.`;
 }
+
+export function contactSentence(motion: Motion): string {
+  return motion.contacts.length === 0 ? "" : "Arrows at contacts: normal force N, friction F and slip velocity u of the truth, each scaled to its largest value.";
+}

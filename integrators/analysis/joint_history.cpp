@@ -1,4 +1,4 @@
-#include "app/joint_history.h"
+#include "integrators/analysis/joint_history.h"
 
 #include <fmt/format.h>
 

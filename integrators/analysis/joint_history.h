@@ -10,7 +10,6 @@
 
 #include "body/wide.h"
 #include "integrators/method.h"
-#include "integrators/truth/reference.h"
 #include "motion/joint_motion.h"
 
 namespace polhode {

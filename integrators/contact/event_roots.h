@@ -60,11 +60,14 @@ class FirstRoot {
     /// The first s in (0, h] at which the function falls to zero.
     std::optional<P> find() const {
         if (exact_.empty()) return {};
-        return search(0, 1, 0);
+        long intervals = 0;
+        return search(0, 1, 0, intervals);
     }
 
   private:
     static constexpr int most_halvings = 44, most_iterations = 300;
+    // if a function is zero up to rounding, more intervals show nothing, and its signs at their ends decide
+    static constexpr long most_intervals = 20'000;
 
     P h_;
     std::vector<P> exact_;        // of powers of x = s / h
@@ -103,7 +106,8 @@ class FirstRoot {
         return sum;
     }
 
-    std::optional<P> search(double low, double high, int depth) const {
+    std::optional<P> search(double low, double high, int depth, long& intervals) const {
+        if (++intervals > most_intervals) depth = most_halvings;
         constexpr double rounding = 1e-13;
         const double middle = (low + high) / 2, half = (high - low) / 2;
         const double at = value(middle);
@@ -117,8 +121,8 @@ class FirstRoot {
             if (!(exact_value(a) > P(0))) return a * h_;
             return locate(a, b) * h_;
         }
-        if (std::optional<P> found = search(low, middle, depth + 1)) return found;
-        return search(middle, high, depth + 1);
+        if (std::optional<P> found = search(low, middle, depth + 1, intervals)) return found;
+        return search(middle, high, depth + 1, intervals);
     }
     // the root between a, where the function is positive, and b, where it is not
     P locate(P a, P b) const {

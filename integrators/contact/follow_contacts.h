@@ -183,7 +183,16 @@ class ContactDriver {
     };
     struct Found {
         P s{0};
-        enum class What { gap, normal_force, cone, rolling_limit, spin_limit, spin, slip } what = What::gap;
+        enum class What {
+            gap,
+            normal_force,
+            cone,
+            rolling_limit,
+            spin_limit,
+            spin,
+            slip,
+            end_of_rolling
+        } what = What::gap;
         std::size_t pair = 0;  // the observed gap, or the index in TwoContacts
     };
     /// A step that is not taken yet.
@@ -215,6 +224,8 @@ class ContactDriver {
     long stalled_ = 0;                // events without progress in time
     P stalled_at_{-1};
     std::optional<Vector3<P>> onset_;      // slip starts from zero in this direction, in the contact's axes
+    std::size_t slip_start_ = 0;           // order of the zero of the slip at the start of the planned step; 0: none
+    std::size_t rolling_start_ = 0;        // as slip_start_, for the rolling velocity
     RotationFriction<P> rotation_;         // torsional and rolling friction of the mode
     std::size_t spin_zeros_ = 0;           // known order of the zero of the spin at the start of the mode
     RotationFriction<P> former_rotation_;  // before the transition
@@ -225,6 +236,7 @@ class ContactDriver {
     std::optional<Series<T>> series_;  // expands the present mode
     ModeSteps<P, Form> steps_;         // of another method, if the settings have one
     double slip_scale_ = 0;            // slip by which its errors are measured there
+    double summed_slip_ = 0;           // bound of the slip's error after a sum of impacts
     std::vector<P> y_;                 // the state of the mode
     std::optional<Planned> planned_;   // refers to series_ or steps_
 
@@ -242,13 +254,12 @@ class ContactDriver {
         const Leg& leg = legs_[leg_];
         is_in_leg_ = true;
         t_ = P(leg.begin);
+        form_.set_time(t_);
         form_.enter(leg.begin, motion_);
         note_sizes();
         if (leg.index == 0) start_at_contact();
         if (!fails()) transition(nullptr);
-        for (; !fails() && samples_.due(leg, leg.begin); samples_.pop())
-            show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
-                 std::vector<Vector3<P>>(scene_->planes.size()));
+        if (!fails()) show_at(leg, leg.begin);
     }
     bool fails() const { return !run_.fault.empty(); }
     std::string at_time() const { return fmt::format("at t = {:.10g} s", static_cast<double>(t_)); }
@@ -259,6 +270,8 @@ class ContactDriver {
     double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
     double reach() const { return static_cast<double>(geometry_.reach); }
     double speed() const { return sizes_.velocity + reach() * sizes_.angular_velocity; }
+    /// A slip below it is zero.
+    double zero_slip() const { return std::max(error(2) * speed(), summed_slip_); }
     P mu(Pair pair) const { return geometry_.planes[pair.plane].friction; }
 
     // the sizes start from the motion, and from what the loads do over the body's length
@@ -315,6 +328,7 @@ class ContactDriver {
     /// Applies impacts until no touching point approaches, then selects the mode. `arrived`: the kind of event that led
     /// here, if the transition is not an impact.
     void transition(const EventKind* arrived) {
+        form_.set_time(t_);
         if (t_ == stalled_at_) {
             if (++stalled_ > 1000) return fail("too many events " + at_time());
         } else {
@@ -677,56 +691,64 @@ class ContactDriver {
         rotation_ = rotation;
         form_.set_rotation(rotation_);
     }
-    /// Selects the mode of a ball on a plane with torsional or rolling friction. Velocities below the error of the
-    /// steps become exactly zero.
-    std::optional<System> ball_mode(Pair pair, const Plane& plane) {
+    /// Selects the mode on a plane with torsional or rolling friction. Velocities below the error of the steps become
+    /// exactly zero.
+    std::optional<System> rotation_mode(Pair pair, const Plane& plane) {
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
-        const MassProperties<P> body = mass_properties<P>(scene_->body);
-        BallContact<P> ball;
-        ball.mass = body.mass, ball.moment = body.inertia[0][0], ball.radius = geometry_.pieces[pair.piece].radius;
-        ball.friction = P(plane.friction), ball.rolling = P(plane.rolling_friction);
-        ball.torsional = P(plane.torsional_friction);
-        ball.rounding = P(error(2));
-        ball.torque = axes.from_world(form_.load_torque(motion_));
-        ball.acceleration = form_.response(pair, motion_).acceleration;
-        // the tangential acceleration of the centre, without that by rotation
-        const P per_moment = ball.radius / ball.moment;
-        ball.acceleration[0] = ball.acceleration[0] + per_moment * ball.torque[1];
-        ball.acceleration[1] = ball.acceleration[1] - per_moment * ball.torque[0];
+        RotatingContact<P> contact = rotating_contact(pair, axes);
+        contact.friction = P(plane.friction), contact.rolling = P(plane.rolling_friction);
+        contact.torsional = P(plane.torsional_friction), contact.rounding = P(error(2));
         const Vector3<P> u = form_.response(pair, motion_).velocity;
-        const P small(error(2) * speed());
+        const P small(zero_slip());
         const Vector3<P> w = axes.from_world(rotate(motion_.q, motion_.angular_velocity_B));
-        if (length(Vector3<P>(u[0], u[1], P(0))) > small || !(ball.friction > P(0)))
-            ball.slip = Vector3<P>(u[0], u[1], P(0));
-        if (length(Vector3<P>(w[0], w[1], P(0))) * ball.radius > small)
-            ball.angular_velocity[0] = w[0], ball.angular_velocity[1] = w[1];
-        if (Elementary<P>::magnitude(w[2]) * ball.radius > small) ball.angular_velocity[2] = w[2];
-        const std::optional<BallMode<P>> found = BallModeChoice<P>(ball, exceeded_).choose();
+        if (length(Vector3<P>(u[0], u[1], P(0))) > small || !(contact.friction > P(0)))
+            contact.slip = Vector3<P>(u[0], u[1], P(0));
+        if (length(Vector3<P>(w[0], w[1], P(0))) * P(reach()) > small || !(contact.rolling > P(0)))
+            contact.angular_velocity[0] = w[0], contact.angular_velocity[1] = w[1];
+        if (Elementary<P>::magnitude(w[2]) * P(reach()) > small || !(contact.torsional > P(0)))
+            contact.angular_velocity[2] = w[2];
+        const std::optional<RotationMode<P>> found = RotationModeChoice<P>(contact, exceeded_).choose();
         exceeded_ = Exceeded::none;
         if (!found) {
             fail("no mode of sliding and rolling is consistent with friction " + at_time());
             return {};
         }
-        motion_.angular_velocity_B = rotate_back(motion_.q, axes.to_world(ball.angular_velocity));
-        // v = u - w x s, s = -r n
-        const Vector3<P>& kept = ball.angular_velocity;
-        motion_.velocity_W =
-            axes.to_world(Vector3<P>(ball.slip[0] + ball.radius * kept[1], ball.slip[1] - ball.radius * kept[0],
-                                     dot(axes.normal_W, motion_.velocity_W)));
-        enter_ball_mode(*found, ball, axes);
+        // v = u - w x s
+        motion_.angular_velocity_B = rotate_back(motion_.q, axes.to_world(contact.angular_velocity));
+        motion_.velocity_W = axes.to_world(contact.slip - cross(contact.angular_velocity, contact.arm));
+        enter_rotation_mode(*found, contact, axes);
         return found->slides ? System::sliding : System::rolling;
     }
-    void enter_ball_mode(const BallMode<P>& mode, const BallContact<P>& ball, const ContactAxes<P>& axes) {
+    // masses, arm and accelerations without forces of the plane, in the axes of the contact
+    RotatingContact<P> rotating_contact(Pair pair, const ContactAxes<P>& axes) const {
+        const MassProperties<P> body = mass_properties<P>(scene_->body);
+        const Matrix3<P> inverse_inertia = inverse(body.inertia);
+        const Vector3<P>& w = motion_.angular_velocity_B;
+        const auto to_axes = [&](const Vector3<P>& v_B) { return axes.from_world(rotate(motion_.q, v_B)); };
+        const Vector3<P> tau = rotate_back(motion_.q, form_.load_torque(motion_));
+        RotatingContact<P> contact;
+        contact.inverse_mass = P(1) / body.mass;
+        contact.arm = to_axes(geometry_.pieces[pair.piece].lowest_point(rotate_back(motion_.q, axes.normal_W)));
+        contact.acceleration = form_.response(pair, motion_).acceleration;
+        contact.angular_acceleration = to_axes(inverse_inertia * (tau - cross(w, body.inertia * w)));
+        for (std::size_t j = 0; j < 3; ++j) {
+            const Vector3<P> column = to_axes(inverse_inertia * rotate_back(motion_.q, axes[j]));
+            for (std::size_t i = 0; i < 3; ++i) contact.inverse_inertia[i][j] = column[i];
+        }
+        return contact;
+    }
+    void enter_rotation_mode(const RotationMode<P>& mode, const RotatingContact<P>& contact,
+                             const ContactAxes<P>& axes) {
         RotationFriction<P> rotation;
         rotation.acts = true;
-        rotation.rolling = ball.rolling, rotation.torsional = ball.torsional;
+        rotation.rolling = contact.rolling, rotation.torsional = contact.torsional;
         rotation.holds_rolling = mode.holds_rolling, rotation.holds_spin = mode.holds_spin, rotation.spin = mode.spin;
         rotation.starts_rolling = mode.rolling_start.has_value();
         if (mode.rolling_start) {
             const Vector3<P> direction = axes.to_world(*mode.rolling_start);
             rotation.path = {direction, cross(axes.normal_W, direction), {}, t_};
         }
-        spin_zeros_ = ball.angular_velocity[2] == P(0) ? 1 : 0;
+        spin_zeros_ = contact.angular_velocity[2] == P(0) ? 1 : 0;
         onset_ = mode.slip_start;
         set_rotation(rotation);
     }
@@ -740,12 +762,14 @@ class ContactDriver {
     std::optional<System> contact_mode(Pair pair) {
         onset_.reset();
         const Plane& plane = scene_->planes[pair.plane];
-        if (plane.rolling_friction > 0 || plane.torsional_friction > 0) return ball_mode(pair, plane);
+        // a face does not rotate
+        if (face_.empty() && (plane.rolling_friction > 0 || plane.torsional_friction > 0))
+            return rotation_mode(pair, plane);
         const ContactResponse<P> at = form_.response(pair, motion_);
         const P friction = mu(pair);
         if (!(friction > P(0))) return System::sliding;
         const P slip = square_root(P(at.velocity[0] * at.velocity[0] + at.velocity[1] * at.velocity[1]));
-        if (slip > P(error(2) * speed())) {
+        if (slip > P(zero_slip())) {
             const Vector3<P> direction(at.velocity[0] / slip, at.velocity[1] / slip, P(0));
             const SlidingStart<P> start = sliding_start(at, friction, direction);
             if (!(start.stiffness > P(0))) {
@@ -802,12 +826,17 @@ class ContactDriver {
     /// of successive speeds and c the normal acceleration. Moves the body over this time and removes the normal
     /// velocity.
     void sum_impacts(Pair pair, const P& separation, const P& ratio) {
+        // the impulses that remain change the slip as well
+        constexpr double most_change = 100;
+        const double left = static_cast<double>(P(separation / (P(1) - ratio)));
+        if (left > 0) summed_slip_ = std::max(summed_slip_, most_change * left);
         const ContactResponse<P> at = form_.response(pair, motion_);
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
         motion_.velocity_W = motion_.velocity_W - at.velocity[2] * axes.normal_W;
         if (!(separation > P(0)) || !(at.acceleration[2] < P(0)) || !(ratio < P(1))) return;
         const P rest = P(-2) * separation / (at.acceleration[2] * (P(1) - ratio));
         t_ = t_ + rest;
+        form_.set_time(t_);
         const P half = rest / P(2);
         const Vector3<P> turn = half * motion_.angular_velocity_B;
         motion_.q = normalized(motion_.q * Quaternion<P>{P(1), turn[0], turn[1], turn[2]});
@@ -822,6 +851,8 @@ class ContactDriver {
         P impulse{0}, work{0};                          // since the start
         P compression_impulse{0}, compression_work{0};  // at the end of compression
         P approach{0};                                  // u_n at the start
+        double speed = 0;                               // |u| at the start: errors are relative to it
+        double zero_slip = 0;                           // a slip below it is zero
     };
     // what remains until the impact ends, given the normal velocity, the impulse and the work
     static P remaining(const Plane& plane, const Shock& shock, const P& normal, const P& impulse, const P& work) {
@@ -840,9 +871,13 @@ class ContactDriver {
     bool resolve_shock(Pair pair, const ContactResponse<P>& before, const Plane& plane) {
         Shock shock;
         shock.approach = before.velocity[2];
+        shock.speed = static_cast<double>(length(before.velocity));
+        // impacts that accumulate are as slow as the accuracy allows
+        const double rounding = 1e3 * static_cast<double>(Elementary<P>::epsilon());
+        shock.zero_slip = std::max(error(2) * shock.speed, rounding * speed());
         const P slip =
             square_root(P(before.velocity[0] * before.velocity[0] + before.velocity[1] * before.velocity[1]));
-        if (mu(pair) > P(0) && slip > P(error(2) * speed())) {
+        if (mu(pair) > P(0) && slip > P(shock.zero_slip)) {
             const std::optional<bool> ended = follow_shock(pair, plane, shock);
             if (!ended) return false;
             if (*ended) return true;
@@ -910,6 +945,9 @@ class ContactDriver {
         const int n = form_.dimension(), clock = form_.clock(), work = form_.work(), normal = clock + 1;
         std::vector<P> y(n);
         form_.start(motion_, P(0), y.data());
+        const Sizes sizes{shock.speed / reach(), sizes_.position, shock.speed};
+        // errors above the limit at which a slip is zero would keep it from its end
+        const double digits = std::max(settings_.digits, settings_.event_digits);
         Series<T> series(cast_recording<T>(record_form(n)), settings_.order);
         for (;;) {
             if (!may_step()) return {};
@@ -917,12 +955,13 @@ class ContactDriver {
             series.expand(y.data());
             const auto coefficient = [&](int i, int k) { return static_cast<P>(series.coefficient(i, k)); };
             const P square = coefficient(clock + 2, 1), growth = P(2) * coefficient(clock + 2, 2);
-            if (square <= P(error(2) * speed()) * P(error(2) * speed()) && !(growth > P(0))) {
+            if (square <= P(shock.zero_slip) * P(shock.zero_slip) && !(growth > P(0))) {
                 motion_ = form_.motion(y.data());
                 shock.impulse = y[clock], shock.work = y[work];
                 return false;
             }
-            P h(step_of(series, form_.blocks(sizes_, std::sqrt(static_cast<double>(square)))));
+            const std::vector<Block> blocks = form_.blocks(sizes, std::sqrt(static_cast<double>(square)));
+            P h(step_of(series, blocks, digits));
             bool ends = false, compressed = false;
             if (shock.compressing) {
                 std::vector<P> approach;
@@ -964,13 +1003,16 @@ class ContactDriver {
     }
     // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
     double step_of(const Series<T>& series, const std::vector<Block>& blocks) const {
+        return step_of(series, blocks, settings_.digits);
+    }
+    double step_of(const Series<T>& series, const std::vector<Block>& blocks, double digits) const {
         double log2_step = std::numeric_limits<double>::infinity();
         for (const Block& block : blocks)
             for (int k = settings_.order - 3; k <= settings_.order; ++k) {
                 double size = -std::numeric_limits<double>::infinity();
                 for (int i = block.first; i < block.first + block.size; ++i)
                     size = std::max(size, log2_magnitude(series.coefficient(i, k)));
-                const double allowed = std::log2(block.scale) - settings_.digits * std::log2(10.0);
+                const double allowed = std::log2(block.scale) - digits * std::log2(10.0);
                 log2_step = std::min(log2_step, (allowed - size) / k);
             }
         return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
@@ -978,7 +1020,7 @@ class ContactDriver {
     // The series of the observed functions must converge as well. Their sizes: the body's length for gaps, the contact
     // force for forces, and its square for the cone.
     double observed_step(const Series<T>& series, const Step& step) const {
-        const int first = step.clock + 1, own = form_.own_functions(), all = form_.dimension() - first;
+        const int first = step.clock + 1, own = form_.own_functions(), all = form_.first_variable() - first;
         const int rotation = rotation_.acts && contact_ ? form_.first_rotation_function() - first : own;
         double force = 0;
         for (int i = 0; i < rotation; ++i)
@@ -1015,9 +1057,21 @@ class ContactDriver {
         return rolling + torsional;
     }
 
+    // Adds the end of a motion that starts from zero, if its path is known as a series: it returns to zero before the
+    // first event. `along`: index of the integral of the acceleration along the path.
+    void look_for_end(const Step& step, int along, std::size_t zeros, typename Found::What what,
+                      std::optional<Found>& first) const {
+        if (zeros == 0) return;
+        std::vector<P> function;
+        for (int k = 0; k <= step.order(); ++k) function.push_back(step.coefficient(along, k));
+        const auto root = FirstRoot<P>(function, zeros, step.length, 0).find();
+        if (root && (!first || *root < first->s)) first = Found{*root, what, 0};
+    }
     // the first event within the step
     std::optional<Found> first_event(const Step& step) const {
         std::optional<Found> first;
+        look_for_end(step, step.clock + 6, slip_start_, Found::What::slip, first);
+        look_for_end(step, form_.first_rotation_function() + 2, rolling_start_, Found::What::end_of_rolling, first);
         const auto look = [&](int index, std::size_t zeros, double noise, typename Found::What what, std::size_t pair) {
             std::vector<P> function;
             for (int k = 1; k <= step.order(); ++k) function.push_back(P(k) * step.coefficient(index, k));
@@ -1065,23 +1119,30 @@ class ContactDriver {
         return first;
     }
 
+    // the state of the selected system
+    void start_state() {
+        form_.set_time(t_);
+        y_.assign(static_cast<std::size_t>(form_.dimension()), P(0));
+        form_.start(motion_, t_, y_.data());
+    }
     void enter_system() {
         if (two_)
             form_.select_two(*two_);
         else
             form_.select(mode_, contact_.value_or(Pair{}));
+        start_state();
         const int n = form_.dimension();
-        y_.assign(static_cast<std::size_t>(n), P(0));
-        form_.start(motion_, t_, y_.data());
         // with another method, the series only shows whether a slip ends and how events start
         series_.emplace(cast_recording<T>(record_form(n)), settings_.steps ? order_of_starts : settings_.order);
     }
     /// Plans a step of the present mode. Returns false if the mode ends before.
     bool plan_step_of_mode() {
         if (!series_) enter_system();
-        const int n = form_.dimension(), clock = form_.clock();
+        const int clock = form_.clock();
         if (!may_step()) return false;
-        for (int i = clock + 1; i < n; ++i) y_[i] = P(0);
+        form_.set_time(t_);
+        std::fill(y_.begin() + clock + 1, y_.begin() + form_.first_variable(), P(0));
+        form_.refresh(y_.data());
         series_->expand(y_.data());
         Step step{*series_, clock, form_.is_stretched()};
         double slip = 0;
@@ -1098,7 +1159,7 @@ class ContactDriver {
             const P square = step.coefficient(clock + 2, 1), growth = P(2) * step.coefficient(clock + 2, 2);
             slip = std::sqrt(static_cast<double>(square));
             // growth = 2 |u_t|^2 d|u_t|/dt
-            if (slip <= error(2) * speed() && !(growth > P(0))) {
+            if (slip <= zero_slip() && !(growth > P(0))) {
                 end_slip(*series_, square, growth, y_);
                 leave_system();
                 return false;
@@ -1192,10 +1253,46 @@ class ContactDriver {
     }
 
     // Takes the samples at the end of the leg that an event there has postponed.
-    void show_rest_of_leg() {
-        for (; samples_.due(legs_[leg_], legs_[leg_].end); samples_.pop())
-            show(motion_, std::vector<Vector3<P>>(scene_->planes.size()),
-                 std::vector<Vector3<P>>(scene_->planes.size()));
+    void show_rest_of_leg() { show_at(legs_[leg_], legs_[leg_].end); }
+    /// Takes the samples up to the time t with the present motion and mode.
+    void show_at(const Leg& leg, double t) {
+        if (!samples_.due(leg, t)) return;
+        const auto [forces, torques] = present_reactions();
+        for (; samples_.due(leg, t); samples_.pop()) show(motion_, forces, torques);
+    }
+    using PlaneVectors = std::vector<Vector3<P>>;  // one for each plane, world axes
+    /// Contact forces and torques in the present mode.
+    std::pair<PlaneVectors, PlaneVectors> present_reactions() {
+        if (!contact_) return {PlaneVectors(scene_->planes.size()), PlaneVectors(scene_->planes.size())};
+        if (onset_) {
+            const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
+            const Vector3<P> direction = axes.to_world(*onset_);
+            form_.select(System::onset, *contact_);
+            form_.set_path({direction, cross(axes.normal_W, direction), {}, t_});
+            start_state();
+        } else {
+            enter_system();
+        }
+        const int n = form_.dimension();
+        Series<T> series(cast_recording<T>(record_form(n)), 2);
+        series.expand(y_.data());
+        const Step step{series, form_.clock(), form_.is_stretched()};
+        auto reactions = reactions_at(step, P(0));
+        leave_system();
+        return reactions;
+    }
+    /// Contact forces and torques at s within a step.
+    std::pair<PlaneVectors, PlaneVectors> reactions_at(const Step& step, const P& s) const {
+        PlaneVectors forces(scene_->planes.size()), torques(scene_->planes.size());
+        if (two_) {
+            for (std::size_t i = 0; i < 2; ++i)
+                forces[two_->pairs[i].plane] = observed_vector(step, step.clock + 5 + 3 * static_cast<int>(i), s);
+        } else if (contact_) {
+            forces[contact_->plane] = observed_vector(step, step.clock + 3, s);
+            if (rotation_.acts)
+                torques[contact_->plane] = observed_vector(step, form_.first_rotation_function() + 3, s);
+        }
+        return {std::move(forces), std::move(torques)};
     }
     void take_samples(const Step& step, const Leg& leg, const P& start, const P& reached, bool at_event) {
         std::vector<P> y(form_.dimension());
@@ -1205,15 +1302,7 @@ class ContactDriver {
         for (; samples_.due(leg, reached) && !is_at_event(); samples_.pop()) {
             const P s = step.when(P(samples_.front()), start);
             step.expansion.evaluate(s, y.data());
-            std::vector<Vector3<P>> forces(scene_->planes.size()), torques(scene_->planes.size());
-            if (two_) {
-                for (std::size_t i = 0; i < 2; ++i)
-                    forces[two_->pairs[i].plane] = observed_vector(step, step.clock + 5 + 3 * static_cast<int>(i), s);
-            } else if (contact_) {
-                forces[contact_->plane] = observed_vector(step, step.clock + 3, s);
-                if (rotation_.acts)
-                    torques[contact_->plane] = observed_vector(step, form_.first_rotation_function() + 3, s);
-            }
+            auto [forces, torques] = reactions_at(step, s);
             show(form_.motion(y.data()), std::move(forces), std::move(torques));
         }
     }
@@ -1317,15 +1406,19 @@ class ContactDriver {
         const P small(error(2) * speed() / reach());
         if (square > small * small || growth > P(0)) return false;
         move_to_end(*series_, square, growth, y);
+        remove_rolling();
+        transition(nullptr);
+        return true;
+    }
+    void remove_rolling() {
         const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
         const Vector3<P> spin = rotate(motion_.q, motion_.angular_velocity_B);
         const P normal = dot(spin, axes.normal_W);
         motion_.angular_velocity_B = rotate_back(motion_.q, Vector3<P>(normal * axes.normal_W));
-        // a ball: the slip is kept
-        const Vector3<P> arm = -(geometry_.pieces[contact_->piece].radius * axes.normal_W);
+        // the slip is kept
+        const Vector3<P> arm =
+            rotate(motion_.q, geometry_.pieces[contact_->piece].lowest_point(rotate_back(motion_.q, axes.normal_W)));
         motion_.velocity_W = motion_.velocity_W + cross(Vector3<P>(spin - normal * axes.normal_W), arm);
-        transition(nullptr);
-        return true;
     }
     // The slip is below the error of the steps and decreases: it ends after the time |u_t| / |d|u_t|/dt|.
     void end_slip(const Series<T>& series, const P& square, const P& growth, std::vector<P>& y) {
@@ -1365,10 +1458,8 @@ class ContactDriver {
         if (slips) path = {axes.to_world(*onset_), cross(axes.normal_W, axes.to_world(*onset_)), {}, t_};
         onset_.reset();
         form_.select(slips ? System::onset : mode_, pair);
+        start_state();
         const int n = form_.dimension(), clock = form_.clock(), order = settings_.order;
-        y_.assign(static_cast<std::size_t>(n), P(0));
-        form_.start(motion_, t_, y_.data());
-        for (int i = clock + 1; i < n; ++i) y_[i] = P(0);
         const auto expand = [&](int to_order) {
             if (slips) form_.set_path(path);
             if (rolls) form_.set_rotation(rotation_);
@@ -1378,10 +1469,12 @@ class ContactDriver {
         };
         const double acceleration = static_cast<double>(length(form_.response(pair, motion_).acceleration));
         const bool both = slips && rolls;
-        if (slips) find_path(path, expand, {clock + 2, clock + 6, acceleration, both, "slip"});
+        slip_start_ = rolling_start_ = 0;
+        if (slips) slip_start_ = find_path(path, expand, {clock + 2, clock + 6, acceleration, both, "slip"});
         if (rolls) {
             const int first = form_.first_rotation_function();
-            find_path(rotation_.path, expand, {first, first + 2, acceleration / reach(), both, "rolling"});
+            rolling_start_ =
+                find_path(rotation_.path, expand, {first, first + 2, acceleration / reach(), both, "rolling"});
         }
         if (fails()) return false;
         series_.emplace(expand(order));
@@ -1399,7 +1492,9 @@ class ContactDriver {
             return false;
         }
         step.length = P(longest);
-        return plan_step(step, true, rolls);
+        const bool planned = plan_step(step, true, rolls);
+        slip_start_ = rolling_start_ = 0;
+        return planned;
     }
     /// A motion that starts from zero: indices of the observed accelerations across and along its direction, the size
     /// of accelerations, and whether its direction must be constant.
@@ -1409,9 +1504,10 @@ class ContactDriver {
         bool must_be_straight = false;
         const char* name = "";
     };
-    // finds the series of the angle of `path`, which `expand` uses
+    // Finds the series of the angle of `path`, which `expand` uses. Returns the order of the velocity's zero at the
+    // start; 0 on a fault.
     template <class Expand>
-    void find_path(SlipPath<P>& path, const Expand& expand, const Onset& onset) {
+    std::size_t find_path(SlipPath<P>& path, const Expand& expand, const Onset& onset) {
         const auto across = [&](const Series<T>& series, int k) {
             return P(P(k + 1) * static_cast<P>(series.coefficient(onset.across, k + 1)));
         };
@@ -1426,19 +1522,21 @@ class ContactDriver {
         const P slope = turned - across(straight, 1);
         P first = slip(straight, 1);
         if (Elementary<P>::magnitude(first) <= P(error(6) * onset.acceleration)) first = P(0);
-        if (!(first > P(0)) && !(slip(straight, 2) > P(0)))
-            return fail(
-                fmt::format("{} at {} does not grow from its start {}", onset.name, plane_at(*contact_), at_time()));
+        const std::size_t zeros = first > P(0) ? 1 : 2;
+        if (zeros == 2 && !(slip(straight, 2) > P(0))) {
+            fail(fmt::format("{} at {} does not grow from its start {}", onset.name, plane_at(*contact_), at_time()));
+            return 0;
+        }
         const double free = step_of(straight, form_.blocks(sizes_, 0));
         bool is_straight = true;
         for (int k = 1; k < settings_.order; ++k)
             if (static_cast<double>(Elementary<P>::magnitude(across(straight, k))) * std::pow(free, k) >
                 error() * onset.acceleration)
                 is_straight = false;
-        if (is_straight) return;
-        if (onset.must_be_straight)
-            return fail("sliding and rolling start together along curves, which is not supported, " + at_time());
-        find_angles(path, expand, across, slip, slope, first);
+        if (!is_straight && onset.must_be_straight)
+            fail("sliding and rolling start together along curves, which is not supported, " + at_time());
+        if (!is_straight && !fails()) find_angles(path, expand, across, slip, slope, first);
+        return zeros;
     }
     // (slip angle')_k = sum over j of slip_j (k + 1 - j) angle_{k + 1 - j}
     template <class Expand, class Across, class Slip>
@@ -1481,8 +1579,16 @@ class ContactDriver {
         open_interval();
     }
     void handle(const Found& found) {
+        form_.set_time(t_);
         if (found.what == Found::What::gap) return transition(nullptr);
         if (two_) return handle_two(found);
+        if (found.what == Found::What::slip || found.what == Found::What::end_of_rolling) {
+            if (found.what == Found::What::slip)
+                remove_slip();
+            else
+                remove_rolling();
+            return transition(nullptr);
+        }
         if (found.what == Found::What::normal_force) {
             const EventKind lifts = EventKind::lifts_off;
             return transition(&lifts);

@@ -80,6 +80,11 @@ class ModeModel : public ErasedModel {
         form_->derivative(y, dy);
     }
     long evaluations() const { return evaluations_; }
+    /// Whether functions may change while the state does not.
+    bool has_formulas() const {
+        if constexpr (requires { form_->has_formulas(); }) return form_->has_formulas();
+        return false;
+    }
 
   private:
     const Form* form_;
@@ -126,17 +131,17 @@ class ModeSteps<double, Form> {
         std::vector<double> state(y, y + scales.size());
         for (double& scale : scales)
             if (!(scale > 0) || !std::isfinite(scale)) scale = 1;
-        model_ = std::make_shared<ModeModel<Form>>(form, state, scales);
-        scales_ = std::move(scales);
-        problem_ = pose_model(model_, duration_);
-        steps_ = make_(problem_, tolerance_);
+        form_ = &form;
+        scales_ = std::move(scales), state_ = std::move(state);
+        restart();
+        longest_ = std::numeric_limits<double>::infinity(), growth_ = 2;
         rates_at_start_.resize(static_cast<std::size_t>(form.dimension()));
-        model_->all_rates(state.data(), rates_at_start_.data());
-        state_ = std::move(state);
+        model_->all_rates(state_.data(), rates_at_start_.data());
     }
     /// Takes a step of at most `longest`. Returns its length; 0 on a fault.
     double step(double longest) {
         constexpr int most_halvings = 60;
+        longest = std::min(longest, longest_);
         for (int i = 0; i < most_halvings; ++i) {
             const double h = steps_->step(longest);
             if (!(h > 0)) {
@@ -145,9 +150,15 @@ class ModeSteps<double, Form> {
             }
             if (expand(h)) {
                 state_ = states_.back(), rates_at_start_ = rates_.back();
+                if (model_->has_formulas()) longest_ = growth_ * h;
                 return h;
             }
-            steps_->undo();
+            // methods with dense output cannot return to the start of a step
+            growth_ = 1;
+            if (steps_->dense_degree() > 0)
+                restart();
+            else
+                steps_->undo();
             longest = h / 2;
         }
         fault_ = "the polynomial of a step does not converge at any step size";
@@ -160,6 +171,8 @@ class ModeSteps<double, Form> {
   private:
     MakeSystemSteps make_;
     double tolerance_, duration_;
+    double longest_ = 0, growth_ = 2;  // limit of the next step if functions depend on time
+    const Form* form_ = nullptr;
     std::shared_ptr<ModeModel<Form>> model_;
     Problem problem_;
     std::unique_ptr<SystemSteps> steps_;
@@ -169,11 +182,19 @@ class ModeSteps<double, Form> {
     std::string fault_;
     long evaluations_ = 0;
 
+    // starts the method from state_
+    void restart() {
+        if (model_) evaluations_ += model_->evaluations();
+        steps_.reset();
+        model_ = std::make_shared<ModeModel<Form>>(*form_, state_, scales_);
+        problem_ = pose_model(model_, duration_);
+        steps_ = make_(problem_, tolerance_);
+    }
     // Forms the polynomial of a step of length h from state_.
     bool expand(double h) {
         const int dense = steps_->dense_degree();
         const ChebyshevPoints& points =
-            ChebyshevPoints::of_degree(dense > 0 ? dense + 2 : ChebyshevPoints::most_degree);
+            ChebyshevPoints::of_degree(dense > 0 && !model_->has_formulas() ? dense + 2 : ChebyshevPoints::most_degree);
         const std::size_t count = static_cast<std::size_t>(points.count());
         states_.assign(count, state_), rates_.assign(count, rates_at_start_);
         std::copy_n(steps_->state(), state_.size(), states_.back().begin());
@@ -188,7 +209,23 @@ class ModeSteps<double, Form> {
         }
         polynomial_.fit(points, h, static_cast<int>(state_.size()), states_, rates_,
                         std::max(1e-2 * tolerance_, 1e-15));
-        return dense > 0 || is_resolved();
+        return (dense > 0 || is_resolved()) && (!model_->has_formulas() || resolves_functions());
+    }
+    // whether the highest terms of the functions are below the tolerance
+    bool resolves_functions() const {
+        const std::size_t first = state_.size(), all = rates_.front().size();
+        std::vector<double> sizes(all, 0.0);
+        for (const std::vector<double>& rates : rates_)
+            for (std::size_t i = first; i < all; ++i) sizes[i] = std::max(sizes[i], std::abs(rates[i]));
+        // a function may be zero up to rounding
+        constexpr double least = 1e-3;
+        const double largest =
+            std::max(*std::max_element(sizes.begin(), sizes.end()), *std::max_element(scales_.begin(), scales_.end()));
+        for (std::size_t i = first; i < all; ++i)
+            if (polynomial_.last_term(static_cast<int>(i)) >
+                std::max(0.1 * tolerance_, 1e-12) * std::max(sizes[i], least * largest))
+                return false;
+        return true;
     }
     // whether the highest terms of the states are below the tolerance
     bool is_resolved() const {

@@ -10,12 +10,14 @@
 // s is the contact point from the centre of mass in body axes, s' its velocity over the body, a the acceleration by the
 // loads. While the body slides with friction, the independent variable is stretched, dt = |u_t| ds (shock: dp = |u_t|
 // ds): the direction of the slip then stays smooth up to the end of the slip. State: the variables above, the clock (t,
-// or p of a shock), and the integrals of the observed functions over s, from which their series follow.
+// or p of a shock), the integrals of the observed functions over s, from which their series follow, and the variables
+// of formulas (contact_formulas.h).
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "integrators/contact/contact_formulas.h"
 #include "integrators/contact/contact_point.h"
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/rotation_friction.h"
@@ -35,7 +37,8 @@ class ReducedForm {
         : scene_(&scene),
           geometry_(&geometry),
           body_(exact_body<P>(scene)),
-          inertia_{body_.inertia_B, inverse(body_.inertia_B)} {}
+          inertia_{body_.inertia_B, inverse(body_.inertia_B)},
+          formulas_(scene, body_) {}
 
     BodyMotion<P> initial() const { return {body_.q, body_.angular_velocity_B, body_.position_W, body_.velocity_W}; }
     /// Sets the loads that act from `begin` on, and applies the impulses at that time.
@@ -43,7 +46,12 @@ class ReducedForm {
         forcing_ = forcing_at<P>(*scene_, body_, begin, Quaternion<P>{});
         for (const PosedImpulse<P>& impulse : impulses_at<P>(*scene_, body_, begin, Quaternion<P>{}))
             apply(impulse, inertia_, body_.mass, false, m.angular_velocity_B, m.q, m.position_W, m.velocity_W);
+        formulas_.enter(begin, m.angular_velocity_B, m.q, m.position_W, m.velocity_W);
     }
+    /// Whether loads depend on time or state by formulas.
+    bool has_formulas() const { return formulas_.act(); }
+    /// Sets the time (s) for response() and load_torque().
+    void set_time(const P& t) { time_ = t; }
     /// Selects the system for later calls of the functions of a state.
     void select(System system, Pair pair) {
         system_ = system, pair_ = pair;
@@ -107,8 +115,17 @@ class ReducedForm {
     /// held, or the angular acceleration across the direction in which it starts), spin (|w_n|, or (sigma N)^2 - M_n^2
     /// while it is held), the angular acceleration along the direction in which rolling starts, and the torque (3).
     int first_rotation_function() const { return clock() + 1 + own_functions() - rotation_functions; }
-    int dimension() const {
+    int dimension() const { return first_variable() + (system_ == System::shock ? 0 : formulas_.auxiliaries()); }
+    /// Index of the first of the formulas' variables, after all observed functions.
+    int first_variable() const {
         return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
+    }
+    /// Sets the formulas' variables to their values at a state.
+    void refresh(P* y) const {
+        if (first_variable() == dimension()) return;
+        const BodyMotion<P> m = motion(y);
+        formulas_.update(formulas_.state(y[clock()], m.angular_velocity_B, m.q, m.position_W, m.velocity_W),
+                         y + first_variable());
     }
     std::vector<Block> blocks(const Sizes& sizes, double slip) const {
         if (system_ == System::shock) {
@@ -120,6 +137,7 @@ class ReducedForm {
         if (system_ == System::two_contacts) all.push_back({10, 1, sizes.velocity});
         if (system_ == System::sliding || system_ == System::onset)
             all.push_back({10, 2, is_stretched_by_slip() ? slip : sizes.velocity});
+        for (int i = first_variable(); i < dimension(); ++i) all.push_back({i, 1, 1});
         return all;
     }
 
@@ -127,7 +145,8 @@ class ReducedForm {
     void hold_attitude(bool held) { held_ = held; }
     /// Torque of the loads about the centre of mass, N m, world axes.
     Vector3<P> load_torque(const BodyMotion<P>& m) const {
-        return rotate(m.q, torque(forcing_, 0, m.angular_velocity_B, m.q, m.position_W, m.velocity_W));
+        const auto acting = loads<P>(nullptr, time_, m.angular_velocity_B, m.q, m.position_W, m.velocity_W);
+        return rotate(m.q, acting.torque_B);
     }
     /// Sets torsional and rolling friction for later calls.
     void set_rotation(const RotationFriction<P>& rotation) { rotation_ = rotation; }
@@ -150,6 +169,7 @@ class ReducedForm {
             const Vector3<P> u = response(pair_, m).velocity;
             y[10] = u[0], y[11] = u[1];
         }
+        refresh(y);
     }
     BodyMotion<P> motion(const P* y) const {
         if (system_ == System::shock) {
@@ -184,10 +204,10 @@ class ReducedForm {
         ContactResponse<P> result;
         const Vector3<P> spin = rotate(m.q, cross(w, at.point_B));
         result.velocity = axes.from_world(m.velocity_W + spin);
-        const Vector3<P> tau = torque(forcing_, 0, w, m.q, m.position_W, m.velocity_W);
-        const Vector3<P> free = angular_acceleration(w, tau);
+        const auto acting = loads<P>(nullptr, time_, w, m.q, m.position_W, m.velocity_W);
+        const Vector3<P> free = angular_acceleration(w, acting.torque_B);
         const Vector3<P> b = cross(free, at.point_B) + cross(w, at.moves_B) + cross(w, cross(w, at.point_B));
-        result.acceleration = axes.from_world(load_acceleration(m.q, m.velocity_W) + rotate(m.q, b));
+        result.acceleration = axes.from_world(acting.acceleration_W + rotate(m.q, b));
         for (std::size_t j = 0; j < 3; ++j) {
             const Vector3<P> f_B = rotate_back(m.q, axes[j]);
             const Vector3<P> d_B = (P(1) / body_.mass) * f_B + cross(turning(cross(at.point_B, f_B)), at.point_B);
@@ -243,6 +263,8 @@ class ReducedForm {
     SlipPath<P> path_;             // onset
     RotationFriction<P> rotation_;
     TwoContacts<P> two_;
+    ContactFormulas<P> formulas_;
+    P time_{0};
 
     bool is_contact() const { return system_ != System::flight && system_ != System::shock; }
     const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
@@ -264,6 +286,30 @@ class ReducedForm {
         if (forcing_.has_translational_drag) a = a - forcing_.specific_drag * v;
         return a;
     }
+    /// What the loads do at a state.
+    template <class S>
+    struct ActingLoads {
+        Vector3<S> torque_B, acceleration_W;
+        typename ContactFormulas<P>::template Values<S> values;
+    };
+    // `y`: the state, for the formulas' variables of recorded equations
+    template <class S>
+    ActingLoads<S> loads(const S* y, const S& t, const Vector3<S>& w, const Quaternion<S>& q, const Vector3<S>& p,
+                         const Vector3<S>& v) const {
+        ActingLoads<S> acting{torque(forcing_, 0, w, q, p, v), load_acceleration(q, v), {}};
+        if (formulas_.act())
+            formulas_.add(formulas_.state(t, w, q, p, v), y ? y + first_variable() : y, acting.values, acting.torque_B,
+                          acting.acceleration_W);
+        return acting;
+    }
+    // rates of the formulas' variables, given the rates of the state in time
+    template <class S>
+    void variable_rates(const ActingLoads<S>& acting, const S& pace, const Vector3<S>& w_rate,
+                        const Quaternion<S>& q_rate, const Vector3<S>& v, const Vector3<S>& v_rate, S* dy) const {
+        if (first_variable() < dimension())
+            formulas_.variable_rates(formulas_.rates(w_rate, q_rate, v, v_rate), acting.values, pace,
+                                     dy + first_variable());
+    }
     template <class S>
     void observe_gaps(const Quaternion<S>& q, const Vector3<S>& p, S* dy) const {
         int next = clock() + 1 + own_functions();
@@ -278,10 +324,12 @@ class ReducedForm {
     void flight(const S* y, S* dy) const {
         const Vector3<S> w = vector_at(y, 0), p = vector_at(y, 7), v = vector_at(y, 10);
         const Quaternion<S> q = quaternion_at(y, 3);
-        put(dy, 0, inertia_.angular_acceleration(w, torque(forcing_, 0, w, q, p, v)));
+        const ActingLoads<S> acting = loads(y, y[13], w, q, p, v);
+        put(dy, 0, inertia_.angular_acceleration(w, acting.torque_B));
         put(dy, 3, attitude_rate(P(1) / P(2), q, w));
-        put(dy, 7, v), put(dy, 10, load_acceleration(q, v));
+        put(dy, 7, v), put(dy, 10, acting.acceleration_W);
         dy[13] = S(1);
+        variable_rates(acting, S(1), vector_at(dy, 0), quaternion_at(dy, 3), v, acting.acceleration_W, dy);
         observe_gaps(q, p, dy);
     }
     // Torque of torsional and rolling friction for N = 1; w and n in body axes.
@@ -343,7 +391,8 @@ class ReducedForm {
             if (is_starting) pace = S(1);
             f = n - (share * y[10]) * e1 - (share * y[11]) * e2;
         }
-        const Vector3<S> tau = torque(forcing_, 0, w, q, p, v);
+        const ActingLoads<S> acting = loads(y, y[12], w, q, p, v);
+        const Vector3<S>&tau = acting.torque_B, &a = acting.acceleration_W;
         Vector3<S> free, turn, g;
         if (rotation_.acts) {
             g = rotation_torque(q, n, w, y[12]);
@@ -356,7 +405,6 @@ class ReducedForm {
         }
         const Vector3<S> b = cross(free, s) + cross(w, at.moves_B) + cross(w, cross(w, s));
         const Vector3<S> d = (P(1) / body_.mass) * f + cross(turn, s);
-        const Vector3<S> a = load_acceleration(q, v);
         const S N = P(-1) * ((dot(axes_.normal_W, a) + dot(n, b)) / dot(n, d));
         put(dy, 0, pace * (free + N * turn));
         const Quaternion<S> turning = attitude_rate(P(1) / P(2), q, w);
@@ -366,7 +414,10 @@ class ReducedForm {
         dy[11] = pace * (dot(axes_.second_W, a) + dot(e2, b) + N * dot(e2, d));
         dy[12] = pace;
         dy[13] = N, dy[14] = square;
-        put(dy, 15, N * rotate(q, f));
+        const Vector3<S> force = N * rotate(q, f);
+        put(dy, 15, force);
+        variable_rates(acting, pace, Vector3<S>(free + N * turn), turning, v,
+                       Vector3<S>(a + (P(1) / body_.mass) * force), dy);
         if (system_ == System::onset) {
             // the acceleration of the slip across and along its direction
             const Vector3<S> slip_rate = dy[10] * axes_.first_W + dy[11] * axes_.second_W;
@@ -403,7 +454,8 @@ class ReducedForm {
         const ContactPoint<S> at = contact_point(piece(), n, w);
         const Vector3<S>& s = at.point_B;
         const Vector3<S> v_B = cross(s, w), v = rotate(q, v_B);
-        const Vector3<S> a_B = rotate_back(q, load_acceleration(q, v));
+        const ActingLoads<S> acting = loads(y, y[10], w, q, p, v);
+        const Vector3<S> a_B = rotate_back(q, acting.acceleration_W);
         const Vector3<S> c = cross(at.moves_B, w) + cross(w, v_B) - a_B;
         const S square = dot(s, s);
         Matrix3<S> about;
@@ -412,7 +464,7 @@ class ReducedForm {
                 const S shift = i == j ? square - s[i] * s[j] : P(-1) * (s[i] * s[j]);
                 about[i][j] = inertia_.tensor[i][j] + body_.mass * shift;
             }
-        const Vector3<S> free = torque(forcing_, 0, w, q, p, v) - cross(w, inertia_.tensor * w);
+        const Vector3<S> free = acting.torque_B - cross(w, inertia_.tensor * w);
         const Vector3<S> moment = free + body_.mass * cross(s, c);
         Vector3<S> w_rate, g;
         if (rotation_.acts) {
@@ -425,18 +477,23 @@ class ReducedForm {
         const S N = dot(n, force_B);
         const P mu_square = friction() * friction();
         put(dy, 0, w_rate);
-        put(dy, 3, attitude_rate(P(1) / P(2), q, w));
+        const Quaternion<S> q_rate = attitude_rate(P(1) / P(2), q, w);
+        put(dy, 3, q_rate);
         put(dy, 7, v);
         dy[10] = S(1);
         dy[11] = N, dy[12] = (mu_square + P(1)) * (N * N) - dot(force_B, force_B);
-        put(dy, 13, rotate(q, force_B));
+        const Vector3<S> force = rotate(q, force_B);
+        put(dy, 13, force);
+        S pace(1);
         if (rotation_.acts) {
             observe_rotation(y, n, N, w_rate, Vector3<S>(free + cross(s, force_B)), Vector3<S>(N * g), dy);
             if (is_stretched_by_rolling()) {
-                const S pace = rolling_speed(n, w);
+                pace = rolling_speed(n, w);
                 for (int i = 0; i <= 10; ++i) dy[i] = pace * dy[i];
             }
         }
+        variable_rates(acting, pace, w_rate, q_rate, v, Vector3<S>(acting.acceleration_W + (P(1) / body_.mass) * force),
+                       dy);
         observe_gaps(q, p, dy);
     }
     // The motion of a ball along the line of two planes, see two_contacts.h.
@@ -446,7 +503,9 @@ class ReducedForm {
         const Quaternion<S> q = quaternion_at(y, 3);
         const Vector3<P>& d = two_.line_W;
         const Vector3<S> v = y[10] * d, w = rotate(q, w_B);
-        const Vector3<S> a = load_acceleration(q, v), tau = rotate(q, torque(forcing_, 0, w_B, q, p, v));
+        const ActingLoads<S> acting = loads(y, y[11], w_B, q, p, v);
+        const Vector3<S>& a = acting.acceleration_W;
+        const Vector3<S> tau = rotate(q, acting.torque_B);
         const P& r = piece_of(two_.pairs[0]).radius;
         const P m = body_.mass, per_moment = r / body_.inertia_B[0][0];
         const std::array<Vector3<P>, 2> n{plane_of(0).normal_W, plane_of(1).normal_W};
@@ -473,6 +532,7 @@ class ReducedForm {
         put(dy, 7, v);
         dy[10] = dot(a, d) + (P(1) / m) * (A[0] + A[1]);
         dy[11] = S(1);
+        variable_rates(acting, S(1), vector_at(dy, 0), quaternion_at(dy, 3), v, Vector3<S>(dy[10] * d), dy);
         for (std::size_t i = 0; i < 2; ++i) {
             const int at = static_cast<int>(i);
             const P mu = plane_of(i).friction;

@@ -1,4 +1,4 @@
-// Torsional and rolling friction at a contact, and the choice of the next mode of a ball with them.
+// Torsional and rolling friction at a contact, and the choice of the next mode with them.
 //
 // With the normal n, the angular velocity splits into the spin w_n = w . n and the rolling velocity w_t = w - w_n n.
 // The plane exerts a torque on the body about the contact point:
@@ -7,14 +7,18 @@
 // with the coefficients rho and sigma in m. A motion that is held removes its direction from the inverse inertia
 // (HeldRotation).
 //
-// The choice has a closed form for a ball (a sphere with its centre of mass in the middle and equal moments): with the
-// arm s = -r n, the tangential parts of u' = a + F / m + W x s and I W = tau + s x F + M decouple from the normal ones,
-// and N = -m a_n.
+// In a mode, each component of the plane's force and torque is either given by a law or holds its motion, so that six
+// linear equations determine all of them (RotationModeChoice).
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "integrators/contact/contact_state.h"
+#include "integrators/contact/transitions.h"
 #include "motion/equations.h"
 
 namespace polhode::contact {
@@ -78,145 +82,246 @@ enum class Exceeded {
     spin,     ///< torsional friction
 };
 
-/// A ball in contact, in the axes of the contact.
+/// A body with one contact, in the axes of the contact (the normal is the third).
 template <class P>
-struct BallContact {
-    P mass{1}, moment{1}, radius{1};
-    Vector3<P> acceleration, torque;    ///< by loads, m/s^2 and N m
-    Vector3<P> slip, angular_velocity;  ///< exactly zero components are zero
+struct RotatingContact {
+    P inverse_mass{1};
+    Matrix3<P> inverse_inertia;
+    Vector3<P> arm;                                 ///< from the centre of mass to the contact, m
+    Vector3<P> acceleration, angular_acceleration;  ///< by the loads: contact point, body
+    Vector3<P> slip, angular_velocity;              ///< exactly zero components are zero
     P friction{0}, rolling{0}, torsional{0};
     P rounding{0};  ///< relative error of forces: a friction that exceeds its limit by less is at the limit
 };
 
-/// The next mode of a ball.
+/// The next mode of a contact.
 template <class P>
-struct BallMode {
+struct RotationMode {
     bool slides = false;
     bool holds_rolling = false, holds_spin = false;
     int spin = 0;
     std::optional<Vector3<P>> slip_start, rolling_start;  ///< directions of motions that start from zero
 };
 
+/// Chooses the first mode that is consistent: one that holds more motions comes first.
 template <class P>
-class BallModeChoice {
+class RotationModeChoice {
   public:
-    BallModeChoice(const BallContact<P>& ball, Exceeded exceeded)
-        : ball_(ball),
+    RotationModeChoice(const RotatingContact<P>& contact, Exceeded exceeded)
+        : contact_(contact),
           exceeded_(exceeded),
-          normal_force_(-(ball.mass * ball.acceleration[2])),
-          arm_(P(0), P(0), -ball.radius),
-          a_(tangential(ball.acceleration)),
-          tau_(tangential(ball.torque)),
-          rolls_(tangential(ball.angular_velocity)),
-          limit_(ball.rolling * normal_force_),
-          slip_limit_(ball.friction * normal_force_) {
-        is_rolling_ = length(rolls_) > P(0);
-    }
+          response_(contact),
+          rounded_(round(contact)),
+          slip_(tangential(contact.slip)),
+          rolls_(tangential(contact.angular_velocity)) {}
 
     /// Nothing if no mode is consistent.
-    std::optional<BallMode<P>> choose() const {
-        BallMode<P> mode;
-        choose_spin(mode);
-        const bool slips = length(ball_.slip) > P(0) || !(ball_.friction > P(0));
-        if (slips) {
-            mode.slides = true;
-            choose_rolling(slip_force(), mode);
-            return mode;
-        }
-        if (rests(mode) || rolls(mode) || slides_without_rolling(mode) || slides_and_rolls(mode)) return mode;
+    std::optional<RotationMode<P>> choose() const {
+        const bool slips = length(slip_) > P(0) || !(contact_.friction > P(0));
+        const bool may_hold = contact_.rolling > P(0) && !(length(rolls_) > P(0)) && exceeded_ != Exceeded::rolling;
+        for (const int spin : spins())
+            for (const bool holds_rolling : {true, false})
+                for (const bool slides : {false, true}) {
+                    if ((holds_rolling && !may_hold) || (slips && !slides)) continue;
+                    if (!slides && exceeded_ == Exceeded::slip) continue;
+                    RotationMode<P> mode;
+                    mode.slides = slides, mode.holds_rolling = holds_rolling;
+                    mode.holds_spin = spin == holds, mode.spin = mode.holds_spin ? 0 : spin;
+                    if (find_directions(mode) && is_consistent(mode)) return mode;
+                }
         return {};
     }
 
   private:
-    const BallContact<P>& ball_;
+    static constexpr int holds = 2;  // among the signs of the spin
+
+    template <class S>
+    struct Solution {
+        Vector3<S> force, torque, slip_rate, rotation_rate;
+    };
+    // Accelerations of the contact point and of the body by unit forces and torques.
+    template <class S>
+    struct Response {
+        std::array<Vector3<S>, 6> linear, angular;
+        Vector3<S> acceleration, angular_acceleration;
+        S friction, rolling, torsional;
+
+        explicit Response(const RotatingContact<S>& c)
+            : acceleration(c.acceleration),
+              angular_acceleration(c.angular_acceleration),
+              friction(c.friction),
+              rolling(c.rolling),
+              torsional(c.torsional) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                Vector3<S> unit;
+                unit[j] = S(1);
+                angular[j] = c.inverse_inertia * cross(c.arm, unit);
+                linear[j] = c.inverse_mass * unit + cross(angular[j], c.arm);
+                angular[3 + j] = c.inverse_inertia * unit;
+                linear[3 + j] = cross(angular[3 + j], c.arm);
+            }
+        }
+        // Forces and torques of a mode with the directions d of the slip and e of rolling: six equations, one for each.
+        std::optional<Solution<S>> solve(const RotationMode<P>& mode, const Vector3<S>& d, const Vector3<S>& e) const {
+            std::vector<S> rows(36, S(0)), x(6, S(0));
+            const auto demand = [&](std::size_t row, const std::array<Vector3<S>, 6>& by, const Vector3<S>& without,
+                                    std::size_t axis) {
+                for (std::size_t j = 0; j < 6; ++j) rows[6 * row + j] = by[j][axis];
+                x[row] = S(0) - without[axis];
+            };
+            const auto give = [&](std::size_t row, const S& per_normal_force) {
+                rows[6 * row + row] = S(1);
+                rows[6 * row + 2] = rows[6 * row + 2] - per_normal_force;
+            };
+            demand(2, linear, acceleration, 2);
+            for (std::size_t i = 0; i < 2; ++i) {
+                if (mode.slides)
+                    give(i, S(S(0) - friction * d[i]));
+                else
+                    demand(i, linear, acceleration, i);
+                if (mode.holds_rolling)
+                    demand(3 + i, angular, angular_acceleration, i);
+                else
+                    give(3 + i, S(S(0) - rolling * e[i]));
+            }
+            if (mode.holds_spin)
+                demand(5, angular, angular_acceleration, 2);
+            else
+                give(5, S(S(0) - torsional * S(mode.spin)));
+            if (!eliminate(rows, x)) return {};
+            Solution<S> result{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, acceleration, angular_acceleration};
+            for (std::size_t j = 0; j < 6; ++j) {
+                result.slip_rate = result.slip_rate + x[j] * linear[j];
+                result.rotation_rate = result.rotation_rate + x[j] * angular[j];
+            }
+            return result;
+        }
+        // Gaussian elimination with exchange of rows. Returns false if the matrix is singular.
+        static bool eliminate(std::vector<S>& rows, std::vector<S>& x) {
+            const std::size_t n = x.size();
+            for (std::size_t k = 0; k < n; ++k) {
+                std::size_t best = k;
+                for (std::size_t i = k + 1; i < n; ++i)
+                    if (Elementary<S>::magnitude(rows[i * n + k]) > Elementary<S>::magnitude(rows[best * n + k]))
+                        best = i;
+                if (rows[best * n + k] == S(0)) return false;
+                for (std::size_t j = 0; j < n; ++j) std::swap(rows[k * n + j], rows[best * n + j]);
+                std::swap(x[k], x[best]);
+                for (std::size_t i = k + 1; i < n; ++i) {
+                    const S factor = rows[i * n + k] / rows[k * n + k];
+                    for (std::size_t j = k; j < n; ++j) rows[i * n + j] = rows[i * n + j] - factor * rows[k * n + j];
+                    x[i] = x[i] - factor * x[k];
+                }
+            }
+            for (std::size_t k = n; k-- > 0;) {
+                for (std::size_t j = k + 1; j < n; ++j) x[k] = x[k] - rows[k * n + j] * x[j];
+                x[k] = x[k] / rows[k * n + k];
+            }
+            return true;
+        }
+    };
+
+    const RotatingContact<P>& contact_;
     Exceeded exceeded_;
-    P normal_force_;
-    Vector3<P> arm_, a_, tau_, rolls_;
-    P limit_, slip_limit_;  // largest torque against rolling, largest friction
-    bool is_rolling_ = false;
+    Response<P> response_;
+    Response<double> rounded_;
+    Vector3<P> slip_, rolls_;
 
     static Vector3<P> tangential(const Vector3<P>& v) { return {v[0], v[1], P(0)}; }
     static Vector3<P> unit(const Vector3<P>& v) { return (P(1) / length(v)) * v; }
-    bool may_hold_rolling() const { return ball_.rolling > P(0) && !is_rolling_ && exceeded_ != Exceeded::rolling; }
-    bool is_within_cone(const Vector3<P>& F) const {
-        return exceeded_ != Exceeded::slip && length(F) <= slip_limit_ * (P(1) + ball_.rounding);
+    static Response<double> round(const RotatingContact<P>& c) {
+        RotatingContact<double> rounded;
+        rounded.inverse_mass = static_cast<double>(c.inverse_mass);
+        rounded.inverse_inertia = cast<double>(c.inverse_inertia), rounded.arm = cast<double>(c.arm);
+        rounded.acceleration = cast<double>(c.acceleration);
+        rounded.angular_acceleration = cast<double>(c.angular_acceleration);
+        rounded.friction = static_cast<double>(c.friction), rounded.rolling = static_cast<double>(c.rolling);
+        rounded.torsional = static_cast<double>(c.torsional);
+        return Response<double>(rounded);
     }
 
-    void choose_spin(BallMode<P>& mode) const {
-        if (!(ball_.torsional > P(0))) return;
-        const P& w = ball_.angular_velocity[2];
-        const P& tau = ball_.torque[2];
-        if (w > P(0) || w < P(0))
-            mode.spin = w > P(0) ? 1 : -1;
-        else if (exceeded_ != Exceeded::spin && Elementary<P>::magnitude(tau) <= ball_.torsional * normal_force_)
-            mode.holds_spin = true;
-        else
-            mode.spin = tau > P(0) ? 1 : -1;
+    // signs of the spin, `holds` where it is held, 0 without torsional friction
+    std::vector<int> spins() const {
+        if (!(contact_.torsional > P(0))) return {0};
+        const P& spin = contact_.angular_velocity[2];
+        if (spin > P(0) || spin < P(0)) return {spin > P(0) ? 1 : -1};
+        if (exceeded_ == Exceeded::spin) return {1, -1};
+        return {holds, 1, -1};
     }
-    Vector3<P> slip_force() const {
-        if (!(ball_.friction > P(0))) return {};
-        return -(slip_limit_ * unit(ball_.slip));
+    bool starts_slip(const RotationMode<P>& mode) const {
+        return mode.slides && contact_.friction > P(0) && !(length(slip_) > P(0));
     }
-    // the torque against a rolling velocity that is not zero
-    Vector3<P> opposing_torque() const {
-        return is_rolling_ && ball_.rolling > P(0) ? Vector3<P>(-(limit_ * unit(rolls_))) : Vector3<P>();
+    bool starts_rolling(const RotationMode<P>& mode) const {
+        return !mode.holds_rolling && contact_.rolling > P(0) && !(length(rolls_) > P(0));
     }
-    // rolling with a given friction force
-    void choose_rolling(const Vector3<P>& F, BallMode<P>& mode) const {
-        if (!(ball_.rolling > P(0)) || is_rolling_) return;
-        const Vector3<P> T = tau_ + cross(arm_, F);
-        if (may_hold_rolling() && length(T) <= limit_)
-            mode.holds_rolling = true;
-        else
-            mode.rolling_start = unit(T);
+    Vector3<P> slip_direction_of(const RotationMode<P>& mode) const {
+        if (mode.slip_start) return *mode.slip_start;
+        return length(slip_) > P(0) ? unit(slip_) : Vector3<P>();
     }
-    bool rests(BallMode<P>& mode) const {
-        const Vector3<P> F = -(ball_.mass * a_);
-        if (!may_hold_rolling() || !is_within_cone(F) || !(length(tau_ + cross(arm_, F)) <= limit_)) return false;
-        mode.holds_rolling = true;
-        return true;
+    Vector3<P> rolling_direction_of(const RotationMode<P>& mode) const {
+        if (mode.rolling_start) return *mode.rolling_start;
+        return length(rolls_) > P(0) ? unit(rolls_) : Vector3<P>();
     }
-    // (I + m r^2) W = tau - m s x a + M,  F = -m (a + W x s)
-    bool rolls(BallMode<P>& mode) const {
-        const Vector3<P> T = tau_ - ball_.mass * cross(arm_, a_);
-        const bool starts = ball_.rolling > P(0) && !is_rolling_;
-        if (starts && !(length(T) > limit_) && exceeded_ != Exceeded::rolling) return false;
-        if (starts && !(length(T) > P(0))) return false;
-        const Vector3<P> M = starts ? Vector3<P>(-(limit_ * unit(T))) : opposing_torque();
-        const P about = ball_.moment + ball_.mass * ball_.radius * ball_.radius;
-        const Vector3<P> W = (P(1) / about) * (T + M);
-        if (!is_within_cone(-(ball_.mass * (a_ + cross(W, arm_))))) return false;
-        if (starts) mode.rolling_start = unit(T);
-        return true;
-    }
-    bool slides_without_rolling(BallMode<P>& mode) const {
-        if (!may_hold_rolling() || !(length(a_) > P(0))) return false;
-        const Vector3<P> direction = unit(a_);
-        const P pull = ball_.mass * length(a_);
-        const bool slips = pull > slip_limit_ || exceeded_ == Exceeded::slip;
-        if (!slips || !(length(tau_ - slip_limit_ * cross(arm_, direction)) <= limit_)) return false;
-        mode.slides = mode.holds_rolling = true;
-        mode.slip_start = direction;
-        return true;
-    }
-    // u' = a + (tau + M) x s / I + (1 / m + r^2 / I) F. If both motions start, their directions are iterated.
-    bool slides_and_rolls(BallMode<P>& mode) const {
-        const bool starts = ball_.rolling > P(0) && !is_rolling_;
-        Vector3<P> M = opposing_torque(), direction;
-        for (int i = 0; i < 300; ++i) {
-            const Vector3<P> C = a_ + (P(1) / ball_.moment) * cross(tau_ + M, arm_);
-            if (!(length(C) > P(0))) return false;
-            const Vector3<P> next = unit(C);
-            const P change = length(next - direction);
-            direction = next;
-            if (!starts || !(change > P(8) * Elementary<P>::epsilon())) break;
-            if (i == 299) return false;
-            M = -(limit_ * unit(tau_ - slip_limit_ * cross(arm_, direction)));
+    // Finds the directions in which motions start: against what held them if that has just exceeded its limit, else
+    // those of their own accelerations.
+    bool find_directions(RotationMode<P>& mode) const {
+        const bool slips = starts_slip(mode), rolls = starts_rolling(mode);
+        if (!slips && !rolls) return true;
+        if (slips != rolls && exceeded_ == (slips ? Exceeded::slip : Exceeded::rolling)) {
+            RotationMode<P> held = mode;
+            (slips ? held.slides : held.holds_rolling) = !slips;
+            const auto solution = response_.solve(held, slip_direction_of(held), rolling_direction_of(held));
+            if (!solution) return false;
+            const Vector3<P> holding = tangential(slips ? solution->force : solution->torque);
+            if (!(length(holding) > P(0))) return false;
+            (slips ? mode.slip_start : mode.rolling_start) = unit(-holding);
+            return true;
         }
-        mode.slides = true;
-        mode.slip_start = direction;
-        if (starts) mode.rolling_start = unit(tau_ - slip_limit_ * cross(arm_, direction));
+        // both directions depend on each other
+        if (slips) mode.slip_start = Vector3<P>();
+        if (rolls) mode.rolling_start = Vector3<P>();
+        for (int i = 0; i < most_iterations; ++i) {
+            P change(0);
+            // friction by the slip makes a ball roll, so that its direction comes first
+            if (slips && !turn_to_start(mode, mode.slip_start, true, change)) return false;
+            if (rolls && !turn_to_start(mode, mode.rolling_start, false, change)) return false;
+            if (slips != rolls || !(change > P(8) * Elementary<P>::epsilon())) return true;
+        }
+        return false;
+    }
+    static constexpr int most_iterations = 300;
+    // replaces one direction by that of its own acceleration
+    bool turn_to_start(const RotationMode<P>& mode, std::optional<Vector3<P>>& direction, bool is_slip,
+                       P& change) const {
+        const auto acceleration = [&]<class S>(const Response<S>& by, const Vector3<S>& d) {
+            const Vector3<S> other = cast<S>(is_slip ? rolling_direction_of(mode) : slip_direction_of(mode));
+            const auto solution = is_slip ? by.solve(mode, d, other) : by.solve(mode, other, d);
+            if (!solution || !(solution->force[2] > S(0))) return std::optional<Vector3<S>>();
+            return std::optional<Vector3<S>>(is_slip ? solution->slip_rate : solution->rotation_rate);
+        };
+        const std::optional<Vector3<P>> found =
+            forward_direction<P>([&](const Vector3<double>& d) { return acceleration(rounded_, d); },
+                                 [&](const Vector3<P>& d) { return acceleration(response_, d); });
+        if (!found) return false;
+        change = std::max(change, length(Vector3<P>(*found - *direction)));
+        direction = found;
         return true;
+    }
+    bool is_consistent(const RotationMode<P>& mode) const {
+        const auto solution = response_.solve(mode, slip_direction_of(mode), rolling_direction_of(mode));
+        if (!solution || !(solution->force[2] > P(0))) return false;
+        const P& N = solution->force[2];
+        const P cone = contact_.friction * N * (P(1) + contact_.rounding);
+        if (!mode.slides && length(tangential(solution->force)) > cone) return false;
+        if (mode.holds_rolling && length(tangential(solution->torque)) > contact_.rolling * N) return false;
+        if (mode.holds_spin && Elementary<P>::magnitude(solution->torque[2]) > contact_.torsional * N) return false;
+        const bool spin_starts = mode.spin != 0 && contact_.angular_velocity[2] == P(0);
+        if (!spin_starts) return true;
+        if (exceeded_ != Exceeded::spin) return P(mode.spin) * solution->rotation_rate[2] > P(0);
+        RotationMode<P> held = mode;
+        held.holds_spin = true, held.spin = 0;
+        const auto holding = response_.solve(held, slip_direction_of(held), rolling_direction_of(held));
+        return holding && P(mode.spin) * holding->torque[2] < P(0);
     }
 };
 

@@ -11,34 +11,10 @@
 
 namespace polhode::contact {
 
-std::string rotation_friction_refusal(const Scene& scene) {
-    const auto rubs = [](const Plane& plane) { return plane.torsional_friction > 0 || plane.rolling_friction > 0; };
-    // scenes of several bodies with planes have such spheres only (check_sphere_contacts())
-    if (is_mechanism(scene) || std::none_of(scene.planes.begin(), scene.planes.end(), rubs)) return "";
-    const MassProperties<double> body = mass_properties<double>(scene.body);
-    const ContactGeometry<double> geometry = contact_geometry(scene, body.center, Quaternion<double>{});
-    bool is_ball =
-        geometry.pieces.size() == 1 && !geometry.pieces.front().extended && length(geometry.pieces.front().center) == 0;
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j)
-            is_ball = is_ball && body.inertia[i][j] == (i == j ? body.inertia[0][0] : 0);
-    if (is_ball) return "";
-    return "torsional and rolling friction of planes are supported only for spheres with their centre of mass in the "
-           "middle and three equal moments";
-}
-
-std::string contact_refusal(const Scene& scene) {
-    if (scene.planes.empty() || is_mechanism(scene)) return "";
-    if (std::string why = rotation_friction_refusal(scene); !why.empty()) return why;
-    for (const Load& load : scene.loads)
-        if (std::holds_alternative<FormulaLoad>(load)) return "formulas are not supported together with planes";
-    return "";
-}
-
 std::string event_refusal(const Problem& problem) {
     if (problem.needs.user_torque && !problem.scene.planes.empty())
         return "user-defined torques are not supported together with planes";
-    return contact_refusal(problem.scene);
+    return "";
 }
 
 Run<double> follow_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {

@@ -55,11 +55,6 @@ Run<double> follow_in_binary64(const Problem& problem, const Settings& settings,
 /// Events and modes of one body or of several spheres; otherwise as follow_in_binary64().
 Record<double> record_contacts(const Problem& problem, const Settings& settings, MakeSystemSteps steps);
 
-/// Why torsional and rolling friction of the scene's planes is not supported; empty if it is or if no plane has it.
-std::string rotation_friction_refusal(const Scene& scene);
-
-/// Why the contact modes do not support the scene's planes or loads; empty if they do or if there are no planes.
-std::string contact_refusal(const Scene& scene);
 /// Why a method that supports user-defined torques does not support a scene's planes or loads; empty if it does.
 std::string event_refusal(const Problem& problem);
 

@@ -40,19 +40,16 @@ SlidingStart<P> sliding_start(const ContactResponse<P>& at, const P& mu, const V
     return start;
 }
 
-/// The direction in which a contact without slip starts to slide: the one whose acceleration is along itself, forward.
-/// A scan in binary64 finds it, Newton's iteration locates it. `c` of an impact is (0, 0, -1).
-template <class P>
-std::optional<Vector3<P>> slip_direction(const ContactResponse<P>& at, const P& mu) {
-    ContactResponse<double> rounded;
-    rounded.acceleration = cast<double>(at.acceleration), rounded.matrix = cast<double>(at.matrix);
-    const double friction = static_cast<double>(mu);
+/// The tangential direction d whose acceleration is along d, forward. If there are several, the one with the largest
+/// acceleration. `rounded` and `exact` return the acceleration for a direction, in binary64 and in P, or nothing if no
+/// mode has that direction. A scan in binary64 finds it, the secant rule locates it.
+template <class P, class Rounded, class Exact>
+std::optional<Vector3<P>> forward_direction(const Rounded& rounded, const Exact& exact) {
     const auto across = [&](double angle, double& along) {
         const Vector3<double> d(std::cos(angle), std::sin(angle), 0);
-        const SlidingStart<double> start = sliding_start(rounded, friction, d);
-        along = d[0] * start.acceleration[0] + d[1] * start.acceleration[1];
-        if (!(start.normal_force > 0) || !(start.stiffness > 0)) along = -1;
-        return d[0] * start.acceleration[1] - d[1] * start.acceleration[0];
+        const std::optional<Vector3<double>> a = rounded(d);
+        along = a ? d[0] * (*a)[0] + d[1] * (*a)[1] : -1;
+        return a ? d[0] * (*a)[1] - d[1] * (*a)[0] : 0.0;
     };
     // a direction along an axis, which loads often have, is not an end of an interval of the scan
     constexpr int directions = 1440;
@@ -75,12 +72,11 @@ std::optional<Vector3<P>> slip_direction(const ContactResponse<P>& at, const P& 
         before = now, along_before = along;
     }
     if (!found) return {};
-    // Newton's iteration on the perpendicular acceleration g(d), by differences along the circle
     P x, y;
     Elementary<P>::sine_cosine(P(*found), y, x);
     const auto perpendicular = [&](const P& cosine, const P& sine) {
-        const SlidingStart<P> start = sliding_start(at, mu, Vector3<P>(cosine, sine, P(0)));
-        return P(cosine * start.acceleration[1] - sine * start.acceleration[0]);
+        const std::optional<Vector3<P>> a = exact(Vector3<P>(cosine, sine, P(0)));
+        return a ? P(cosine * (*a)[1] - sine * (*a)[0]) : P(0);
     };
     P former(0), former_value(0), turn(0);
     for (int k = 0; k < 60; ++k) {
@@ -101,6 +97,21 @@ std::optional<Vector3<P>> slip_direction(const ContactResponse<P>& at, const P& 
     P sine, cosine;
     Elementary<P>::sine_cosine(turn, sine, cosine);
     return Vector3<P>(x * cosine - y * sine, y * cosine + x * sine, P(0));
+}
+
+/// The direction in which a contact without slip starts to slide. `c` of an impact is (0, 0, -1).
+template <class P>
+std::optional<Vector3<P>> slip_direction(const ContactResponse<P>& at, const P& mu) {
+    ContactResponse<double> rounded;
+    rounded.acceleration = cast<double>(at.acceleration), rounded.matrix = cast<double>(at.matrix);
+    const double friction = static_cast<double>(mu);
+    return forward_direction<P>(
+        [&](const Vector3<double>& d) -> std::optional<Vector3<double>> {
+            const SlidingStart<double> start = sliding_start(rounded, friction, d);
+            if (!(start.normal_force > 0) || !(start.stiffness > 0)) return {};
+            return start.acceleration;
+        },
+        [&](const Vector3<P>& d) -> std::optional<Vector3<P>> { return sliding_start(at, mu, d).acceleration; });
 }
 
 }  // namespace polhode::contact

@@ -117,6 +117,7 @@ Attempt attempt_by_contact_modes(const Problem& problem, const std::vector<doubl
     if (events.largest_impulse > 0) difference = std::max(difference, P(events.impulse / events.largest_impulse));
     const int digits = static_cast<int>(working);
     Truth truth = make_truth(problem, sample_times, one, digits);
+    add_formula_potentials(truth.reference, problem.scene, sample_times, one.motions);
     write_contacts(truth, first, digits);
     return make_attempt(
         std::move(truth), one, other, difference.template convert_to<double>(),

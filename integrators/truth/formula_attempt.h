@@ -18,7 +18,6 @@
 #include "integrators/truth/attempt_taylor.h"
 #include "integrators/truth/formula_form.h"
 #include "integrators/truth/switches.h"
-#include "motion/formula_potential.h"
 
 namespace polhode::truth {
 
@@ -236,15 +235,7 @@ Attempt attempt_by_formula_series(const Problem& problem, const std::vector<doub
                     working, FormulaEulerForm<P>::name, runs.fine.order, first.steps, FormulaMomentumForm<P>::name,
                     runs.coarse.order, other.steps),
         static_cast<int>(working));
-    // compare_runs() adds the potentials of all other loads
-    std::vector<ReferenceSample>& samples = attempt.truth.reference.samples;
-    if (has_formula_potential(scene))
-        for (std::size_t i = 0; i < samples.size(); ++i) {
-            const Motion<P>& m = first.motions[i];
-            const P energy = P(samples[i].energy.high) + P(samples[i].energy.low) +
-                             formula_potential<P>(scene, sample_times[i], m.q, m.position_W);
-            samples[i].energy = pair_of(energy);
-        }
+    add_formula_potentials(attempt.truth.reference, scene, sample_times, first.motions);
     return attempt;
 }
 

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "integrators/truth/momentum_form.h"
+#include "integrators/truth/reference.h"
 #include "motion/exact_body_of.h"
 #include "motion/formula_body.h"
+#include "motion/formula_potential.h"
 
 namespace polhode::truth {
 
@@ -20,6 +22,19 @@ namespace polhode::truth {
 template <class P>
 void append_auxiliary_blocks(const FormulaValues<P>& terms, int first, std::vector<Block>& blocks) {
     for (int k = 0; k < terms.auxiliaries(); ++k) blocks.push_back({first + k, 1, 1});
+}
+
+/// Adds the potentials that are formulas to the energies, which contain those of all other loads.
+template <class P>
+void add_formula_potentials(Reference& reference, const Scene& scene, const std::vector<double>& times,
+                            const std::vector<Motion<P>>& motions) {
+    if (!has_formula_potential(scene)) return;
+    for (std::size_t i = 0; i < reference.samples.size(); ++i) {
+        ReferenceSample& sample = reference.samples[i];
+        const P energy = P(sample.energy.high) + P(sample.energy.low) +
+                         formula_potential<P>(scene, times[i], motions[i].q, motions[i].position_W);
+        sample.energy = pair_of(energy);
+    }
 }
 
 template <class P>
@@ -100,12 +115,17 @@ class FormulaMomentumForm : public MomentumForm<P> {
     void refresh(P* y) const { terms_.update_auxiliaries(formula_state(y), y + time_index() + 1); }
 
     FormulaTerms<P>& terms() { return terms_; }
+    const FormulaTerms<P>& terms() const { return terms_; }
     /// The formulas' inputs at a state.
     template <class S>
     FormulaState<S> formula_state(const S* y) const {
+        return formula_state(y, y + time_index() + 1);
+    }
+    template <class S>
+    FormulaState<S> formula_state(const S* y, const S* variables) const {
         Vector3<S> p, v;
         if (!scene_->pivot) p = vector_at(y, 7), v = (P(1) / body_.mass) * vector_at(y, 10);
-        return {y[time_index()], angular_velocity_B(y), quaternion_at(y, 3), p, v, terms_.held(y + time_index() + 1)};
+        return {y[time_index()], angular_velocity_B(y), quaternion_at(y, 3), p, v, terms_.held(variables)};
     }
     std::vector<SwitchOf<P>> switching_points() const { return switches_of(terms_, time_index() + 1); }
     std::string cross_switch(std::size_t which, P* y) {
@@ -119,7 +139,8 @@ class FormulaMomentumForm : public MomentumForm<P> {
         const FormulaState<P> now = formula_state(y);
         const Matrix3<P> axes = rotation_matrix(quaternion_at(y, 3));
         const formula::Evaluation<P, P> values = terms_.template evaluate<P>(now, nullptr, true);
-        const std::vector<P> all = values.compute_rates(rates(now, axes, dy.data()).input.data());
+        const std::vector<P> all =
+            values.compute_rates(rates(now, axes, dy.data(), dy.data() + time_index() + 1).input.data());
         return all[static_cast<std::size_t>(
             terms_.set().auxiliaries[static_cast<std::size_t>(terms_.switch_auxiliary(which))])];
     }
@@ -130,10 +151,18 @@ class FormulaMomentumForm : public MomentumForm<P> {
     }
     template <class S>
     void derivative_by(const S* y, S* dy, bool by_signs) const {
-        Base::derivative(y, dy);
         const int time = time_index();
-        const FormulaState<S> now = formula_state(y);
-        const formula::Evaluation<S, P> values = terms_.template evaluate<S>(now, y + time + 1, by_signs);
+        const formula::Evaluation<S, P> values = load_rates(y, y + time + 1, dy, by_signs);
+        dy[time] = S(1);
+        variable_rates(y, y + time + 1, values, dy, dy + time + 1);
+    }
+    /// The rates of the base's state by all loads. `variables`: held values and auxiliaries, wherever they are.
+    template <class S>
+    formula::Evaluation<S, P> load_rates(const S* y, const S* variables, S* dy,
+                                         bool by_signs = formula::TracedScalar<S>) const {
+        Base::derivative(y, dy);
+        const FormulaState<S> now = formula_state(y, variables);
+        formula::Evaluation<S, P> values = terms_.template evaluate<S>(now, variables, by_signs);
         const Quaternion<S> q = quaternion_at(y, 3);
         const Matrix3<S> axes = rotation_matrix(q);
         Vector3<S> torque_W = vector_at(dy, 0), force_W;
@@ -156,12 +185,16 @@ class FormulaMomentumForm : public MomentumForm<P> {
         }
         put(dy, 0, torque_W);
         if (!scene_->pivot) put(dy, 10, vector_at(dy, 10) + force_W);
-        dy[time] = S(1);
-        for (int k = 0; k < terms_.holds(); ++k) dy[time + 1 + k] = S(0);
-        if (formula::TracedScalar<S> && terms_.auxiliaries() > 0)
-            terms_.auxiliary_rates(rates(now, axes, dy), values, dy + time + 1);
-        else
-            for (int k = 0; k < terms_.auxiliaries(); ++k) dy[time + 1 + k] = S(0);
+        return values;
+    }
+    /// The rates of the variables, given those of the base's state in `dy`.
+    template <class S>
+    void variable_rates(const S* y, const S* variables, const formula::Evaluation<S, P>& values, const S* dy,
+                        S* to) const {
+        for (int k = 0; k < terms_.auxiliaries(); ++k) to[k] = S(0);
+        if (!formula::TracedScalar<S> || terms_.auxiliaries() == 0) return;
+        const Matrix3<S> axes = rotation_matrix(quaternion_at(y, 3));
+        terms_.auxiliary_rates(rates(formula_state(y, variables), axes, dy, to), values, to);
     }
 
   private:
@@ -187,13 +220,14 @@ class FormulaMomentumForm : public MomentumForm<P> {
     }
     // I dw/dt = R^T dL/dt - w x I w
     template <class S>
-    FormulaState<S> rates(const FormulaState<S>& now, const Matrix3<S>& axes, const S* dy) const {
+    FormulaState<S> rates(const FormulaState<S>& now, const Matrix3<S>& axes, const S* dy,
+                          const S* variable_rates) const {
         constexpr int w = FormulaInputs::angular_velocity;
         const Vector3<S> w_B(now.input[w], now.input[w + 1], now.input[w + 2]);
         const Vector3<S> torque_B = transposed(axes) * vector_at(dy, 0) - cross(w_B, body_.inertia_B * w_B);
         Vector3<S> p, v;
         if (!scene_->pivot) p = vector_at(dy, 7), v = (P(1) / body_.mass) * vector_at(dy, 10);
-        return {S(1), inverse_inertia_ * torque_B, quaternion_at(dy, 3), p, v, terms_.held(dy + time_index() + 1)};
+        return {S(1), inverse_inertia_ * torque_B, quaternion_at(dy, 3), p, v, terms_.held(variable_rates)};
     }
 };
 

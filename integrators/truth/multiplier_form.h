@@ -5,7 +5,7 @@
 //   du/dt = P'/m + I_W^-1 (L' - w x L) x r + w x r' + K F
 //
 // F is zero in flight; N (n - mu u_t / |u_t|) with n . du/dt = 0 in sliding; and solves du/dt = 0 in rolling. The loads
-// are those of momentum_form.h. With n fixed, the contact point of an ellipsoid with A A^T = B in world axes is
+// are those of formula_form.h. With n fixed, the contact point of an ellipsoid with A A^T = B in world axes is
 // r = c - radius n - B n / sqrt(n . B n), and (B n)' = w x B n - B (w x n). The independent variable is stretched as in
 // contact/reduced_form.h, and the state is laid out like there: L, q, p, P (shock: L, P, work), the clock, the observed
 // functions.
@@ -17,7 +17,7 @@
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/rotation_friction.h"
 #include "integrators/contact/two_contacts.h"
-#include "integrators/truth/momentum_form.h"
+#include "integrators/truth/formula_form.h"
 #include "motion/body_equations.h"
 
 namespace polhode::truth {
@@ -33,23 +33,28 @@ class MultiplierForm {
         : geometry_(&geometry),
           loads_(scene),
           body_(mass_properties<P>(scene.body)),
-          inverse_inertia_(inverse(body_.inertia)) {
+          inverse_inertia_(inverse(body_.inertia)),
+          held_values_(static_cast<std::size_t>(loads_.terms().holds())) {
         const Vector3<double> m(static_cast<double>(body_.inertia[0][0]), static_cast<double>(body_.inertia[1][1]),
                                 static_cast<double>(body_.inertia[2][2]));
         least_moment_ = std::min({m[0], m[1], m[2]});
     }
 
     Motion<P> initial() const {
-        P y[13];
-        loads_.initial(y);
-        return loads_.motion(y);
+        std::vector<P> y = load_state();
+        loads_.initial(y.data());
+        return loads_.motion(y.data());
     }
     void enter(double begin, Motion<P>& m) {
-        P y[13];
-        momenta(m, y);
-        loads_.enter(begin, y);
-        m = loads_.motion(y);
+        std::vector<P> y = load_state();
+        momenta(m, y.data());
+        std::copy(held_values_.begin(), held_values_.end(), y.begin() + loads_.time_index() + 1);
+        loads_.enter(begin, y.data());
+        std::copy_n(y.begin() + loads_.time_index() + 1, held_values_.size(), held_values_.begin());
+        m = loads_.motion(y.data());
     }
+    /// Sets the time (s) for response() and load_torque().
+    void set_time(const P& t) { time_ = t; }
     void select(System system, contact::Pair pair) {
         system_ = system, pair_ = pair;
         others_.clear();
@@ -85,22 +90,31 @@ class MultiplierForm {
                                                   : 5) +
                (touches && rotation_.acts ? contact::rotation_functions : 0);
     }
-    int dimension() const {
+    int dimension() const { return first_variable() + (system_ == System::shock ? 0 : loads_.terms().auxiliaries()); }
+    int first_variable() const {
         return clock() + 1 + own_functions() + (system_ == System::shock ? 0 : static_cast<int>(others_.size()));
+    }
+    void refresh(P* y) const {
+        if (first_variable() == dimension()) return;
+        P* variables = y + first_variable();
+        std::copy(held_values_.begin(), held_values_.end(), variables);
+        loads_.terms().update_auxiliaries(loads_.formula_state(y, variables), variables);
     }
     std::vector<contact::Block> blocks(const contact::Sizes& sizes, double) const {
         const double mass = static_cast<double>(body_.mass), turn = least_moment_ * sizes.angular_velocity;
         if (system_ == System::shock)
             return {{0, 3, turn}, {3, 3, mass * sizes.velocity}, {6, 1, mass * sizes.velocity * sizes.velocity}};
-        return {{0, 3, turn}, {3, 4, 1}, {7, 3, sizes.position}, {10, 3, mass * sizes.velocity}};
+        std::vector<contact::Block> all{
+            {0, 3, turn}, {3, 4, 1}, {7, 3, sizes.position}, {10, 3, mass * sizes.velocity}};
+        for (int i = first_variable(); i < dimension(); ++i) all.push_back({i, 1, 1});
+        return all;
     }
 
     void hold_attitude(bool held) { held_ = held; }
     Vector3<P> load_torque(const Motion<P>& m) const {
-        P y[13], rate[13];
-        momenta(m, y);
-        loads_.derivative(y, rate);
-        return vector_at(rate, 0);
+        std::vector<P> y = load_state(), rate = y;
+        find_rates(m, y, rate);
+        return vector_at(rate.data(), 0);
     }
     /// The direction of the slip for System::onset.
     void set_path(const contact::SlipPath<P>& path) { path_ = path; }
@@ -110,6 +124,7 @@ class MultiplierForm {
         y[clock()] = clock_time;
         if (system_ != System::shock) {
             momenta(m, y);
+            refresh(y);
             return;
         }
         frozen_ = m;
@@ -127,10 +142,9 @@ class MultiplierForm {
 
     contact::ContactResponse<P> response(contact::Pair pair, const Motion<P>& m) const {
         const contact::ContactAxes<P> axes(geometry_->planes[pair.plane].normal_W);
-        P y[13], rate[13];
-        momenta(m, y);
-        loads_.derivative(y, rate);
-        const Kinematics<P> k = kinematics(pair, y, rate);
+        std::vector<P> y = load_state(), rate = y;
+        find_rates(m, y, rate);
+        const Kinematics<P> k = kinematics(pair, y.data(), rate.data());
         contact::ContactResponse<P> result{axes.from_world(k.velocity), axes.from_world(k.acceleration), {}};
         for (std::size_t j = 0; j < 3; ++j) {
             const Vector3<P> column = axes.from_world(k.respond(axes[j]));
@@ -139,12 +153,12 @@ class MultiplierForm {
         return result;
     }
     void push(Motion<P>& m, contact::Pair pair, const Vector3<P>& impulse_W) const {
-        P y[13], rate[13];
-        momenta(m, y);
-        loads_.derivative(y, rate);
-        const Vector3<P> arm = kinematics(pair, y, rate).arm;
-        put(y, 0, vector_at(y, 0) + cross(arm, impulse_W)), put(y, 10, vector_at(y, 10) + impulse_W);
-        m = loads_.motion(y);
+        std::vector<P> y = load_state(), rate = y;
+        find_rates(m, y, rate);
+        const Vector3<P> arm = kinematics(pair, y.data(), rate.data()).arm;
+        put(y.data(), 0, vector_at(y.data(), 0) + cross(arm, impulse_W));
+        put(y.data(), 10, vector_at(y.data(), 10) + impulse_W);
+        m = loads_.motion(y.data());
     }
     double friction_of(contact::Pair pair) const { return static_cast<double>(geometry_->planes[pair.plane].friction); }
 
@@ -154,7 +168,7 @@ class MultiplierForm {
             shock(y, dy);
             return;
         }
-        loads_.derivative(y, dy);
+        const formula::Evaluation<S, P> values = loads_.load_rates(y, y + first_variable(), dy);
         S pace(1);
         if (system_ == System::two_contacts) {
             add_two_contacts(y, dy);
@@ -211,8 +225,11 @@ class MultiplierForm {
                 put(dy, 0, held_ ? Vector3<S>() : Vector3<S>(vector_at(dy, 0) + cross(k.arm, F)));
             }
             put(dy, 10, vector_at(dy, 10) + F);
-            if (is_stretched())
-                for (int i = 0; i < 13; ++i) dy[i] = pace * dy[i];
+        }
+        loads_.variable_rates(y, y + first_variable(), values, dy, dy + first_variable());
+        if (is_stretched()) {
+            for (int i = 0; i < 13; ++i) dy[i] = pace * dy[i];
+            for (int i = first_variable(); i < dimension(); ++i) dy[i] = pace * dy[i];
         }
         dy[13] = pace;
         int next = 14 + own_functions();
@@ -222,7 +239,7 @@ class MultiplierForm {
 
   private:
     const ContactGeometry<P>* geometry_;
-    MomentumForm<P> loads_;
+    FormulaMomentumForm<P> loads_;  // its time has the index of the clock
     MassProperties<P> body_;
     Matrix3<P> inverse_inertia_;
     double least_moment_ = 1;
@@ -234,6 +251,18 @@ class MultiplierForm {
     contact::SlipPath<P> path_;  // onset
     contact::RotationFriction<P> rotation_;
     contact::TwoContacts<P> two_;
+    std::vector<P> held_values_;  // of formulas
+    P time_{0};
+
+    // a state of loads_
+    std::vector<P> load_state() const { return std::vector<P>(static_cast<std::size_t>(loads_.dimension())); }
+    // the state of loads_ at a motion, and its rates
+    void find_rates(const Motion<P>& m, std::vector<P>& y, std::vector<P>& rates) const {
+        momenta(m, y.data());
+        y[static_cast<std::size_t>(loads_.time_index())] = time_;
+        std::copy(held_values_.begin(), held_values_.end(), y.begin() + loads_.time_index() + 1);
+        loads_.derivative(y.data(), rates.data());
+    }
 
     const P& mu() const { return geometry_->planes[pair_.plane].friction; }
 
@@ -394,10 +423,9 @@ class MultiplierForm {
     template <class S>
     void shock(const S* y, S* dy) const {
         const Vector3<P>& n = geometry_->planes[pair_.plane].normal_W;
-        P all[13], rate[13];
-        momenta(frozen_, all);
-        loads_.derivative(all, rate);
-        const Kinematics<P> k = kinematics(pair_, all, rate);
+        std::vector<P> all = load_state(), rate = all;
+        find_rates(frozen_, all, rate);
+        const Kinematics<P> k = kinematics(pair_, all.data(), rate.data());
         const Vector3<S> w = k.inverse_inertia_W * vector_at(y, 0);
         const Vector3<S> u = k.inverse_mass * vector_at(y, 3) + cross(w, k.arm);
         const S normal = dot(n, u);

@@ -157,12 +157,12 @@ double digits_lost_by_momenta(const Problem& problem) {
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
 
-// Whether the motion is followed by its contact modes: with friction, and for a hull of one piece. A body of several
+// Whether the motion is followed by its contact modes: with friction, with formulas, and for a hull of one piece. A body of several
 // pieces that comes to rest without friction has contact modes from that time on.
 bool has_contact_modes(const Problem& problem) {
     if (has_sphere_contacts(problem.scene)) return true;
     if (problem.scene.planes.empty()) return false;
-    return problem.body.geometry->pieces.size() == 1 ||
+    return problem.body.geometry->pieces.size() == 1 || has_formula_loads(problem.scene) ||
            std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.friction > 0; });
 }
 // The fault of a run that follows impacts only (taylor.h), if lasting contact ends it.
@@ -263,10 +263,6 @@ std::string refusal(const Scene& scene, int digits) {
     validate(scene, scene.name);
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "no truth: user-defined torques are not supported";
-    if (const std::string why = contact::rotation_friction_refusal(scene); !why.empty()) return "no truth: " + why;
-    for (const Load& load : scene.loads)
-        if (!scene.planes.empty() && std::holds_alternative<FormulaLoad>(load))
-            return "no truth: formulas are not supported together with planes";
     if (digits > most_truth_digits)
         return fmt::format("no truth to {} digits: at most {} digits are available without certification", digits,
                            most_truth_digits);

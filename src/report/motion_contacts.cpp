@@ -182,10 +182,6 @@ class ContactTimeline {
 
 MotionDetails contacts_of_motion(const Scene& scene, const Reference& truth, const Tolerance& tolerance) {
     MotionDetails details;
-    if (const std::string why = contact::contact_refusal(scene); !why.empty()) {
-        details.remark = fmt::format("Contacts are not shown: {}.", why);
-        return details;
-    }
     const ContactHistory history = contact_history(pose(scene), times_of_reference(truth), contact_samples);
     if (!is_near_truth(history.motions, truth, tolerance)) {
         details.remark =

@@ -433,16 +433,19 @@ void check_formulas(const Scene& scene, const std::string& file) {
             check_mechanism_formula(check, scene, *load, place);
         else if (load->kind == FormulaKind::motor)
             check.fail(place, "is a motor, but the scene has one body", "give a torque or a force");
-        if (!scene.planes.empty())
-            check.fail(place + "/formula", "is given in a scene with planes, which do not support formulas",
-                       "remove the planes, or use a load with constant values");
         check.finite(place + "/point", load->point);
         for (const Load& other : scene.loads)
             if (std::holds_alternative<UserTorque>(other))
                 check.fail(place + "/formula", "is given together with a user-defined torque, which is not supported",
                            "give the torque as a formula, too");
     }
-    compile_formulas(scene, file);
+    const std::vector<formula::Switch>& switches = compile_formulas(scene, file)->expression.switches();
+    if (!scene.planes.empty() && !switches.empty())
+        check.fail(
+            "/loads",
+            fmt::format("have a formula with the switching point \"{}\", which scenes with planes do not support",
+                        switches.front().text),
+            "remove the planes, or use a smooth formula");
 }
 
 }  // namespace polhode

@@ -116,6 +116,62 @@ TEST(ContactReference, BouncingBallComesToRoll) {
     expect_close(value(truth.columns[2][11]), -3.0L / 7, 1e-17L);
 }
 
+/// Where an impact of a tilted disc reverses the slip or leaves its direction, all speeds at the contact scale with the
+/// approach, and the impulses decrease by a constant ratio near the limit of the impacts.
+TEST(ContactReference, ImpactsOfADiscAccumulateWithAConstantRatio) {
+    const Scene scene =
+        contact_scene(R"({"shape": {"type": "cylinder", "radius": 0.5, "half_height": 0.0625}, "mass": 2})",
+                      R"({"orientation": [0.6, 0.8, 0, 0], "position": [0, 0, 0.75], "angular_velocity": [0, 0, 6]})",
+                      "[0, 0, -10]", R"("restitution": 0.5, "friction": 0.5)", 1);
+    const DecimalReference truth = available(scene, 4);
+    std::vector<long double> impulses;
+    bool accumulates = false;
+    for (const DecimalContactEvent& event : truth.contact_events) {
+        if (event.event == "accumulates") accumulates = true;
+        if (accumulates || event.event != "impact") continue;
+        const long double impulse = value(event.normal_impulse);
+        if (impulse < 1e-9L && impulse > 1e-14L) impulses.push_back(impulse);
+    }
+    EXPECT_TRUE(accumulates);
+    ASSERT_GE(impulses.size(), 5U);
+    const long double ratio = impulses[1] / impulses[0];
+    for (std::size_t i = 1; i < impulses.size(); ++i) expect_close(impulses[i] / impulses[i - 1], ratio, 1e-7L);
+}
+
+/// At loose tolerances the slip of an impact ends as well, after few steps.
+TEST(ContactReference, LooseTolerancesFollowImpactsWithSlip) {
+    const Scene scene =
+        contact_scene(solid_ball, R"({"position": [0, 0, 1.5], "velocity": [1, 0, 0], "angular_velocity": [3, 0, 5]})",
+                      "[0, 0, -10]", R"("restitution": 0.9, "friction": 0.5)", 1);
+    const DecimalReference truth = available(scene);
+    for (const char* name : {"taylor", "dop853", "cvode_adams"})
+        for (const double tolerance : {1e-3, 1e-4, 1e-5}) {
+            Settings settings;
+            settings.tolerance = tolerance, settings.samples = 2;
+            const Trajectory run = solve(scene, *find_method(name), settings);
+            ASSERT_EQ(run.status, Status::ok) << name << ": " << run.message;
+            EXPECT_LT(run.steps, 1000) << name << " " << tolerance;
+            expect_close(run.samples[2].position_W[0], value(truth.columns[2][7]), 10 * tolerance);
+        }
+}
+
+/// Reactions of samples that lie at the start of the motion: a block slides on a floor, a ball rolls down a slope.
+TEST(ContactReference, ReactionsAtTheStartAreThoseOfTheMode) {
+    const DecimalReference slides =
+        available(contact_scene(R"({"shape": {"type": "box", "half_extents": [1, 1, 0.5]}, "mass": 2})",
+                                R"({"position": [0, 0, 0.5], "velocity": [2, 0, 0]})", "[0, 0, -9]",
+                                R"("restitution": 0, "friction": 0.5)", 1));
+    ASSERT_EQ(slides.reactions.size(), 3U);
+    expect_close(value(slides.reactions[0][2]), 18, 1e-17L);
+    expect_close(value(slides.reactions[0][0]), -9, 1e-17L);
+    const DecimalReference rolls = available(contact_scene(solid_ball, R"({"position": [0, 0, 0.5]})", "[3, 0, -9]",
+                                                           R"("restitution": 0, "friction": 0.5)", 1));
+    for (const ReactionDecimals& reaction : rolls.reactions) {
+        expect_close(value(reaction[2]), 18, 1e-17L);
+        expect_close(value(reaction[0]), -2.0L / 7 * 6, 1e-17L);
+    }
+}
+
 /// A rolling ellipsoid keeps its energy: m v^2 / 2 + w I w / 2 + m g z.
 TEST(ContactReference, RollingEllipsoidKeepsItsEnergy) {
     const Scene scene =

@@ -169,14 +169,41 @@ TEST(RotationFriction, TorqueSpinsABallAtRest) {
     expect_equal(rests.reactions[2][5], -1.2);
 }
 
-TEST(RotationFriction, IsRefusedForOtherBodies) {
-    const Scene scene = ball_scene(R"("velocity": [0, 0, 0])", "[0, 0, -9]", both_frictions, 1,
-                                   R"({"shape": {"type": "ellipsoid", "semi_axes": [0.75, 0.75, 0.5]}, "mass": 2})");
-    const std::string why =
-        "torsional and rolling friction of planes are supported only for spheres with their centre of mass in the "
-        "middle and three equal moments";
-    EXPECT_EQ(decimal_reference(scene, 2).message, "no truth: " + why);
-    EXPECT_NE(solve(scene, *find_method("taylor"), {}).message.find(why), std::string::npos);
+/// A spheroid that spins upright slows down at sigma N / I about its axis; a sphere with three different moments that
+/// rolls about a principal axis slows down at rho N / (I + m r^2).
+TEST(RotationFriction, StopsBodiesThatAreNoBalls) {
+    const DecimalReference spins = available_reference(
+        ball_scene(R"("angular_velocity": [0, 0, 3])", "[0, 0, -10]", both_frictions, 2,
+                   R"({"shape": {"type": "ellipsoid", "semi_axes": [0.75, 0.75, 0.5]}, "mass": 2})"));
+    ASSERT_EQ(events_of(spins), "stops ");
+    expect_equal(spins.contact_events[0].t, 3 / (0.0625L * 20 / 0.45L));
+    const DecimalReference rolls = available_reference(ball_scene(
+        R"("velocity": [1, 0, 0], "angular_velocity": [0, 2, 0])", "[0, 0, -10]", both_frictions, 4,
+        R"({"mass": 2, "inertia": [0.25, 0.375, 0.3125], "contact_shape": {"type": "sphere", "radius": 0.5}})"));
+    ASSERT_EQ(events_of(rolls), "stops ");
+    const long double rate = 0.03125L * 20 / (0.375L + 2 * 0.25L);
+    expect_equal(rolls.contact_events[0].t, 2 / rate);
+    expect_equal(rolls.columns[2][7], 1 / rate);
+}
+
+/// A tumbling ellipsoid slides, rolls and comes to rest; it does not gain energy on the way.
+TEST(RotationFriction, EllipsoidLosesEnergyUntilItRests) {
+    const Scene scene =
+        ball_scene(R"("velocity": [0.5, 0.25, 0], "angular_velocity": [1, 2, 3])", "[0, 0, -10]", both_frictions, 6,
+                   R"({"shape": {"type": "ellipsoid", "semi_axes": [0.75, 0.625, 0.5]}, "mass": 2})");
+    available_reference(scene, 12);
+    const Reference truth = reference(scene, 60);
+    for (std::size_t i = 1; i < truth.samples.size(); ++i)
+        EXPECT_LE(truth.samples[i].energy.high, truth.samples[i - 1].energy.high + 1e-14);
+    EXPECT_EQ(truth.samples.back().energy.high, truth.samples[truth.samples.size() - 2].energy.high);
+    Settings settings;
+    settings.tolerance = 1e-11, settings.samples = 60;
+    for (const char* method : {"taylor", "dop853"}) {
+        const Trajectory run = solve(scene, *find_method(method), settings);
+        ASSERT_EQ(run.status, Status::ok) << method << ": " << run.message;
+        for (std::size_t i = 0; i < 3; ++i)
+            EXPECT_NEAR(run.samples.back().position_W[i], truth.samples.back().rounded().position_W[i], 1e-8) << method;
+    }
 }
 
 }  // namespace

@@ -162,6 +162,29 @@ void stacked_ball_drop(Comparison& c) {
     c.add("final speed of the upper ball (m/s)", "J/m - g T", J / m - g * c.duration(), c.last(1).velocity_W[2]);
 }
 
+// The force F0 sin k t moves the block while it exceeds the friction, and again, mirrored, in each half period pi/k.
+void forced_block(Comparison& c) {
+    const Exact F0 = c.scene.parameters.at(0).value, k = c.scene.parameters.at(1).value, m = c.body().mass;
+    const Exact friction = mu(c) * m * -c.gravity()[2], start = asin(Exact(friction / F0)) / k;
+    const Exact half_period = acos(Exact(-1)) / k, after = c.duration() - 3 * half_period;
+    c.add("first start (s)", "t1 = arcsin(mu m g / F0) / k", start, c.event("slides", 0));
+    c.add("second start (s)", "t1 + pi/k", start + half_period, c.event("slides", 1));
+    c.add("final speed (m/s)", "F0 (cos k t1 - cos k s)/(m k) - mu g (s - t1),  s = T - 3 pi/k",
+          F0 * (cos(Exact(k * start)) - cos(Exact(k * after))) / (m * k) - friction * (after - start) / m,
+          -c.last().velocity_W[0]);
+}
+
+// The height of the centre of a spheroid on a plane, from its axis: z^2 = a^2 sin^2 + c^2 cos^2. The semi-axes follow
+// from the moments, I_x = m (a^2 + c^2)/5 and I_z = 2/5 m a^2.
+void spinning_egg(Comparison& c) {
+    const Matrix3<Exact>& inertia = c.body().inertia;
+    const Exact m = c.body().mass, a2 = 5 * inertia[2][2] / (2 * m), c2 = 5 * inertia[0][0] / m - a2;
+    const ExactMotion last = c.last();
+    const Exact axis = rotate(last.q, Vector3<Exact>(0, 0, 1))[2];
+    c.add("final height (m)", "z^2 = a^2 sin^2 + c^2 cos^2 of the axis", sqrt(Exact(a2 + (c2 - a2) * axis * axis)),
+          last.position_W[2]);
+}
+
 void block_on_ramp(Comparison& c) {
     const Vector3<Exact> g = c.gravity();
     const Exact v = -first_velocity(c)[0], up = g[0] - mu(c) * g[2], down = g[0] + mu(c) * g[2];
@@ -260,10 +283,12 @@ std::span<const SceneForms> contact_forms() {
         {"contact/chaplygin_ball", "S. A. Chaplygin 1903", chaplygin_ball},
         {"contact/ellipsoid_bounces", "balance of momentum", ellipsoid_bounces},
         {"contact/eulers_disc", "E. J. Routh 1905", rolling_body},
+        {"contact/forced_block", "J. P. Den Hartog 1931", forced_block},
         {"contact/newtons_cradle", "F. Herrmann and P. Schmaelzle 1981", newtons_cradle},
         {"contact/rattleback", "A. Garcia and M. Hubbard 1988", rolling_body},
         {"contact/rolling_coin", "E. J. Routh 1905", rolling_body},
         {"contact/rolling_ellipsoid", "E. J. Routh 1905", rolling_body},
+        {"contact/spinning_egg", "H. K. Moffatt and Y. Shimomura 2002", spinning_egg},
         {"contact/stacked_ball_drop", "W. G. Harter 1971", stacked_ball_drop},
         {"contact/superball", "R. L. Garwin 1969", superball},
         {"contact/tippe_top", "C. G. Gray and B. G. Nickel 2000", tippe_top},

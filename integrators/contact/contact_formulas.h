@@ -68,7 +68,8 @@ class ContactFormulas {
         const int count = auxiliaries();
         std::vector<S> all(static_cast<std::size_t>(terms_->auxiliaries()), S(0));
         terms_->auxiliary_rates(rates, *values, all.data());
-        for (int k = 0; k < count; ++k) to[k] = pace * all[static_cast<std::size_t>(terms_->holds() + k)];
+        for (int k = 0; k < count; ++k)
+            to[k] = pace * all[static_cast<std::size_t>(terms_->holds()) + static_cast<std::size_t>(k)];
     }
     /// Sets the variables of recorded equations to their values.
     void update(const FormulaState<P>& now, P* variables) const {

@@ -71,13 +71,13 @@ class Comparison {
     /// Sum of p x v m and of I w about the world's origin, world axes.
     Vector3<Exact> angular_momentum_W(const ExactMotion& motion, std::size_t b = 0) const;
 
-    std::vector<ClosedForm> take() { return std::move(all_); }
+    std::vector<FormComparison> take() { return std::move(all_); }
 
   private:
     const truth::Truth& truth_;
     std::string source_;
     std::vector<MassProperties<Exact>> bodies_;
-    std::vector<ClosedForm> all_;
+    std::vector<FormComparison> all_;
 };
 
 /// The closed forms of one scene.

@@ -28,7 +28,7 @@ Comparison::Comparison(const Scene& scene_, const truth::Truth& truth, std::stri
 
 void Comparison::add(const std::string& quantity, const std::string& form, const Exact& expected,
                      const std::optional<Exact>& computed, const Exact& scale) {
-    ClosedForm row{quantity, form, source_, printed(expected), "", {}};
+    FormComparison row{quantity, form, source_, printed(expected), "", {}};
     if (computed) {
         row.computed = printed(*computed);
         const Exact size = std::max(Exact(abs(expected)), scale), off = abs(*computed - expected);
@@ -89,7 +89,7 @@ Vector3<Exact> Comparison::angular_momentum_W(const ExactMotion& motion, std::si
 
 }  // namespace closed_forms
 
-std::vector<ClosedForm> compare_closed_forms(const Scene& scene, const truth::Truth& truth) {
+std::vector<FormComparison> compare_closed_forms(const Scene& scene, const truth::Truth& truth) {
     using namespace closed_forms;
     if (!truth.reference.available) return {};
     for (const std::span<const SceneForms> forms : {contact_forms(), joint_forms()})

@@ -12,7 +12,7 @@
 namespace polhode {
 
 /// A number of a motion by a closed form, and polhode's number for the same quantity.
-struct ClosedForm {
+struct FormComparison {
     std::string quantity;              ///< with unit
     std::string form;                  ///< the formula; for a first integral "constant"
     std::string source;                ///< author and year
@@ -24,6 +24,6 @@ struct ClosedForm {
 /// Compares the truth of a built-in scene of contact/ or joints/ with the scene's closed forms. All formulas are
 /// evaluated in 50 digits from the scene's binary64 numbers. Returns an empty list for other scenes, or without a
 /// truth.
-std::vector<ClosedForm> compare_closed_forms(const Scene& scene, const truth::Truth& truth);
+std::vector<FormComparison> compare_closed_forms(const Scene& scene, const truth::Truth& truth);
 
 }  // namespace polhode

@@ -22,12 +22,12 @@ constexpr double quick_seconds_limit = 5;    // time limit with --quick
 /// The truth of a scene and its comparisons.
 struct EventTruth {
     std::vector<Cell> row;
-    std::vector<ClosedForm> forms;
+    std::vector<FormComparison> forms;
 };
 
 // The form with the largest difference; a form without a computed value counts as larger than all others.
-const ClosedForm* find_worst(const std::vector<ClosedForm>& forms) {
-    const auto worse = [](const ClosedForm& a, const ClosedForm& b) {
+const FormComparison* find_worst(const std::vector<FormComparison>& forms) {
+    const auto worse = [](const FormComparison& a, const FormComparison& b) {
         return a.difference && (!b.difference || *a.difference < *b.difference);
     };
     return forms.empty() ? nullptr : &*std::ranges::max_element(forms, worse);
@@ -39,7 +39,7 @@ EventTruth compute_event_truth(const PlannedScene& planned, long samples, int di
     const auto where_available = [&](const Cell& cell) { return truth.reference.available ? cell : Cell(); };
     const double bound = truth.reference.bound;
     const bool any = !truth.contact_events.empty();
-    const ClosedForm* worst = find_worst(result.forms);
+    const FormComparison* worst = find_worst(result.forms);
     const auto add = [&](const std::vector<Cell>& cells) {
         result.row.insert(result.row.end(), cells.begin(), cells.end());
     };
@@ -88,7 +88,7 @@ Findings run_event_truth(const Plan& plan, const RunOptions& options) {
     });
     for (std::size_t i = 0; i < all.size(); ++i) {
         truths.table.rows.push_back(std::move(all[i].row));
-        for (const ClosedForm& form : all[i].forms)
+        for (const FormComparison& form : all[i].forms)
             forms.table.rows.push_back({plan.scenes[i].label, form.source, form.quantity, form.form, form.expected,
                                         form.computed, cell_of(form.difference)});
     }

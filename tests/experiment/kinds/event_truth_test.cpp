@@ -19,13 +19,13 @@
 namespace polhode {
 namespace {
 
-std::vector<ClosedForm> forms_of(const std::string& name, const Scene& moved, int digits = 20) {
+std::vector<FormComparison> forms_of(const std::string& name, const Scene& moved, int digits = 20) {
     return compare_closed_forms(find_scene(name), truth::find_truth(moved, 1, digits));
 }
-std::vector<ClosedForm> forms_of(const std::string& name) { return forms_of(name, find_scene(name)); }
+std::vector<FormComparison> forms_of(const std::string& name) { return forms_of(name, find_scene(name)); }
 
-const ClosedForm& form_of(const std::vector<ClosedForm>& forms, const std::string& quantity) {
-    const auto found = std::ranges::find(forms, quantity, &ClosedForm::quantity);
+const FormComparison& form_of(const std::vector<FormComparison>& forms, const std::string& quantity) {
+    const auto found = std::ranges::find(forms, quantity, &FormComparison::quantity);
     if (found == forms.end()) throw std::invalid_argument("no form " + quantity);
     return *found;
 }
@@ -33,11 +33,11 @@ const ClosedForm& form_of(const std::vector<ClosedForm>& forms, const std::strin
 // 2 |u0| / (7 mu g) for the slip u0, and v0 - 2/7 u0 (Hopkins and Patterson 1977), by hand in binary64
 void expect_sliding_ball(const std::string& name, double ux, double uy, double vx, double mu) {
     const FreshCache cache;
-    const std::vector<ClosedForm> forms = forms_of(name);
+    const std::vector<FormComparison> forms = forms_of(name);
     const double t = 2 * std::hypot(ux, uy) / (7 * mu * 9.8);
     EXPECT_NEAR(std::stod(form_of(forms, "start of rolling (s)").expected), t, 1e-15) << name;
     EXPECT_NEAR(std::stod(form_of(forms, "final v_x (m/s)").expected), vx - 2 * ux / 7, 1e-15) << name;
-    for (const ClosedForm& form : forms) {
+    for (const FormComparison& form : forms) {
         ASSERT_TRUE(form.difference) << name << " " << form.quantity;
         EXPECT_LT(*form.difference, 1e-20) << name << " " << form.quantity;
         EXPECT_FALSE(form.source.empty());
@@ -51,24 +51,24 @@ TEST(ContactClosedForms, BallsThatSlideAndRoll) {
 // Values that are short decimals or known numbers.
 TEST(ContactClosedForms, KnownValues) {
     const FreshCache cache;
-    const std::vector<ClosedForm> ball = forms_of("contact/ball_bounces_to_rest");
+    const std::vector<FormComparison> ball = forms_of("contact/ball_bounces_to_rest");
     EXPECT_EQ(form_of(ball, "first impact (s)").expected, "0.5");
     EXPECT_EQ(form_of(ball, "end of the impacts (s)").expected, "1.5");
     EXPECT_LT(*form_of(ball, "end of the impacts (s)").difference, 1e-20);
-    const std::vector<ClosedForm> block = forms_of("contact/block_on_ramp");
+    const std::vector<FormComparison> block = forms_of("contact/block_on_ramp");
     EXPECT_EQ(form_of(block, "final speed (m/s)").expected, "3");
     EXPECT_EQ(form_of(block, "final place (m)").expected, "1");
-    const std::vector<ClosedForm> shot = forms_of("contact/billiard_natural_angle");
+    const std::vector<FormComparison> shot = forms_of("contact/billiard_natural_angle");
     const double angle = std::atan(std::stod(form_of(shot, "tangent of the natural angle").computed));
     EXPECT_NEAR(angle * 180 / std::numbers::pi, 33.67, 0.005);  // Alciatore, TP 3.3
 }
 TEST(JointClosedForms, KnownValues) {
     const FreshCache cache;
-    const std::vector<ClosedForm> oscillator = forms_of("joints/coulomb_oscillator");
+    const std::vector<FormComparison> oscillator = forms_of("joints/coulomb_oscillator");
     EXPECT_EQ(form_of(oscillator, "stop (s)").expected, "6.283185307179586476925287");
     EXPECT_EQ(form_of(oscillator, "final x (m)").expected, "0");
     EXPECT_LT(*form_of(oscillator, "stop (s)").difference, 1e-20);
-    const std::vector<ClosedForm> rack = forms_of("joints/rack_and_pinion");
+    const std::vector<FormComparison> rack = forms_of("joints/rack_and_pinion");
     EXPECT_EQ(form_of(rack, "displacement of the rack (m)").expected, "-4");
     EXPECT_EQ(form_of(rack, "final spin of the pinion (rad/s)").expected, "20");
     EXPECT_EQ(form_of(forms_of("joints/bouncing_slider"), "end of the impacts (s)").expected, "3");
@@ -83,12 +83,13 @@ TEST(ClosedFormComparison, FindsAnotherMotion) {
     EXPECT_NEAR(*form_of(forms_of(name, moved, 12), "start of rolling (s)").difference, 0.04, 1e-10);
     moved = find_scene(name);
     moved.duration = 0.5;
-    const std::vector<ClosedForm> sliding = forms_of(name, moved, 12);
+    const std::vector<FormComparison> sliding = forms_of(name, moved, 12);
     EXPECT_FALSE(form_of(sliding, "start of rolling (s)").difference);
     EXPECT_EQ(form_of(sliding, "start of rolling (s)").computed, "");
     moved = find_scene("joints/pendulum_with_stops");
     moved.joints[0].limits.restitution = 0.7;
-    for (const ClosedForm& form : forms_of("joints/pendulum_with_stops", moved, 12)) EXPECT_GT(*form.difference, 1e-3);
+    for (const FormComparison& form : forms_of("joints/pendulum_with_stops", moved, 12))
+        EXPECT_GT(*form.difference, 1e-3);
 }
 
 TEST(ClosedFormComparison, OtherScenesHaveNone) {

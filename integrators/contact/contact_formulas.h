@@ -1,8 +1,8 @@
 // Formula loads of one body in contact with planes.
 //
-// The state of a contact mode (reduced_form.h) does not contain the time and the translation in all modes, so the
-// inputs of the formulas are given. Recorded equations have one variable for each transcendental function of the
-// formulas (motion/formula_terms.h); they are the last ones of the state. Formulas without switching points only.
+// The state of some contact modes (reduced_form.h) lacks the velocity, so the caller passes the inputs of the formulas.
+// Recorded equations have one variable for each transcendental function of the formulas (motion/formula_terms.h). These
+// variables are the last ones of the state. Formulas with switching points are not supported.
 #pragma once
 
 #include <algorithm>
@@ -43,7 +43,7 @@ class ContactFormulas {
         for (const P& held : held_) result.input.push_back(S(0) * t + held);
         return result;
     }
-    /// Their rates, given those of the state.
+    /// The rates of the inputs, given the rates of the state.
     template <class S>
     FormulaState<S> rates(const Vector3<S>& w_B, const Quaternion<S>& q, const Vector3<S>& p_W,
                           const Vector3<S>& v_W) const {

@@ -262,8 +262,8 @@ class RotationModeChoice {
         if (mode.rolling_start) return *mode.rolling_start;
         return length(rolls_) > P(0) ? unit(rolls_) : Vector3<P>();
     }
-    // Finds the directions in which motions start: against what held them if that has just exceeded its limit, else
-    // those of their own accelerations.
+    // Finds the directions in which motions start. If a holding force or torque has just exceeded its limit, the motion
+    // starts against it; otherwise along its acceleration.
     bool find_directions(RotationMode<P>& mode) const {
         const bool slips = starts_slip(mode), rolls = starts_rolling(mode);
         if (!slips && !rolls) return true;
@@ -282,7 +282,7 @@ class RotationModeChoice {
         if (rolls) mode.rolling_start = Vector3<P>();
         for (int i = 0; i < most_iterations; ++i) {
             P change(0);
-            // friction by the slip makes a ball roll, so that its direction comes first
+            // friction makes a ball roll, so the direction of the slip comes first
             if (slips && !turn_to_start(mode, mode.slip_start, true, change)) return false;
             if (rolls && !turn_to_start(mode, mode.rolling_start, false, change)) return false;
             if (slips != rolls || !(change > P(8) * Elementary<P>::epsilon())) return true;
@@ -290,7 +290,7 @@ class RotationModeChoice {
         return false;
     }
     static constexpr int most_iterations = 300;
-    // replaces one direction by that of its own acceleration
+    // replaces the direction of the slip or of rolling by the direction of its acceleration
     bool turn_to_start(const RotationMode<P>& mode, std::optional<Vector3<P>>& direction, bool is_slip,
                        P& change) const {
         const auto acceleration = [&]<class S>(const Response<S>& by, const Vector3<S>& d) {

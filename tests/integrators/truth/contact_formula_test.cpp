@@ -62,8 +62,8 @@ TEST(ContactFormula, GrowingForceMovesABlock) {
     expect_methods_agree(scene, truth);
 }
 
-/// A rolling ball under F = F_0 sin(k t) at its centre has v = 5/7 F_0 / (m k) (1 - cos k t); the formula has variables
-/// of its own in a series.
+/// A rolling ball under F = F_0 sin(k t) at its centre has v = 5/7 F_0 / (m k) (1 - cos k t); the series has an
+/// auxiliary variable for the sine.
 TEST(ContactFormula, OscillatingForceRollsABall) {
     const Scene scene = formula_scene(
         formula_ball, R"({"position": [0, 0, 0.5]})",

@@ -13,9 +13,11 @@
 
 namespace polhode::contact {
 
+/// The formula loads of a body: their forces and torques at a state, and the variables of recorded equations.
 template <class P>
 class ContactFormulas {
   public:
+    /// Without formula loads, act() is false.
     ContactFormulas(const Scene& scene, const ExactBody<P>& body) : inverse_mass_(P(1) / body.mass) {
         if (!has_formula_loads(scene)) return;
         terms_.emplace(compile_formulas(scene, scene.name), scene, body, mass_properties<P>(scene.body).inertia);
@@ -51,6 +53,7 @@ class ContactFormulas {
         result.input.resize(result.input.size() + held_.size(), S(0));
         return result;
     }
+    /// All values of the formulas at a state.
     template <class S>
     using Values = std::optional<formula::Evaluation<S, P>>;
     /// Adds the loads at a state. `variables`: those of recorded equations.

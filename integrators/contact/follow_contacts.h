@@ -737,6 +737,11 @@ class ContactDriver {
         }
         return contact;
     }
+    // the path that starts now along a direction in the axes of the contact
+    SlipPath<P> straight_path(const ContactAxes<P>& axes, const Vector3<P>& direction) const {
+        const Vector3<P> direction_W = axes.to_world(direction);
+        return {direction_W, cross(axes.normal_W, direction_W), {}, t_};
+    }
     void enter_rotation_mode(const RotationMode<P>& mode, const RotatingContact<P>& contact,
                              const ContactAxes<P>& axes) {
         RotationFriction<P> rotation;
@@ -744,10 +749,7 @@ class ContactDriver {
         rotation.rolling = contact.rolling, rotation.torsional = contact.torsional;
         rotation.holds_rolling = mode.holds_rolling, rotation.holds_spin = mode.holds_spin, rotation.spin = mode.spin;
         rotation.starts_rolling = mode.rolling_start.has_value();
-        if (mode.rolling_start) {
-            const Vector3<P> direction = axes.to_world(*mode.rolling_start);
-            rotation.path = {direction, cross(axes.normal_W, direction), {}, t_};
-        }
+        if (mode.rolling_start) rotation.path = straight_path(axes, *mode.rolling_start);
         spin_zeros_ = contact.angular_velocity[2] == P(0) ? 1 : 0;
         onset_ = mode.slip_start;
         set_rotation(rotation);
@@ -1266,9 +1268,8 @@ class ContactDriver {
         if (!contact_) return {PlaneVectors(scene_->planes.size()), PlaneVectors(scene_->planes.size())};
         if (onset_) {
             const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
-            const Vector3<P> direction = axes.to_world(*onset_);
             form_.select(System::onset, *contact_);
-            form_.set_path({direction, cross(axes.normal_W, direction), {}, t_});
+            form_.set_path(straight_path(axes, *onset_));
             start_state();
         } else {
             enter_system();
@@ -1455,7 +1456,7 @@ class ContactDriver {
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
         const bool slips = onset_.has_value(), rolls = rotation_.starts_rolling;
         SlipPath<P> path;
-        if (slips) path = {axes.to_world(*onset_), cross(axes.normal_W, axes.to_world(*onset_)), {}, t_};
+        if (slips) path = straight_path(axes, *onset_);
         onset_.reset();
         form_.select(slips ? System::onset : mode_, pair);
         start_state();

@@ -14,10 +14,10 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "integrators/contact/contact_state.h"
+#include "integrators/contact/small_system.h"
 #include "integrators/contact/transitions.h"
 #include "motion/equations.h"
 
@@ -188,36 +188,13 @@ class RotationModeChoice {
                 demand(5, angular, angular_acceleration, 2);
             else
                 give(5, S(S(0) - torsional * S(mode.spin)));
-            if (!eliminate(rows, x)) return {};
+            if (!solve_pivoted(rows, x)) return {};
             Solution<S> result{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, acceleration, angular_acceleration};
             for (std::size_t j = 0; j < 6; ++j) {
                 result.slip_rate = result.slip_rate + x[j] * linear[j];
                 result.rotation_rate = result.rotation_rate + x[j] * angular[j];
             }
             return result;
-        }
-        // Gaussian elimination with exchange of rows. Returns false if the matrix is singular.
-        static bool eliminate(std::vector<S>& rows, std::vector<S>& x) {
-            const std::size_t n = x.size();
-            for (std::size_t k = 0; k < n; ++k) {
-                std::size_t best = k;
-                for (std::size_t i = k + 1; i < n; ++i)
-                    if (Elementary<S>::magnitude(rows[i * n + k]) > Elementary<S>::magnitude(rows[best * n + k]))
-                        best = i;
-                if (rows[best * n + k] == S(0)) return false;
-                for (std::size_t j = 0; j < n; ++j) std::swap(rows[k * n + j], rows[best * n + j]);
-                std::swap(x[k], x[best]);
-                for (std::size_t i = k + 1; i < n; ++i) {
-                    const S factor = rows[i * n + k] / rows[k * n + k];
-                    for (std::size_t j = k; j < n; ++j) rows[i * n + j] = rows[i * n + j] - factor * rows[k * n + j];
-                    x[i] = x[i] - factor * x[k];
-                }
-            }
-            for (std::size_t k = n; k-- > 0;) {
-                for (std::size_t j = k + 1; j < n; ++j) x[k] = x[k] - rows[k * n + j] * x[j];
-                x[k] = x[k] / rows[k * n + k];
-            }
-            return true;
         }
     };
 

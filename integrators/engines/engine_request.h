@@ -41,7 +41,7 @@ struct EngineReadback {
 double readback_difference(const EngineScene& scene, const EngineReadback& readback);
 
 /// The planes of a scene with unit normals. Throws std::invalid_argument if engines do not support them: engines
-/// combine the coefficients of two bodies by rules of their own, so that all planes must have the same ones.
+/// combine the coefficients of two bodies by different rules, so all planes must have the same coefficients.
 std::vector<Plane> engine_planes(const Scene& scene);
 
 /// The request as one line of JSON. `setting`: name of the engine's setting.

@@ -570,8 +570,7 @@ Trajectory solve_taylor(const Problem& problem, const Settings& settings) {
 }
 
 std::string taylor_refusal(const Problem& problem) {
-    if (problem.needs.user_torque) return "user-defined torques have no Taylor coefficients";
-    return "";
+    return problem.needs.user_torque ? "user-defined torques have no Taylor coefficients" : "";
 }
 
 constexpr Method taylor_variants[] = {

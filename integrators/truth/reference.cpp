@@ -157,8 +157,8 @@ double digits_lost_by_momenta(const Problem& problem) {
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
 
-// Whether the motion is followed by its contact modes: with friction, with formulas, and for a hull of one piece. A body of several
-// pieces that comes to rest without friction has contact modes from that time on.
+// Whether the motion is followed by its contact modes: with friction, with formulas, or for a hull of one piece. A body
+// of several pieces that comes to rest without friction has contact modes from that time on.
 bool has_contact_modes(const Problem& problem) {
     if (has_sphere_contacts(problem.scene)) return true;
     if (problem.scene.planes.empty()) return false;

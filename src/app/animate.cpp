@@ -88,8 +88,9 @@ void add_animate(CLI::App& program, int& exit_code) {
     const auto options = std::make_shared<AnimateOptions>();
     command->add_option("SCENE", options->scene, "A built-in scene (polhode list scenes) or a scene file")->required();
     command->add_option("--method", options->method, "Method (polhode list methods)")->capture_default_str();
-    command->add_option("--beside", options->beside,
-                        "Draw the motion of this method beside that of --method; --step and --tolerance are its own");
+    command->add_option(
+        "--beside", options->beside,
+        "Draw the motion of this method beside that of --method; --step and --tolerance apply to this method");
     command->add_option("--step", options->step, "Fixed step, s");
     command->add_option("--tolerance", options->tolerance, "Relative tolerance");
     command->add_option("--duration", options->duration, "Duration, s (default: the scene's)");

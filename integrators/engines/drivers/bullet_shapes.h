@@ -10,7 +10,7 @@
 
 namespace polhode::engines {
 
-/// An ellipsoid by its support function: Bullet has none, but collides any convex shape that has one.
+/// An ellipsoid by its support function. Bullet has no ellipsoid, but collides any shape with a support function.
 class BulletEllipsoid : public btConvexInternalShape {
   public:
     explicit BulletEllipsoid(const btVector3& semi_axes) : semi_axes_(semi_axes) {

@@ -19,7 +19,7 @@ struct ContactProbe {
     std::vector<double> friction;     ///< friction of a sliding ball over mu m g at probe_angles, exactly 1
     std::optional<double> deviation;  ///< its largest change of direction, degrees, exactly 0
     std::optional<double> held;       ///< path of a block in 2 s at 0.99 of the critical slope, m, exactly 0
-    std::optional<double> slipped;    ///< the same at 1.01 over its exact path
+    std::optional<double> slipped;    ///< path of the block at 1.01 of the critical slope, over the exact path
     std::optional<double> pushed;   ///< speed after 1 s of a block pushed diagonally by 1.09 mu m g, over the exact one
     std::optional<double> rolling;  ///< acceleration of a ball on an incline over 5/7 g sin a
     std::optional<double> first_bounce, fifth_bounce;  ///< height after impacts with e = 0.8 over that of the fall

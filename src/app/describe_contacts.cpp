@@ -71,8 +71,7 @@ void contacts(Report& report, const Problem& problem) {
     if (has_sphere_contacts(problem.scene)) return contacts_of_spheres(report, problem);
     if (problem.scene.planes.empty()) return;
     report.title("Contacts");
-    if (problem.needs.user_torque)
-        return report.line("user-defined torques are not supported together with planes");
+    if (problem.needs.user_torque) return report.line("user-defined torques are not supported together with planes");
     report.line("laws", "Coulomb friction; impacts by the shock equations of Darboux and Keller");
     report.line("simultaneous impacts", "one after the other, in the order of planes and points of the hull");
     Settings settings;

@@ -439,7 +439,8 @@ void check_formulas(const Scene& scene, const std::string& file) {
                 check.fail(place + "/formula", "is given together with a user-defined torque, which is not supported",
                            "give the torque as a formula, too");
     }
-    const std::vector<formula::Switch>& switches = compile_formulas(scene, file)->expression.switches();
+    const std::shared_ptr<const FormulaSet> formulas = compile_formulas(scene, file);
+    const std::vector<formula::Switch>& switches = formulas->expression.switches();
     if (!scene.planes.empty() && !switches.empty())
         check.fail(
             "/loads",

@@ -208,7 +208,56 @@ void probe_throw(const Prober& prober, ContactProbe& probe) {
     if (exact && direction) probe.throw_error = *direction - *exact;
 }
 
+// The path of a block over the time T, and its velocity at the end.
+struct BlockMotion {
+    Vector3<double> path_W, velocity_W;
+    std::string fault;
+};
+BlockMotion move_block(Scene scene, const Method& method, Settings settings) {
+    scene.duration = 1;
+    settings.samples = 1, settings.seconds_limit = 20;
+    const Trajectory run = solve(scene, method, settings);
+    if (run.status != Status::ok) return {{}, {}, run.message.empty() ? "not followed" : run.message};
+    return {run.samples.back().position_W - scene.initial.position_W, run.samples.back().velocity_W, ""};
+}
+// The angle between a vector in the plane and its direction without error, degrees.
+double direction_error(const Vector3<double>& v, const Vector3<double>& exact) {
+    return std::atan2(exact[0] * v[1] - exact[1] * v[0], exact[0] * v[0] + exact[1] * v[1]) / radians_per_degree;
+}
+
+DirectionProbe probe_direction(const Method& method, const Settings& settings, double angle) {
+    constexpr double speed = 2, ratio = 1.25, least_path = 1e-3;  // m/s, of mu m g, m
+    const double weight = block_friction * earth_gravity;         // mu g, m/s^2
+    const Vector3<double> direction(std::cos(angle * radians_per_degree), std::sin(angle * radians_per_degree), 0);
+    DirectionProbe probe;
+    Scene scene = make_block(block_friction, 0);
+    const Vector3<double> bottom(0, 0, -scene.initial.position_W[2]);
+    scene.initial.velocity_W = speed * direction;
+    const BlockMotion slid = move_block(scene, method, settings);
+    probe.fault = slid.fault;
+    if (slid.fault.empty()) {
+        probe.distance = std::hypot(slid.path_W[0], slid.path_W[1]) / (speed * speed / (2 * weight));
+        probe.distance_direction = direction_error(slid.path_W, direction);
+    }
+    scene.initial.velocity_W = {};
+    scene.loads.push_back(Force{scene.body.mass * ratio * weight * direction, Frame::world, bottom, Frame::body, {}});
+    const BlockMotion pushed = move_block(scene, method, settings);
+    if (probe.fault.empty()) probe.fault = pushed.fault;
+    if (pushed.fault.empty()) {
+        probe.pushed = std::hypot(pushed.velocity_W[0], pushed.velocity_W[1]) / ((ratio - 1) * weight);
+        if (std::hypot(pushed.path_W[0], pushed.path_W[1]) > least_path)
+            probe.pushed_direction = direction_error(pushed.path_W, direction);
+    }
+    return probe;
+}
+
 }  // namespace
+
+std::vector<DirectionProbe> probe_directions(const Method& method, const Settings& settings) {
+    std::vector<DirectionProbe> probes;
+    for (const double angle : direction_angles) probes.push_back(probe_direction(method, settings, angle));
+    return probes;
+}
 
 ContactProbe probe_contact(const Method& method, double step) {
     ContactProbe probe;

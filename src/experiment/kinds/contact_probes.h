@@ -36,6 +36,22 @@ struct ContactProbe {
 /// Runs all motions. `step`: s.
 ContactProbe probe_contact(const Method& method, double step);
 
+/// Directions of a block's motion from the axes of friction pyramids, degrees.
+inline constexpr std::array<double, 7> direction_angles{0, 11.25, 22.5, 33.75, 45, 67.5, 90};
+
+/// A block on a level plane in one direction. A sliding block stops after v^2 / (2 mu g); a block at rest that is
+/// pushed with 1.25 mu m g has the speed mu g T / 4 after the time T. Both keep their direction.
+struct DirectionProbe {
+    std::optional<double> distance;            ///< path to rest over the exact one
+    std::optional<double> distance_direction;  ///< direction of this path minus the exact one, degrees
+    std::optional<double> pushed;              ///< speed of the pushed block over the exact one
+    std::optional<double> pushed_direction;    ///< direction of its path, degrees; empty if it does not move
+    std::string fault;                         ///< why a motion was not followed
+};
+
+/// One result for each of direction_angles. `settings`: step or tolerance of the method.
+std::vector<DirectionProbe> probe_directions(const Method& method, const Settings& settings);
+
 /// The exact height after n impacts, over that of the fall.
 double exact_bounce(int impacts);
 /// The time at which the rattleback reverses its spin by the method `taylor`, s.

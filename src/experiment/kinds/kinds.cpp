@@ -53,6 +53,10 @@ std::span<const ExperimentKind> kinds() {
         {.name = "joints", .reads = all_keys, .conclude = conclude_joints},
         // one body on planes with friction, by time stepping: position, order, penetration, slip and energy gain
         {.name = "contact", .reads = all_keys, .conclude = conclude_contact, .one_body = true},
+        // penalty methods against the rigid reference as their stiffness grows
+        {.name = "contact_stiffness", .reads = all_keys, .conclude = conclude_contact_stiffness, .one_body = true},
+        // friction of a block by direction: pyramids against cones
+        {.name = "contact_anisotropy", .reads = {"methods", "settings"}, .make = run_contact_anisotropy},
         {.name = "mechanism_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_mechanism_truth},
         {.name = "event_truth", .reads = {"scenes", "samples", "seconds_per_run"}, .make = run_event_truth},
         {.name = "mechanism_cost", .reads = {"repeats"}, .make = run_mechanism_cost},

@@ -22,6 +22,7 @@ Findings conclude_engine_joints(const Plan& plan, const std::vector<Result>& row
 Findings conclude_engine_contact(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_speed(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_contact(const Plan& plan, const std::vector<Result>& rows);
+Findings conclude_contact_stiffness(const Plan& plan, const std::vector<Result>& rows);
 Findings conclude_joints(const Plan& plan, const std::vector<Result>& rows);
 
 /// The follow-up of `speed`: its motions with a closed form over T, 10 T and 100 T, by polhode's methods at their
@@ -31,6 +32,7 @@ Plan long_runs(const Plan& plan);
 // `make` of the kinds: compute their own rows
 Findings run_gimbal_lock(const Plan& plan, const RunOptions& options);
 Findings run_collisions(const Plan& plan, const RunOptions& options);
+Findings run_contact_anisotropy(const Plan& plan, const RunOptions& options);
 Findings run_inertia(const Plan& plan, const RunOptions& options);
 Findings run_inertia_shortcuts(const Plan& plan, const RunOptions& options);
 Findings run_mechanism_cost(const Plan& plan, const RunOptions& options);

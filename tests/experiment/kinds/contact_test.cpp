@@ -18,13 +18,13 @@
 namespace polhode {
 namespace {
 
-Findings run_contact_plan(const std::string& scenes, const std::string& methods) {
-    const Plan plan = make_plan(parse_experiment(R"({"name": "x", "kind": "contact", "samples": 5, "repeats": 1,
-        "scenes": [)" + scenes + R"(], "methods": [)" +
-                                                     methods + R"(],
-        "settings": {"steps": {"from": 0.016, "to": 0.001, "count": 5}}})",
-                                                 "x.json"),
-                                "x.json", false);
+Findings run_contact_plan(const std::string& scenes, const std::string& methods, const std::string& kind = "contact",
+                          const std::string& settings = R"("steps": {"from": 0.016, "to": 0.001, "count": 5})") {
+    const Plan plan = make_plan(
+        parse_experiment(R"({"name": "x", "kind": ")" + kind + R"(", "samples": 5, "repeats": 1, "scenes": [)" +
+                             scenes + R"(], "methods": [)" + methods + R"(], "settings": {)" + settings + "}}",
+                         "x.json"),
+        "x.json", false);
     RunOptions options = quickly();
     const std::filesystem::path directory = std::filesystem::path(::testing::TempDir()) / "polhode_contact_study";
     std::filesystem::remove_all(directory);
@@ -99,6 +99,54 @@ TEST(ContactStudy, CountsRefusals) {
     const Table& scenes = table_of(result, "scenes");
     EXPECT_EQ(word(scenes, scenes.rows[0], "position_error at 0.016 s"), "unsupported");
     EXPECT_NE(word(scenes, scenes.rows[0], "message"), "");
+}
+
+// Penalty contact converges to the rigid motion with 1/k and k^(-2/3) for the two laws, across impacts with k^(-1/2)
+// and k^(-2/5).
+TEST(ContactStiffness, OrdersAreThoseOfThePenaltyLaws) {
+    const FreshCache cache;
+    const Findings result = run_contact_plan(R"("contact/ball_incline_rolls", "contact/ball_bounces_to_rest")",
+                                             R"("penalty_spring_damper_bdf", "penalty_hunt_crossley_bdf")",
+                                             "contact_stiffness", R"("tolerances": [1e-4, 1e-5, 1e-6, 1e-7])");
+    const Table& limits = table_of(result, "limits");
+    ASSERT_EQ(limits.rows.size(), 4U);
+    const double expected[] = {1, 2.0 / 3, 0.5, 0.4};
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(number(limits, limits.rows[i], "order"), expected[i], 0.03) << i;
+        EXPECT_EQ(word(limits, limits.rows[i], "message"), "");
+        EXPECT_LT(number(limits, limits.rows[i], "position_error at R = 1e-07"),
+                  number(limits, limits.rows[i], "position_error at R = 1e-06"));
+    }
+    EXPECT_EQ(result.figures.size(), 1U);
+}
+
+// Friction of a pyramid with n sides inscribed in the cone is cos(pi/n) at the middle of a side, that of the product of
+// two intervals 2^(1/2) at 45 degrees. A block stops after a path that is inversely proportional to it.
+TEST(ContactAnisotropy, PyramidsHaveTheFrictionOfTheirSides) {
+    const Plan plan = make_plan(
+        parse_experiment(R"({"name": "x", "kind": "contact_anisotropy", "methods": ["taylor", "anitescu_potra_cone",
+            "anitescu_potra_8", "anitescu_potra_4", "contact_impulses_pyramid"],
+            "settings": {"steps": [0.0009765625], "tolerances": [1e-10]}})",
+                         "x.json"),
+        "x.json", false);
+    const Findings result = run_contact_anisotropy(plan, quickly());
+    const Table &slides = table_of(result, ""), &pushed = table_of(result, "pushed");
+    ASSERT_EQ(slides.rows.size(), 5U);
+    const double at_22[] = {1, 1, 1 / std::cos(std::acos(-1) / 8), 1.225, 0.865},
+                 at_45[] = {1, 1, 1, std::sqrt(2), std::sqrt(0.5)};
+    for (std::size_t i = 0; i < 5; ++i) {
+        const double tolerance = i == 0 ? 1e-9 : 0.004;
+        EXPECT_NEAR(number(slides, slides.rows[i], "distance_ratio at 0"), 1, tolerance);
+        EXPECT_NEAR(number(slides, slides.rows[i], "distance_ratio at 22.5"), at_22[i], tolerance);
+        EXPECT_NEAR(number(slides, slides.rows[i], "distance_ratio at 45"), at_45[i], tolerance);
+        EXPECT_EQ(number(slides, slides.rows[i], "direction_error_max") > 0.01, i >= 2) << i;
+        // 1.25 mu m g is within the larger square
+        EXPECT_NEAR(number(pushed, pushed.rows[i], "speed_ratio at 45"),
+                    i == 3   ? 5 - 4 * std::sqrt(0.5)
+                    : i == 4 ? 0
+                             : 1,
+                    2 * tolerance);
+    }
 }
 
 constexpr double usual_step = 1.0 / 60, small_step = 1e-3;

@@ -134,7 +134,7 @@ class PenaltyModel : public ErasedModel {
     template <class S>
     struct Contact {
         Vector3<S> normal_B, arm_B, velocity_B;
-        S gap, normal_velocity;
+        S gap{}, normal_velocity{};
     };
 
     const Problem* problem_;

@@ -26,7 +26,7 @@ namespace {
 
 using engine_json::array, engine_json::json, engine_json::quaternion_at, engine_json::vector_at;
 
-// Constant gravity. Impulses at t = 0 are part of the initial state.
+// Constant gravity. Motors are converted separately; impulses at t = 0 are part of the initial state.
 Vector3<double> gravity_of(const Scene& scene) {
     Vector3<double> gravity;
     for (const Load& load : scene.loads) {
@@ -38,9 +38,10 @@ Vector3<double> gravity_of(const Scene& scene) {
         } else if (const Impulse* impulse = std::get_if<Impulse>(&load)) {
             if (impulse->at > 0)
                 throw std::invalid_argument("the engine protocol supports impulses on mechanisms only at t = 0");
-        } else if (const Spring* spring = std::get_if<Spring>(&load); !spring || spring->stiffness != 0) {
+        } else if (const Spring* spring = std::get_if<Spring>(&load);
+                   !std::holds_alternative<Motor>(load) && (!spring || spring->stiffness != 0)) {
             throw std::invalid_argument(
-                "the engine protocol supports only gravity and impulses at t = 0 as loads on mechanisms");
+                "the engine protocol supports only gravity, motors and impulses at t = 0 as loads on mechanisms");
         }
     }
     return gravity;
@@ -99,16 +100,30 @@ void add_axis(EngineJoint& joint, const InitialBodies& initial, const Vector3<do
     joint.child_axes.push_back(initial.axis_from_world(joint.child, axis_W));
 }
 
-EngineJoint convert_joint(const Joint& joint, const InitialBodies& initial) {
-    if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
-        throw std::invalid_argument("the engine protocol does not support springs and dampers of joints");
-    if (joint.armature != std::array<double, 2>{})
-        throw std::invalid_argument("the engine protocol does not support armature of joints");
-    if (joint.friction != 0 || joint.limits.any())
-        throw std::invalid_argument("the engine protocol does not support friction and limits of joints");
+// The laws of a joint, in the coordinate that is zero at t = 0.
+EngineJointLaws convert_laws(const Joint& joint) {
     if (!joint.motion.empty())
         throw std::invalid_argument("the engine protocol does not support prescribed motions of joints");
+    EngineJointLaws laws;
+    if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
+        const double start = joint.coordinate[0];
+        laws.limits = {joint.limits.lower - start, joint.limits.upper - start, joint.limits.restitution};
+        laws.friction = joint.friction, laws.armature = joint.armature[0];
+        laws.stiffness = joint.stiffness[0], laws.rest = joint.rest[0] - start, laws.damping = joint.damping[0];
+        return laws;
+    }
+    if (joint.stiffness != std::array<double, 2>{} || joint.damping != std::array<double, 2>{})
+        throw std::invalid_argument(
+            fmt::format("the engine protocol does not support springs and dampers of {} joints", name_of(joint.type)));
+    if (joint.armature != std::array<double, 2>{})
+        throw std::invalid_argument(
+            fmt::format("the engine protocol does not support armature of {} joints", name_of(joint.type)));
+    return laws;
+}
+
+EngineJoint convert_joint(const Joint& joint, const InitialBodies& initial) {
     EngineJoint result;
+    result.laws = convert_laws(joint);
     result.name = joint.name, result.type = name_of(joint.type);
     result.parent = initial.index(joint.parent), result.child = initial.index(joint.child);
     result.child_point = initial.point(result.child, joint.child_point);
@@ -160,6 +175,20 @@ void sort_joints(std::vector<EngineJoint>& joints) {
     joints = std::move(sorted);
 }
 
+int joint_index(const std::vector<EngineJoint>& joints, const std::string& name) {
+    return static_cast<int>(std::ranges::find(joints, name, &EngineJoint::name) - joints.begin());
+}
+
+// Motors and couplings, which refer to the sorted joints.
+void convert_joint_loads(const Scene& scene, EngineMechanism& mechanism) {
+    for (const Load& load : scene.loads)
+        if (const Motor* motor = std::get_if<Motor>(&load))
+            mechanism.motors.push_back({joint_index(mechanism.joints, motor->joint), motor->force, motor->window});
+    for (const Coupling& coupling : scene.couplings)
+        mechanism.couplings.push_back({joint_index(mechanism.joints, coupling.first),
+                                       joint_index(mechanism.joints, coupling.second), coupling.ratio});
+}
+
 // Every pair of balls collides, with the same coefficients.
 EngineBalls convert_balls(const Scene& scene, const std::vector<EngineBody>& bodies) {
     EngineBalls balls;
@@ -189,6 +218,32 @@ json write_vectors(const std::vector<Vector3<double>>& vectors) {
     return all;
 }
 
+// JSON has no infinity: a limit that a joint does not have is null.
+json write_limit(double limit) { return std::isfinite(limit) ? json(limit) : json(); }
+
+// Writes only the laws that the joint has.
+void write_laws(const EngineJointLaws& laws, json& entry) {
+    if (laws.limits.any())
+        entry["limits"] = {{"lower", write_limit(laws.limits.lower)},
+                           {"upper", write_limit(laws.limits.upper)},
+                           {"restitution", laws.limits.restitution}};
+    if (laws.friction > 0) entry["friction"] = laws.friction;
+    if (laws.armature > 0) entry["armature"] = laws.armature;
+    if (laws.stiffness != 0) entry["stiffness"] = laws.stiffness, entry["rest"] = laws.rest;
+    if (laws.damping != 0) entry["damping"] = laws.damping;
+}
+
+void write_joint_loads(const EngineMechanism& mechanism, json& request) {
+    for (const EngineMotor& motor : mechanism.motors) {
+        json entry{{"joint", motor.joint}, {"force", motor.force}, {"from", std::max(0.0, motor.window.from)}};
+        if (std::isfinite(motor.window.until)) entry["until"] = motor.window.until;
+        request["motors"].push_back(std::move(entry));
+    }
+    for (const EngineCoupling& coupling : mechanism.couplings)
+        request["couplings"].push_back(
+            {{"first", coupling.first}, {"second", coupling.second}, {"ratio", coupling.ratio}});
+}
+
 json write_joints(const std::vector<EngineJoint>& joints) {
     json all = json::array();
     for (const EngineJoint& joint : joints) {
@@ -205,6 +260,7 @@ json write_joints(const std::vector<EngineJoint>& joints) {
                    {"turning", array(joint.angular_velocity_W)},
                    {"rates", joint.rates}};
         if (joint.length > 0) entry["length"] = joint.length;
+        write_laws(joint.laws, entry);
         all.push_back(std::move(entry));
     }
     return all;
@@ -235,6 +291,12 @@ void read_mechanism_samples(const json& rows, const Problem& problem, const Engi
     }
 }
 
+std::string describe_law(const std::string& law) {
+    return law == "restitution" ? "restitution at the limits of joints"
+           : law == "springs"   ? "springs and dampers of joints"
+                                : law + " of joints";
+}
+
 }  // namespace
 
 EngineMechanism engine_mechanism(const Problem& problem) {
@@ -258,12 +320,26 @@ EngineMechanism engine_mechanism(const Problem& problem) {
     }
     if (has_sphere_contacts(scene)) result.balls = convert_balls(scene, result.bodies);
     const InitialBodies initial(scene, result.bodies, properties);
-    if (!scene.couplings.empty())
-        throw std::invalid_argument("the engine protocol does not support couplings of joints");
     for (const Joint& joint : scene.joints) result.joints.push_back(convert_joint(joint, initial));
     sort_joints(result.joints);
+    convert_joint_loads(scene, result);
     for (const Loop& loop : scene.loops) result.loops.push_back(convert_loop(loop, initial));
     return result;
+}
+
+std::vector<std::string> joint_laws(const EngineMechanism& mechanism) {
+    std::vector<std::string> all;
+    const auto add = [&](const char* law, bool (*has)(const EngineJointLaws&)) {
+        if (std::ranges::any_of(mechanism.joints, has, &EngineJoint::laws)) all.emplace_back(law);
+    };
+    add("limits", [](const EngineJointLaws& laws) { return laws.limits.any(); });
+    add("restitution", [](const EngineJointLaws& laws) { return laws.limits.any() && laws.limits.restitution > 0; });
+    add("friction", [](const EngineJointLaws& laws) { return laws.friction > 0; });
+    add("armature", [](const EngineJointLaws& laws) { return laws.armature > 0; });
+    add("springs", [](const EngineJointLaws& laws) { return laws.stiffness != 0 || laws.damping != 0; });
+    if (!mechanism.motors.empty()) all.emplace_back("motors");
+    if (!mechanism.couplings.empty()) all.emplace_back("couplings");
+    return all;
 }
 
 std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& hello) {
@@ -277,6 +353,8 @@ std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& 
     for (const EngineJoint& loop : mechanism.loops)
         if (!knows(hello.loops, loop.type))
             return fmt::format("it does not support loops closed by a {} joint", loop.type);
+    for (const std::string& law : joint_laws(mechanism))
+        if (!knows(hello.laws, law)) return fmt::format("it does not support {}", describe_law(law));
     return "";
 }
 
@@ -300,6 +378,7 @@ std::string mechanism_request(const EngineMechanism& mechanism, const std::strin
                  {"bodies", std::move(bodies)},
                  {"joints", write_joints(mechanism.joints)},
                  {"loops", write_joints(mechanism.loops)}};
+    write_joint_loads(mechanism, request);
     if (const auto& balls = mechanism.balls) {
         request["balls"] = balls->radii, request["planes"] = engine_json::write_planes(balls->planes);
         request["contact"] = {{"restitution", balls->restitution}, {"friction", balls->friction}};

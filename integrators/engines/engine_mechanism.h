@@ -19,6 +19,15 @@ struct EngineBody {
     Vector3<double> w_W, p_W, v;  ///< at t = 0, after the impulses at that time; world axes, rad/s, m, m/s
 };
 
+/// Laws of a revolute or prismatic joint, in its coordinate x that is zero at t = 0.
+struct EngineJointLaws {
+    JointLimits limits;              ///< range of x, rad or m, and the coefficient of the impact at a limit
+    double friction = 0;             ///< Coulomb friction, N m or N
+    double armature = 0;             ///< added to the joint's entry of the mass matrix, kg m^2 or kg
+    double stiffness = 0, rest = 0;  ///< generalized force -stiffness (x - rest)
+    double damping = 0;              ///< generalized force -damping x'
+};
+
 /// A joint or the closure of a loop between two bodies, or a body and the world, in its configuration at t = 0, where
 /// all joint coordinates are zero.
 struct EngineJoint {
@@ -35,6 +44,20 @@ struct EngineJoint {
     Vector3<double> angular_velocity_W;        ///< angular velocity of the child relative to the parent at t = 0, rad/s
     std::vector<double> rates;                 ///< rates of the coordinates at t = 0, per axis, rad/s or m/s
     double length = 0;                         ///< length of `distance`, m
+    EngineJointLaws laws{};                    ///< limits, friction, armature, spring and damper
+};
+
+/// A constant generalized force on a joint, along its axis on the child.
+struct EngineMotor {
+    int joint = 0;     ///< index of a joint
+    double force = 0;  ///< N m on a revolute joint, N on a prismatic one
+    Window window;     ///< when it acts
+};
+
+/// A constraint between the coordinates of two joints: second = ratio * first, because both are zero at t = 0.
+struct EngineCoupling {
+    int first = 0, second = 0;  ///< indices of joints
+    double ratio = 1;           ///< coordinate of the second per coordinate of the first
 };
 
 /// Balls that touch each other and planes, instead of joints.
@@ -51,15 +74,21 @@ struct EngineMechanism {
     std::vector<EngineJoint> loops;      ///< in the scene's order
     Vector3<double> gravity;             ///< m/s^2
     std::optional<EngineBalls> balls{};  ///< for scenes with contacts
+    std::vector<EngineMotor> motors{};
+    std::vector<EngineCoupling> couplings{};
 };
 
 /// Converts the scene of a problem with several bodies. Throws std::invalid_argument with a short reason if this is not
-/// possible: springs, dampers and motors, loads other than constant gravity and impulses at t = 0, and pairs of balls
-/// with different coefficients.
+/// possible: springs, dampers and armature of spherical and universal joints, prescribed motions, loads other than
+/// constant gravity, motors and impulses at t = 0, and pairs of balls with different coefficients.
 EngineMechanism engine_mechanism(const Problem& problem);
 
-/// Why an engine does not support the mechanism: contacts of balls, or the first joint or loop type that its hello
-/// lacks. Empty if none.
+/// The laws of joints that the mechanism has, in the words of an engine's hello: limits, restitution, friction,
+/// armature, springs, motors, couplings.
+std::vector<std::string> joint_laws(const EngineMechanism& mechanism);
+
+/// Why an engine does not support the mechanism: contacts of balls, or the first joint type, loop type or law of joints
+/// that its hello lacks. Empty if none.
 std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& hello);
 
 /// The request as one line of JSON. `setting`: name of the engine's setting.

@@ -264,8 +264,10 @@ EngineHello read_hello(std::string_view line) {
         if (const auto settings = hello.find("settings"); settings != hello.end())
             for (const auto& [name, what] : settings->items())
                 result.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));
-        for (const auto& [key, types] :
-             {std::pair{"joints", &result.joints}, {"loops", &result.loops}, {"shapes", &result.shapes}})
+        for (const auto& [key, types] : {std::pair{"joints", &result.joints},
+                                         {"loops", &result.loops},
+                                         {"shapes", &result.shapes},
+                                         {"laws", &result.laws}})
             for (const json& type : hello.value(key, json::array()))
                 types->push_back(one_line(type.get<std::string>(), 80));
     } catch (const json::exception&) {

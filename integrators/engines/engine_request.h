@@ -57,6 +57,7 @@ struct EngineHello {
     std::vector<std::string> loops{};                             ///< joint types that it supports for closing loops
     std::vector<std::string> shapes{};                            ///< shapes that it supports on planes; see README.md
     bool contacts = false;                                        ///< supports balls that touch each other and planes
+    std::vector<std::string> laws{};                              ///< laws of joints that it supports; see README.md
 };
 
 /// Parses the hello. Throws std::invalid_argument with the fault if the line is not a valid hello.

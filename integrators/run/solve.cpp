@@ -82,9 +82,10 @@ std::string special_contact_law(const Scene& scene) {
 
 }  // namespace
 
-// Why a method cannot follow joints with friction, limits or prescribed motions; empty if it can.
+// Why a method cannot follow joints with friction, limits or prescribed motions; empty if it can. Engines have their
+// own list of the laws of joints that they support.
 static std::string joint_law_refusal(const Method& method, const Scene& scene) {
-    if (!follows_events(method) && method.family != Family::reference)
+    if (!follows_events(method) && method.family != Family::reference && method.family != Family::engine)
         for (const Joint& joint : scene.joints) {
             if (joint.friction != 0 || joint.limits.any())
                 return fmt::format("{} does not support friction and limits of joints", method.name);

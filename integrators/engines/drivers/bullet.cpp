@@ -106,5 +106,6 @@ int main() {
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"},
          {"ball", "capsule", "cylinder", "disc", "ellipsoid", "box", "polyhedron", "several"},
-         true});
+         true,
+         {"limits", "restitution", "friction", "springs", "motors", "couplings"}});
 }

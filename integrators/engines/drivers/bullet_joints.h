@@ -1,4 +1,8 @@
 // Bullet's joints between btRigidBody. Compiled with the driver, for both precisions of Bullet.
+//
+// Limits are those of hinges and sliders. Friction is a motor at velocity 0 with a largest force; a hinge takes its
+// impulse per step. A coupling of two rotations relative to the world is a gear constraint. Motors and springs are
+// forces on the bodies.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -14,7 +18,7 @@ inline btQuaternion bullet(const Quaternion<double>& q) {
 
 class BulletMechanism {
   public:
-    explicit BulletMechanism(const Mechanism& mechanism) {
+    explicit BulletMechanism(const Mechanism& mechanism) : mechanism_(&mechanism), forces_(mechanism) {
         world_.setGravity(bullet(mechanism.gravity));
         for (const LinkBody& link : mechanism.bodies) {
             btCollisionShape* const shape = shape_of(mechanism, bodies_.size());
@@ -32,6 +36,7 @@ class BulletMechanism {
         if (mechanism.balls) add_planes(*mechanism.balls);
         for (const LinkJoint& joint : mechanism.joints) add(mechanism, joint);
         for (const LinkJoint& loop : mechanism.loops) add(mechanism, loop);
+        for (const JointCoupling& coupling : mechanism.couplings) add(coupling);
     }
     ~BulletMechanism() {
         for (const auto& joint : joints_) world_.removeConstraint(joint.get());
@@ -55,9 +60,67 @@ class BulletMechanism {
         }
         return all;
     }
-    void step(double h) { world_.stepSimulation(btScalar(h), 0); }
+    void step(double h) {
+        for (const auto& [hinge, friction] : hinges_with_friction_) hinge->setMaxMotorImpulse(btScalar(friction * h));
+        forces_.enter_step(h);
+        if (!forces_.joints().empty())
+            add_joint_forces(forces_, *mechanism_, motions(),
+                             [&](int index, const Vector3<double>& force, const Vector3<double>& torque) {
+                                 btRigidBody& loaded = body(index);
+                                 loaded.activate(true);
+                                 loaded.applyCentralForce(bullet(force)), loaded.applyTorque(bullet(torque));
+                             });
+        world_.stepSimulation(btScalar(h), 0);
+    }
 
   private:
+    // Bullet's gear constraint holds the angular velocities of two bodies in a fixed ratio.
+    void add(const JointCoupling& coupling) {
+        const LinkJoint &first = mechanism_->joints[coupling.first], &second = mechanism_->joints[coupling.second];
+        const auto rotates_about_world = [](const LinkJoint& joint) {
+            return joint.type == "revolute" && joint.parent < 0;
+        };
+        if (!rotates_about_world(first) || !rotates_about_world(second))
+            throw Unsupported("Bullet supports couplings only of two revolute joints on the world");
+        // axis of A times w_A plus ratio times axis of B times w_B is zero
+        joints_.push_back(std::make_unique<btGearConstraint>(body(second.child), body(first.child),
+                                                             bullet(second.child_axes[0]), bullet(first.child_axes[0]),
+                                                             btScalar(-coupling.ratio)));
+        world_.addConstraint(joints_.back().get(), true);
+    }
+    // A hinge multiplies its restitution by the bias factor, which is 0.3 by default.
+    void add_hinge(btRigidBody& parent, btRigidBody& child, const btTransform& a, const btTransform& b,
+                   const JointLaws& laws) {
+        auto hinge = std::make_unique<btHingeConstraint>(parent, child, a, b);
+        if (const JointLimits& limits = laws.limits; limits.any()) {
+            if (!(limits.lower >= -SIMD_PI && limits.upper <= SIMD_PI))
+                throw Unsupported(
+                    "Bullet supports limits of revolute joints only on both sides within pi of the start");
+            // Bullet measures the angle of the parent relative to the child. The softness is the
+            // default; the relaxation factor is the restitution, 1 by default
+            hinge->setLimit(btScalar(-limits.upper), btScalar(-limits.lower), btScalar(0.9),
+                            btScalar(mechanism_->setting == "default" ? 0.3 : 1), btScalar(limits.restitution));
+        }
+        if (laws.friction > 0) {
+            hinge->enableAngularMotor(true, 0, 0);
+            hinges_with_friction_.emplace_back(hinge.get(), laws.friction);
+        }
+        joints_.push_back(std::move(hinge));
+    }
+    static void set_laws(btSliderConstraint& slider, const JointLaws& laws) {
+        if (const JointLimits& limits = laws.limits; limits.any()) {
+            // the slider stops at its limits, whatever the damping that is documented as its restitution
+            if (limits.restitution > 0)
+                throw Unsupported("Bullet supports restitution only at the limits of revolute joints");
+            constexpr double far = 1e6;
+            slider.setLowerLinLimit(btScalar(std::max(limits.lower, -far)));
+            slider.setUpperLinLimit(btScalar(std::min(limits.upper, far)));
+        }
+        if (laws.friction > 0) {
+            slider.setPoweredLinMotor(true), slider.setTargetLinMotorVelocity(0);
+            slider.setMaxLinMotorForce(btScalar(laws.friction));
+        }
+    }
     btCollisionShape* shape_of(const Mechanism& mechanism, std::size_t body) {
         if (!mechanism.balls) return &shape_;
         balls_.push_back(std::make_unique<btSphereShape>(btScalar(mechanism.balls->radii[body])));
@@ -96,7 +159,7 @@ class BulletMechanism {
         };
         if (joint.type == "revolute") {
             const auto [a, b] = frames(frame_about(joint.axes_W[0]));
-            joints_.push_back(std::make_unique<btHingeConstraint>(parent, child, a, b));
+            add_hinge(parent, child, a, b, joint.laws);
         } else if (joint.type == "spherical") {
             joints_.push_back(std::make_unique<btPoint2PointConstraint>(parent, child, bullet(joint.parent_point),
                                                                         bullet(joint.child_point)));
@@ -108,6 +171,7 @@ class BulletMechanism {
             auto slider = std::make_unique<btSliderConstraint>(parent, child, a, b, true);
             slider->setLowerLinLimit(1), slider->setUpperLinLimit(-1);
             slider->setLowerAngLimit(0), slider->setUpperAngLimit(0);
+            set_laws(*slider, joint.laws);
             joints_.push_back(std::move(slider));
         } else if (joint.type == "fixed") {
             const auto [a, b] = frames({1, 0, 0, 0});
@@ -125,6 +189,9 @@ class BulletMechanism {
         world_.addConstraint(joints_.back().get(), true);
     }
 
+    const Mechanism* mechanism_;
+    JointForces forces_;
+    std::vector<std::pair<btHingeConstraint*, double>> hinges_with_friction_;  ///< and their friction, N m
     btDefaultCollisionConfiguration configuration_;
     btCollisionDispatcher dispatcher_{&configuration_};
     btDbvtBroadphase broadphase_;

@@ -1,10 +1,14 @@
 // Bullet's Featherstone bodies: a btMultiBody without links for one body, and one btMultiBody per tree of a mechanism.
 //
 // MultibodyWorld has the body as its base. MultibodyMechanism adds a link per joint (two for a universal joint, with a
-// massless link between). serve.h runs the requests.
+// massless link between). Limits and couplings of joints are constraints; friction is a motor at velocity 0 with a
+// largest impulse per step; motors and springs are generalized forces. serve.h runs the requests.
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyGearConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
 #include <btBulletDynamicsCommon.h>
@@ -89,14 +93,19 @@ class MultibodyWorld {
 /// One btMultiBody per tree of a mechanism. Its base is the free body, or fixed if the tree is attached to the world.
 class MultibodyMechanism {
   public:
-    explicit MultibodyMechanism(const Mechanism& mechanism) : places_(mechanism.bodies.size()) {
+    explicit MultibodyMechanism(const Mechanism& mechanism)
+        : mechanism_(&mechanism), forces_(mechanism), places_(mechanism.bodies.size()) {
         world_.setGravity(bullet(mechanism.gravity));
         for (int i = 0; i < static_cast<int>(mechanism.bodies.size()); ++i)
             if (!mechanism.parent_joint(i)) add_tree(mechanism, i);
         const auto is_root = [](const LinkJoint& joint) { return joint.parent < 0; };
         if (std::ranges::any_of(mechanism.joints, is_root)) add_tree(mechanism, -1);
+        for (const LinkJoint& joint : mechanism.joints) add_laws(joint);
+        for (const JointCoupling& coupling : mechanism.couplings) add(coupling);
     }
     ~MultibodyMechanism() {
+        for (const auto& constraint : constraints_) world_.removeMultiBodyConstraint(constraint.get());
+        for (const auto& collider : colliders_) world_.removeCollisionObject(collider.get());
         for (const auto& tree : trees_) world_.removeMultiBody(tree.get());
     }
     MultibodyMechanism(const MultibodyMechanism&) = delete;
@@ -129,13 +138,67 @@ class MultibodyMechanism {
         }
         return all;
     }
-    void step(double h) { world_.stepSimulation(h, 0); }
+    void step(double h) {
+        for (const auto& [motor, friction] : friction_) motor->setMaxAppliedImpulse(friction * h);
+        forces_.enter_step(h);
+        for (const std::size_t index : forces_.joints()) {
+            const auto [tree, link] = place_of(mechanism_->joints[index]);
+            tree->addJointTorque(link, forces_.force(index, tree->getJointPos(link), tree->getJointVel(link)));
+        }
+        world_.stepSimulation(h, 0);
+    }
 
   private:
     struct LinkPlace {
         std::size_t tree = 0;
         int link = -1;  ///< -1: the base
     };
+
+    std::pair<btMultiBody*, int> place_of(const LinkJoint& joint) const {
+        const LinkPlace& place = places_[std::size_t(joint.child)];
+        return {trees_[place.tree].get(), place.link};
+    }
+    // only links with a collider belong to an island, and only islands are solved; it touches nothing
+    void add_collider(btMultiBody& tree, int link) {
+        if (tree.getLink(link).m_collider) return;
+        colliders_.push_back(std::make_unique<btMultiBodyLinkCollider>(&tree, link));
+        colliders_.back()->setCollisionShape(&shape_);
+        world_.addCollisionObject(colliders_.back().get(), 0, 0);
+        tree.getLink(link).m_collider = colliders_.back().get();
+    }
+    void add_constraint(std::unique_ptr<btMultiBodyConstraint> constraint) {
+        world_.addMultiBodyConstraint(constraint.get());
+        constraint->finalizeMultiDof();
+        constraints_.push_back(std::move(constraint));
+    }
+    void add_laws(const LinkJoint& joint) {
+        const auto [tree, link] = place_of(joint);
+        if (const JointLimits& limits = joint.laws.limits; limits.any()) {
+            constexpr double far = 1e6;
+            add_collider(*tree, link);
+            add_constraint(std::make_unique<btMultiBodyJointLimitConstraint>(tree, link, std::max(limits.lower, -far),
+                                                                             std::min(limits.upper, far)));
+        }
+        if (joint.laws.friction > 0) {
+            add_collider(*tree, link);
+            auto motor = std::make_unique<btMultiBodyJointMotor>(tree, link, 0, 0);
+            friction_.emplace_back(motor.get(), joint.laws.friction);
+            add_constraint(std::move(motor));
+        }
+    }
+    // the rate of A plus ratio times the rate of B is zero
+    void add(const JointCoupling& coupling) {
+        const auto [first, first_link] = place_of(mechanism_->joints[coupling.first]);
+        const auto [second, second_link] = place_of(mechanism_->joints[coupling.second]);
+        add_collider(*first, first_link), add_collider(*second, second_link);
+        const btVector3 none(0, 0, 0);
+        const btMatrix3x3 same = btMatrix3x3::getIdentity();
+        auto gear =
+            std::make_unique<btMultiBodyGearConstraint>(second, second_link, first, first_link, none, none, same, same);
+        gear->setGearRatio(-coupling.ratio);
+        gear->setMaxAppliedImpulse(1e30);
+        add_constraint(std::move(gear));
+    }
 
     void add_tree(const Mechanism& mechanism, int base) {
         std::vector<const LinkJoint*> joints;
@@ -211,7 +274,13 @@ class MultibodyMechanism {
     btDbvtBroadphase broadphase_;
     btMultiBodyConstraintSolver solver_;
     btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+    const Mechanism* mechanism_;
+    JointForces forces_;
+    btSphereShape shape_{0.01};
     std::vector<std::unique_ptr<btMultiBody>> trees_;
+    std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
+    std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;
+    std::vector<std::pair<btMultiBodyJointMotor*, double>> friction_;  ///< and the friction of the joint, N m or N
     std::vector<LinkPlace> places_;
 };
 
@@ -228,5 +297,8 @@ int main() {
           {"best", "no damping, no sleeping, no speed limit"},
           {"rk4", "as best, with btMultiBody's RK4"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
-         {}});
+         {},
+         {},
+         false,
+         {"limits", "friction", "springs", "motors", "couplings"}});
 }

@@ -1,4 +1,5 @@
-// DART: a body node with a FreeJoint, or with a BallJoint at its pivot.
+// DART: a body node with a FreeJoint, or with a BallJoint at its pivot; mechanisms as a skeleton with DART's own
+// limits, Coulomb friction, springs and mimic joints.
 #include <fmt/format.h>
 // not dart/dart.hpp, which does not compile if its optional parts are missing
 #include <dart/config.hpp>
@@ -91,7 +92,8 @@ class DartWorld {
 
 class DartMechanism {
   public:
-    explicit DartMechanism(const Mechanism& mechanism) : nodes_(mechanism.bodies.size()) {
+    explicit DartMechanism(const Mechanism& mechanism)
+        : mechanism_(&mechanism), forces_(mechanism), nodes_(mechanism.bodies.size()) {
         const dd::SkeletonPtr skeleton = dd::Skeleton::create("mechanism");
         for (const int i : mechanism.outward_order()) {
             const LinkBody& body = mechanism.body(i);
@@ -100,6 +102,15 @@ class DartMechanism {
                 joint ? create_jointed_body(*skeleton, mechanism, *joint) : create_free_body(*skeleton, body);
             node->setInertia(dd::Inertia(body.mass, Eigen::Vector3d::Zero(), eigen(body.moments).asDiagonal()));
             nodes_[std::size_t(i)] = node;
+            if (joint) set_laws(*node->getParentJoint(), joint->laws);
+        }
+        for (const JointCoupling& coupling : mechanism.couplings) {
+            // the mimic joint follows the other joint by a servo, which fails an assertion if the joint has friction
+            if (mechanism.joints[coupling.second].laws.friction > 0)
+                throw Unsupported("DART does not support friction of a joint that mimics another joint");
+            dd::Joint& second = joint_of(coupling.second);
+            second.setMimicJoint(&joint_of(coupling.first), coupling.ratio, 0);
+            second.setActuatorType(dd::Joint::MIMIC);
         }
         world_->addSkeleton(skeleton);
         world_->setGravity(eigen(mechanism.gravity));
@@ -120,11 +131,28 @@ class DartMechanism {
         return all;
     }
     void step(double h) {
+        forces_.enter_step(h);
+        // DART resets the forces after each step
+        for (const JointMotor& motor : mechanism_->motors)
+            joint_of(motor.joint).setForce(0, forces_.motor_force(motor.joint));
         world_->setTimeStep(h);
         world_->step();
     }
 
   private:
+    dd::Joint& joint_of(std::size_t index) const {
+        return *nodes_[std::size_t(mechanism_->joints[index].child)]->getParentJoint();
+    }
+    static void set_laws(dd::Joint& joint, const JointLaws& laws) {
+        if (laws.limits.any()) {
+            joint.setLimitEnforcement(true);
+            joint.setPositionLowerLimit(0, laws.limits.lower), joint.setPositionUpperLimit(0, laws.limits.upper);
+        }
+        if (laws.friction > 0) joint.setCoulombFriction(0, laws.friction);
+        if (!laws.has_spring()) return;
+        joint.setSpringStiffness(0, laws.stiffness), joint.setRestPosition(0, laws.rest);
+        joint.setDampingCoefficient(0, laws.damping);
+    }
     static dd::BodyNode* create_free_body(dd::Skeleton& skeleton, const LinkBody& body) {
         auto [joint, node] = skeleton.createJointAndBodyNodePair<dd::FreeJoint>();
         const Quaternion<double>& q = body.start.q;
@@ -184,6 +212,8 @@ class DartMechanism {
             .second;
     }
 
+    const Mechanism* mechanism_;
+    JointForces forces_;
     dart::simulation::WorldPtr world_ = dart::simulation::World::create();
     std::vector<dd::BodyNode*> nodes_;
 };
@@ -199,5 +229,8 @@ int main() {
          "binary64",
          {{"default", "semi-implicit Euler in joint coordinates, gyroscopic term explicit; no damping"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
-         {"spherical"}});
+         {"spherical"},
+         {},
+         false,
+         {"limits", "friction", "springs", "motors", "couplings"}});
 }

@@ -1,10 +1,13 @@
 // Several bodies and joints as a driver receives them, and the loop over their steps.
 //
-// A driver provides a MechanismWorld: the engine with all bodies and joints, created for each run.
+// A driver provides a MechanismWorld: the engine with all bodies and joints, created for each run. JointForces sums the
+// motors, springs and dampers of joints at the start of a step, as in a game's code; add_joint_forces() applies them to
+// the bodies of engines that have no generalized forces.
 #pragma once
 
 #include <concepts>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -30,6 +33,14 @@ struct LinkBody {
     Motion start;
 };
 
+/// Laws of a revolute or prismatic joint; see EngineJointLaws.
+struct JointLaws {
+    JointLimits limits;
+    double friction = 0, armature = 0, stiffness = 0, rest = 0, damping = 0;
+
+    bool has_spring() const { return stiffness != 0 || damping != 0; }
+};
+
 /// A joint or the closure of a loop; see EngineJoint. All coordinates are zero at the start.
 struct LinkJoint {
     std::string type;
@@ -38,6 +49,7 @@ struct LinkJoint {
     std::vector<Vector3<double>> axes_W, parent_axes, child_axes;  ///< unit
     Vector3<double> angular_velocity_W;  ///< angular velocity of the child relative to the parent
     std::vector<double> rates;           ///< rates of the coordinates
+    JointLaws laws{};
 
     /// True if a universal joint has perpendicular axes, as most engines require.
     bool has_perpendicular_axes() const { return std::abs(dot(axes_W.at(0), axes_W.at(1))) < 1e-9; }
@@ -50,6 +62,18 @@ struct Balls {
     std::vector<Plane> planes;  ///< unit normals
 };
 
+/// A constant force on a joint; see EngineMotor.
+struct JointMotor {
+    std::size_t joint = 0;
+    double force = 0, from = 0, until = std::numeric_limits<double>::infinity();
+};
+
+/// second = ratio * first; see EngineCoupling.
+struct JointCoupling {
+    std::size_t first, second;
+    double ratio;
+};
+
 struct Mechanism {
     std::vector<LinkBody> bodies;
     std::vector<LinkJoint> joints;  ///< parents precede children
@@ -57,6 +81,8 @@ struct Mechanism {
     Vector3<double> gravity;
     std::string setting;
     std::optional<Balls> balls;
+    std::vector<JointMotor> motors;
+    std::vector<JointCoupling> couplings;
 
     const LinkBody& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
     /// The attitude of a body, or of the world, at the start.
@@ -97,6 +123,78 @@ inline Quaternion<double> frame_about(const Vector3<double>& z, Vector3<double> 
     for (const Quaternion<double>& other : others)
         if (squared_norm(other) > squared_norm(q)) q = other;
     return normalized(q);
+}
+
+/// Motors, springs and dampers of joints as generalized forces that are constant during a step.
+class JointForces {
+  public:
+    explicit JointForces(const Mechanism& mechanism) : mechanism_(&mechanism) {
+        std::vector<bool> is_loaded(mechanism.joints.size(), false);
+        for (const JointMotor& motor : mechanism.motors) is_loaded[motor.joint] = true;
+        for (std::size_t i = 0; i < is_loaded.size(); ++i)
+            if (is_loaded[i] || mechanism.joints[i].laws.has_spring()) joints_.push_back(i);
+    }
+    /// Indices of the joints with a motor, spring or damper.
+    const std::vector<std::size_t>& joints() const { return joints_; }
+    /// Moves on to a step of length h. A motor acts in the steps whose middle is in its window.
+    void enter_step(double h) { middle_ = time_ + 0.5 * h, time_ += h; }
+    double motor_force(std::size_t joint) const {
+        double force = 0;
+        for (const JointMotor& motor : mechanism_->motors)
+            if (motor.joint == joint && motor.from <= middle_ && middle_ < motor.until) force += motor.force;
+        return force;
+    }
+    /// Motors, spring and damper of a joint with coordinate x and this rate at the start of the step.
+    double force(std::size_t joint, double x, double rate) const {
+        const JointLaws& laws = mechanism_->joints[joint].laws;
+        return motor_force(joint) - laws.stiffness * (x - laws.rest) - laws.damping * rate;
+    }
+
+  private:
+    const Mechanism* mechanism_;
+    std::vector<std::size_t> joints_;
+    double time_ = 0, middle_ = 0;
+};
+
+/// The coordinate of a revolute (between -pi and pi) or prismatic joint and its rate, from the motions of its bodies.
+inline std::pair<double, double> joint_coordinate(const LinkJoint& joint, const Mechanism& mechanism,
+                                                  const std::vector<Motion>& motions) {
+    const Motion world{};
+    const Motion& parent = joint.parent < 0 ? world : motions[static_cast<std::size_t>(joint.parent)];
+    const Motion& child = motions[static_cast<std::size_t>(joint.child)];
+    const Vector3<double> axis_W = rotate(normalized(parent.q), joint.parent_axes[0]);
+    if (joint.type == "revolute") {
+        // child relative to parent, from their relation at the start
+        const Quaternion<double> start = conjugate(mechanism.attitude(joint.parent)) * mechanism.attitude(joint.child),
+                                 turn = conjugate(normalized(parent.q)) * normalized(child.q) * conjugate(start);
+        const double sine = dot(joint.parent_axes[0], Vector3<double>(turn.x, turn.y, turn.z));
+        return {2 * std::atan2(turn.w < 0 ? -sine : sine, std::abs(turn.w)), dot(axis_W, child.w - parent.w)};
+    }
+    const Vector3<double> at_parent = parent.p + rotate(normalized(parent.q), joint.parent_point),
+                          arm = rotate(normalized(child.q), joint.child_point), at_child = child.p + arm,
+                          v_parent = parent.v + cross(parent.w, at_child - parent.p);
+    return {dot(axis_W, at_child - at_parent), dot(axis_W, child.v + cross(child.w, arm) - v_parent)};
+}
+
+/// Passes the forces on the joints to `apply(body, force, torque)`: at the centre of mass, in world axes.
+template <class Apply>
+void add_joint_forces(const JointForces& forces, const Mechanism& mechanism, const std::vector<Motion>& motions,
+                      const Apply& apply) {
+    for (const std::size_t index : forces.joints()) {
+        const LinkJoint& joint = mechanism.joints[index];
+        const auto [x, rate] = joint_coordinate(joint, mechanism, motions);
+        const Motion& child = motions[static_cast<std::size_t>(joint.child)];
+        const Vector3<double> along = forces.force(index, x, rate) * rotate(normalized(child.q), joint.child_axes[0]);
+        if (joint.type == "revolute") {
+            apply(joint.child, Vector3<double>(), along);
+            if (joint.parent >= 0) apply(joint.parent, Vector3<double>(), -along);
+        } else {
+            apply(joint.child, along, Vector3<double>());
+            if (joint.parent < 0) continue;
+            const Vector3<double> arm = child.p - motions[static_cast<std::size_t>(joint.parent)].p;
+            apply(joint.parent, -along, cross(arm, -along));
+        }
+    }
 }
 
 /// An engine with several bodies.

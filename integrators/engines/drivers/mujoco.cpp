@@ -1,7 +1,8 @@
 // MuJoCo: a body with a free joint, or with a ball joint at its pivot; mechanisms as nested bodies.
 //
 // Models are written as MJCF text and loaded from memory (load_model()). MujocoWorld has one body; MujocoMechanism
-// nests each body in its parent and closes loops by "connect" equality constraints. serve.h runs the requests.
+// nests each body in its parent and closes loops by "connect" equality constraints. Limits, friction, armature, springs
+// and couplings of joints are attributes of the model; motors are generalized forces. serve.h runs the requests.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -20,6 +21,7 @@ std::string format_vector(const Vector3<double>& v) { return fmt::format("{:.17g
 const char* integrator_name(const std::string& setting) {
     return setting == "rk4"            ? "RK4"
            : setting == "implicit"     ? "implicit"
+           : setting == "stiff"        ? "implicit"
            : setting == "implicitfast" ? "implicitfast"
                                        : "Euler";
 }
@@ -148,17 +150,59 @@ class MujocoWorld {
 // The body's name in the model; "world" for a negative index.
 std::string body_name(int index) { return index < 0 ? "world" : fmt::format("b{}", index); }
 
+// The limits, friction, armature, spring and damper of a joint as attributes.
+std::string write_laws(const JointLaws& laws) {
+    std::string all;
+    const auto add = [&](const char* attribute, double value) {
+        if (value != 0) all += fmt::format(R"( {}="{:.17g}")", attribute, value);
+    };
+    // MuJoCo has no limits on one side
+    constexpr double far = 1e9;
+    if (laws.limits.any())
+        all += fmt::format(R"( limited="true" range="{:.17g} {:.17g}")", std::max(laws.limits.lower, -far),
+                           std::min(laws.limits.upper, far));
+    add("frictionloss", laws.friction), add("armature", laws.armature);
+    add("stiffness", laws.stiffness), add("springref", laws.rest), add("damping", laws.damping);
+    return all;
+}
+
+std::string joint_name(std::size_t index) { return fmt::format("j{}", index); }
+
 // The joints of a body. All coordinates are zero in the initial configuration.
-std::string write_joints(const LinkJoint* joint) {
+std::string write_joints(const Mechanism& mechanism, const LinkJoint* joint) {
     if (!joint) return "<freejoint/>";
     if (joint->type == "fixed") return "";
     const char* type = joint->type == "spherical" ? "ball" : joint->type == "prismatic" ? "slide" : "hinge";
+    if (joint->child_axes.size() == 1)
+        return fmt::format(R"(<joint name="{}" type="{}" pos="{}" axis="{}"{}/>)",
+                           joint_name(std::size_t(joint - mechanism.joints.data())), type,
+                           format_vector(joint->child_point), format_vector(joint->child_axes[0]),
+                           write_laws(joint->laws));
     std::string all;
     for (std::size_t i = 0; i < std::max<std::size_t>(joint->child_axes.size(), 1); ++i)
         all += fmt::format(
             R"(<joint type="{}" pos="{}"{}/>)", type, format_vector(joint->child_point),
             joint->child_axes.empty() ? "" : fmt::format(R"( axis="{}")", format_vector(joint->child_axes[i])));
     return all;
+}
+
+// A coupling as a constraint between two joints.
+std::string write_coupling(const JointCoupling& coupling) {
+    return fmt::format(R"(<joint joint1="{}" joint2="{}" polycoef="0 {:.17g} 0 0 0"/>)", joint_name(coupling.second),
+                       joint_name(coupling.first), coupling.ratio);
+}
+
+// The stiffest soft constraints that MuJoCo permits: a time constant of two steps and an impedance of 0.9999.
+void stiffen(mjModel* model, double h) {
+    const auto set = [&](mjtNum* solref, mjtNum* solimp, int count) {
+        for (int i = 0; i < count; ++i) {
+            solref[mjNREF * i] = 2 * h, solref[mjNREF * i + 1] = 1;
+            solimp[mjNIMP * i] = solimp[mjNIMP * i + 1] = 0.9999;
+        }
+    };
+    set(model->jnt_solref, model->jnt_solimp, model->njnt);
+    set(model->dof_solref, model->dof_solimp, model->nv);
+    set(model->eq_solref, model->eq_solimp, model->neq);
 }
 
 // A body and all bodies that it carries.
@@ -171,7 +215,7 @@ std::string write_body(const Mechanism& mechanism, int index) {
     std::string all = fmt::format(
         R"(<body name="{}" pos="{}" quat="{:.17g} {:.17g} {:.17g} {:.17g}">{}<inertial pos="0 0 0" mass="{:.17g}" )"
         R"(diaginertia="{}"/>)",
-        body_name(index), format_vector(p), q.w, q.x, q.y, q.z, write_joints(joint), body.mass,
+        body_name(index), format_vector(p), q.w, q.x, q.y, q.z, write_joints(mechanism, joint), body.mass,
         format_vector(body.moments));
     for (const LinkJoint& other : mechanism.joints)
         if (other.parent == index) all += write_body(mechanism, other.child);
@@ -196,16 +240,18 @@ std::string write_closure(const LinkJoint& loop) {
 
 class MujocoMechanism {
   public:
-    explicit MujocoMechanism(const Mechanism& mechanism) {
+    explicit MujocoMechanism(const Mechanism& mechanism)
+        : mechanism_(mechanism), forces_(mechanism_), is_stiff_(mechanism.setting == "stiff") {
         std::string bodies, closures;
         for (int i = 0; i < static_cast<int>(mechanism.bodies.size()); ++i)
             if (const LinkJoint* joint = mechanism.parent_joint(i); !joint || joint->parent < 0)
                 bodies += write_body(mechanism, i);
         for (const LinkJoint& loop : mechanism.loops) closures += write_closure(loop);
-        model_ = load_model(fmt::format(R"(<mujoco><option gravity="{}" integrator="{}"/><worldbody>{}</worldbody>)"
-                                        R"(<equality>{}</equality></mujoco>)",
-                                        format_vector(mechanism.gravity), integrator_name(mechanism.setting), bodies,
-                                        closures));
+        for (const JointCoupling& coupling : mechanism.couplings) closures += write_coupling(coupling);
+        model_ = load_model(fmt::format(
+            R"(<mujoco><compiler angle="radian"/><option gravity="{}" integrator="{}"/><worldbody>{}</worldbody>)"
+            R"(<equality>{}</equality></mujoco>)",
+            format_vector(mechanism.gravity), integrator_name(mechanism.setting), bodies, closures));
         data_ = mj_makeData(model_);
         for (int i = 0; i < static_cast<int>(mechanism.bodies.size()); ++i) {
             const int id = mj_name2id(model_, mjOBJ_BODY, body_name(i).c_str());
@@ -238,9 +284,20 @@ class MujocoMechanism {
         }
         return all;
     }
-    void step(double h) { advance(model_, data_, h); }
+    void step(double h) {
+        if (is_stiff_) stiffen(model_, h);
+        forces_.enter_step(h);
+        for (const JointMotor& motor : mechanism_.motors) {
+            const int id = mj_name2id(model_, mjOBJ_JOINT, joint_name(motor.joint).c_str());
+            data_->qfrc_applied[model_->jnt_dofadr[id]] = forces_.motor_force(motor.joint);
+        }
+        advance(model_, data_, h);
+    }
 
   private:
+    const Mechanism& mechanism_;
+    JointForces forces_;
+    bool is_stiff_;
     mjModel* model_ = nullptr;
     mjData* data_ = nullptr;
     std::vector<int> ids_;
@@ -261,8 +318,13 @@ int main() {
          {{"default", "integrator Euler: semi-implicit, gyroscopic term explicit; no damping; pyramidal friction cone"},
           {"elliptic", "as default, with the elliptic friction cone"},
           {"implicit", "integrator implicit"},
-          {"rk4", "integrator RK4"}},
+          {"rk4", "integrator RK4"},
+          {"stiff",
+           "as implicit, with limits, friction and couplings of joints as stiff as MuJoCo permits at the step: "
+           "solref 2 h, solimp 0.9999"}},
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"},
-         {"ball", "capsule", "cylinder", "disc", "ellipsoid", "box", "several"}});
+         {"ball", "capsule", "cylinder", "disc", "ellipsoid", "box", "several"},
+         false,
+         {"limits", "friction", "armature", "springs", "motors", "couplings"}});
 }

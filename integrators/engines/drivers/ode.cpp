@@ -1,11 +1,13 @@
 // Open Dynamics Engine: a dBody with optional ball joint and contacts, or several with joints.
 //
 // OdeWorld has one body; contacts are created in add_contact_joints() with the requested restitution and friction.
-// OdeMechanism has one dBody per body and one dJoint per joint or loop. serve.h runs the requests.
+// OdeMechanism has one dBody per body and one dJoint per joint or loop. Limits are the stops of a joint and friction is
+// its motor at velocity 0 with a largest force; motors and springs are forces on the bodies. serve.h runs the requests.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
 #include <array>
+#include <numbers>
 
 #include "integrators/engines/drivers/serve.h"
 
@@ -130,9 +132,32 @@ class OdeWorld {
     std::optional<Plane> contact_plane_;
 };
 
+// The laws of a joint as its parameters. ODE measures the stops of the parent relative to the child, except for a hinge
+// on the world.
+template <class SetParameter>
+void set_joint_laws(dJointID joint, const LinkJoint& link_joint, const SetParameter& set) {
+    const JointLaws& laws = link_joint.laws;
+    if (laws.limits.any()) {
+        const bool is_forward = link_joint.type == "revolute" && link_joint.parent < 0;
+        const double low = is_forward ? laws.limits.lower : -laws.limits.upper,
+                     high = is_forward ? laws.limits.upper : -laws.limits.lower;
+        set(joint, dParamLoStop, dReal(low)), set(joint, dParamHiStop, dReal(high));
+        set(joint, dParamBounce, dReal(laws.limits.restitution));
+    }
+    if (laws.friction > 0) set(joint, dParamVel, 0), set(joint, dParamFMax, dReal(laws.friction));
+}
+
+// ODE wraps the angle of a hinge to (-pi, pi].
+void require_angle_limits(const JointLimits& limits) {
+    const auto is_beyond = [](double limit) { return std::isfinite(limit) && std::abs(limit) > std::numbers::pi; };
+    if (is_beyond(limits.lower) || is_beyond(limits.upper))
+        throw Unsupported("ODE supports limits of revolute joints only within pi of the start");
+}
+
 class OdeMechanism {
   public:
-    explicit OdeMechanism(const Mechanism& mechanism) : world_(dWorldCreate()) {
+    explicit OdeMechanism(const Mechanism& mechanism)
+        : mechanism_(&mechanism), forces_(mechanism), world_(dWorldCreate()) {
         dWorldSetGravity(world_, dReal(mechanism.gravity[0]), dReal(mechanism.gravity[1]), dReal(mechanism.gravity[2]));
         for (const LinkBody& link : mechanism.bodies) {
             const dBodyID body = dBodyCreate(world_);
@@ -175,6 +200,14 @@ class OdeMechanism {
     }
     void step(double h) {
         if (balls_) dSpaceCollide(space_, this, add_contacts);
+        forces_.enter_step(h);
+        if (!forces_.joints().empty())
+            add_joint_forces(forces_, *mechanism_, motions(),
+                             [&](int index, const Vector3<double>& force, const Vector3<double>& torque) {
+                                 const dBodyID body = bodies_[std::size_t(index)];
+                                 dBodyAddForce(body, dReal(force[0]), dReal(force[1]), dReal(force[2]));
+                                 dBodyAddTorque(body, dReal(torque[0]), dReal(torque[1]), dReal(torque[2]));
+                             });
         dWorldStep(world_, dReal(h));
         dJointGroupEmpty(contacts_);
     }
@@ -210,11 +243,15 @@ class OdeMechanism {
             const dJointID joint = attach(dJointCreateHinge(world_, nullptr));
             dJointSetHingeAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
             axis(0, dJointSetHingeAxis, joint);
+            require_angle_limits(link_joint.laws.limits);
+            set_joint_laws(joint, link_joint, dJointSetHingeParam);
         } else if (link_joint.type == "spherical") {
             const dJointID joint = attach(dJointCreateBall(world_, nullptr));
             dJointSetBallAnchor(joint, dReal(at[0]), dReal(at[1]), dReal(at[2]));
         } else if (link_joint.type == "prismatic") {
-            axis(0, dJointSetSliderAxis, attach(dJointCreateSlider(world_, nullptr)));
+            const dJointID joint = attach(dJointCreateSlider(world_, nullptr));
+            axis(0, dJointSetSliderAxis, joint);
+            set_joint_laws(joint, link_joint, dJointSetSliderParam);
         } else if (link_joint.type == "fixed") {
             dJointSetFixed(attach(dJointCreateFixed(world_, nullptr)));
         } else {
@@ -226,6 +263,8 @@ class OdeMechanism {
         }
     }
 
+    const Mechanism* mechanism_;
+    JointForces forces_;
     dWorldID world_;
     dSpaceID space_ = dSimpleSpaceCreate(nullptr);
     dJointGroupID contacts_ = dJointGroupCreate(0);
@@ -261,7 +300,8 @@ int main() {
          {"revolute", "prismatic", "spherical", "universal", "fixed"},
          {"revolute", "spherical"},
          {"ball", "capsule", "cylinder", "disc", "box", "several"},
-         true});
+         true,
+         {"limits", "restitution", "friction", "springs", "motors"}});
     dCloseODE();
     return exit_code;
 }

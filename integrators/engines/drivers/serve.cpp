@@ -76,6 +76,27 @@ std::vector<Vector3<double>> read_vectors(const json& list) {
     return all;
 }
 
+JointLaws read_laws(const json& joint) {
+    JointLaws laws;
+    laws.friction = joint.value("friction", 0.0), laws.armature = joint.value("armature", 0.0);
+    laws.stiffness = joint.value("stiffness", 0.0), laws.rest = joint.value("rest", 0.0);
+    laws.damping = joint.value("damping", 0.0);
+    if (!joint.contains("limits")) return laws;
+    const json& limits = joint.at("limits");
+    if (limits.at("lower").is_number()) laws.limits.lower = limits.at("lower");
+    if (limits.at("upper").is_number()) laws.limits.upper = limits.at("upper");
+    laws.limits.restitution = limits.at("restitution");
+    return laws;
+}
+
+void read_joint_loads(const json& request, Mechanism& mechanism) {
+    for (const json& motor : request.value("motors", json::array()))
+        mechanism.motors.push_back({motor.at("joint"), motor.at("force"), motor.at("from"),
+                                    motor.value("until", std::numeric_limits<double>::infinity())});
+    for (const json& coupling : request.value("couplings", json::array()))
+        mechanism.couplings.push_back({coupling.at("first"), coupling.at("second"), coupling.at("ratio")});
+}
+
 std::vector<LinkJoint> read_joints(const json& list) {
     std::vector<LinkJoint> all;
     for (const json& joint : list)
@@ -83,7 +104,7 @@ std::vector<LinkJoint> read_joints(const json& list) {
                        read_vector(joint.at("parent_point")), read_vector(joint.at("child_point")),
                        read_vectors(joint.at("axes")), read_vectors(joint.at("parent_axes")),
                        read_vectors(joint.at("child_axes")), read_vector(joint.at("turning")),
-                       joint.at("rates").get<std::vector<double>>()});
+                       joint.at("rates").get<std::vector<double>>(), read_laws(joint)});
     return all;
 }
 
@@ -103,6 +124,7 @@ MechanismRequest read_mechanism(const json& request) {
                                read_vector(body.at("v"))}});
     }
     all.joints = read_joints(request.at("joints")), all.loops = read_joints(request.at("loops"));
+    read_joint_loads(request, all);
     if (request.contains("balls")) {
         const json& contact = request.at("contact");
         all.balls = {request.at("balls").get<std::vector<double>>(), contact.at("restitution"), contact.at("friction"),
@@ -169,7 +191,7 @@ int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
     json hello{{"engine", driver.engine}, {"version", driver.version}, {"precision", driver.precision}};
     for (const auto& [name, what] : driver.settings) hello["settings"][name] = what;
     if (run_mechanism) hello["joints"] = driver.joints, hello["loops"] = driver.loops;
-    hello["shapes"] = driver.shapes, hello["contacts"] = driver.contacts;
+    hello["shapes"] = driver.shapes, hello["contacts"] = driver.contacts, hello["laws"] = driver.laws;
     try {
         write_line(hello);
         for (std::string line; std::getline(std::cin, line);) write_line(make_answer(line, driver, run, run_mechanism));

@@ -62,6 +62,7 @@ struct Driver {
     std::vector<std::string> joints{}, loops{};  ///< types of joints that it supports
     std::vector<std::string> shapes{};           ///< types of shapes that it supports on planes
     bool contacts = false;                       ///< supports balls that touch each other and planes
+    std::vector<std::string> laws{};             ///< laws of joints that it supports; see README.md
 };
 
 /// A request as read by a driver.

@@ -143,7 +143,74 @@ TEST(EngineMechanism, ReportsAnEngineWithoutJoints) {
 TEST(EngineMechanism, RefusesSpringsWithoutStartingAnEngine) {
     const Trajectory run = scripted("exit 1", find_scene("mechanisms/ball_joint_arm"));
     EXPECT_EQ(run.status, Status::unsupported);
-    EXPECT_EQ(run.message, "the engine protocol does not support springs and dampers of joints");
+    EXPECT_EQ(run.message, "the engine protocol does not support springs and dampers of spherical joints");
+}
+
+// Two joints on the world, neither at coordinate zero, with every law; the second joint is listed first.
+Scene geared() {
+    return parse_scene(R"({"name": "geared", "duration": 2,
+      "bodies": [{"name": "a", "body": {"mass": 2, "inertia": [1, 1, 1]}},
+                 {"name": "b", "body": {"mass": 1, "inertia": [1, 1, 1]}}],
+      "joints": [{"name": "slide", "type": "prismatic", "parent": "world", "child": "a", "axis": [1, 0, 0],
+                  "initial": {"displacement": 0.5}, "friction": 3, "limits": {"lower": 0.25, "restitution": 0.5},
+                  "stiffness": 8, "rest": 1, "damping": 0.125},
+                 {"name": "hinge", "type": "revolute", "parent": "world", "child": "b", "axis": [0, 1, 0],
+                  "initial": {"angle": 1}, "armature": 0.75}],
+      "couplings": [{"first": "slide", "second": "hinge", "ratio": 4, "offset": -1}],
+      "loads": [{"type": "motor", "joint": "hinge", "torque": -5, "from": 1},
+                {"type": "motor", "joint": "slide", "force": 6, "until": 1.5}]})",
+                       "geared");
+}
+
+// By hand: the coordinates in the request are zero at t = 0, so limits and rest are moved by 0.5 m.
+TEST(EngineMechanism, SendsTheLawsOfJoints) {
+    const EngineMechanism mechanism = engine_mechanism(pose(geared()));
+    const json asked = json::parse(mechanism_request(mechanism, "best", 2, {}, 3));
+    const json &slide = asked.at("joints").at(0), &hinge = asked.at("joints").at(1);
+    EXPECT_EQ(slide.at("limits"), json({{"lower", -0.25}, {"upper", nullptr}, {"restitution", 0.5}}));
+    EXPECT_EQ(slide.at("friction"), 3.0);
+    EXPECT_EQ(slide.at("stiffness"), 8.0);
+    EXPECT_EQ(slide.at("rest"), 0.5);
+    EXPECT_EQ(slide.at("damping"), 0.125);
+    EXPECT_FALSE(slide.contains("armature"));
+    EXPECT_EQ(hinge.at("armature"), 0.75);
+    for (const char* key : {"limits", "friction", "stiffness", "rest", "damping"})
+        EXPECT_FALSE(hinge.contains(key)) << key;
+    EXPECT_EQ(asked.at("couplings"), json::array({{{"first", 0}, {"second", 1}, {"ratio", 4.0}}}));
+    EXPECT_EQ(asked.at("motors"), json::array({{{"joint", 1}, {"force", -5.0}, {"from", 1.0}},
+                                               {{"joint", 0}, {"force", 6.0}, {"from", 0.0}, {"until", 1.5}}}));
+    EXPECT_EQ(joint_laws(mechanism), (std::vector<std::string>{"limits", "restitution", "friction", "armature",
+                                                               "springs", "motors", "couplings"}));
+    // a request without laws is unchanged
+    const json plain = json::parse(mechanism_request(engine_mechanism(pose(rod())), "best", 1, {}, 3));
+    EXPECT_FALSE(plain.contains("motors") || plain.contains("couplings"));
+    EXPECT_FALSE(plain.at("joints").at(0).contains("limits"));
+}
+
+// The message names the first law that the engine's hello lacks.
+TEST(EngineMechanism, RefusesTheLawThatAnEngineLacks) {
+    const std::pair<const char*, const char*> steps[] = {
+        {R"([])", "limits of joints"},
+        {R"(["limits"])", "restitution at the limits of joints"},
+        {R"(["limits", "restitution"])", "friction of joints"},
+        {R"(["limits", "restitution", "friction"])", "armature of joints"},
+        {R"(["limits", "restitution", "friction", "armature"])", "springs and dampers of joints"},
+        {R"(["limits", "restitution", "friction", "armature", "springs"])", "motors of joints"},
+        {R"(["limits", "restitution", "friction", "armature", "springs", "motors"])", "couplings of joints"}};
+    for (const auto& [laws, missing] : steps) {
+        const Trajectory run = scripted(
+            R"(echo '{"version": "1", "settings": {"default": ""}, "joints": ["revolute", "prismatic"], "laws": )" +
+                std::string(laws) + "}' >&3; read -r request",
+            geared());
+        EXPECT_EQ(run.status, Status::unsupported);
+        EXPECT_EQ(run.message, "scripted: it does not support " + std::string(missing));
+    }
+}
+
+TEST(EngineMechanism, RefusesPrescribedMotions) {
+    const Trajectory run = scripted("exit 1", find_scene("joints/bead_on_rotating_rod"));
+    EXPECT_EQ(run.status, Status::unsupported);
+    EXPECT_EQ(run.message, "the engine protocol does not support prescribed motions of joints");
 }
 
 TEST(EngineMechanism, AnAnswerHasAllBodiesAtEachTime) {

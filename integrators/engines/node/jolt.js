@@ -1,5 +1,5 @@
 // Jolt Physics.
-import {serve, alongY, framesOf, halfHeightOf, rotate, Unsupported} from './serve.js';
+import {serve, JointForces, alongY, framesOf, halfHeightOf, rotate, Unsupported} from './serve.js';
 
 let Jolt;
 
@@ -152,15 +152,31 @@ class World extends Taking {
 }
 
 class Mechanism extends Taking {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors}) {
     super();
     this.start({gravity, setting}, Boolean(balls));
+    this.forces = new JointForces({bodies, joints, motors});
     this.made = bodies.map((known, i) => this.addBody(known, setting, new Jolt.SphereShape(balls ? balls[i] : 0.1)));
     if (balls) this.addContacts(planes, contact);
     for (const joint of [...joints, ...loops]) {
       const at = (index) => this.made[index] ?? Jolt.Body.prototype.sFixedToWorld;
       this.system.AddConstraint(this.settingsOf(bodies, joint).Create(at(joint.parent), at(joint.child)));
     }
+  }
+  step(h) {
+    if (this.forces.loaded.length)
+      this.forces.apply(h, this.motions(), (index, force, torque) => {
+        const push = new Jolt.Vec3(...force), turn = new Jolt.Vec3(...torque), body = this.made[index];
+        this.bodies.ActivateBody(body.GetID());
+        body.AddForce(push), body.AddTorque(turn);
+        Jolt.destroy(push), Jolt.destroy(turn);
+      });
+    super.step(h);
+  }
+  setLaws(made, {type, friction}) {
+    if (!friction) return;
+    if (type === 'revolute') made.mMaxFrictionTorque = friction;
+    else made.mMaxFrictionForce = friction;
   }
   // a listener replaces Jolt's rules for two bodies by the coefficients of the pair
   addContacts(planes, contact) {
@@ -184,6 +200,7 @@ class Mechanism extends Taking {
     const made = new settings[joint.type]();
     made.mSpace = Jolt.EConstraintSpace_LocalToBodyCOM;
     made.mPoint1 = this.place(joint.parent_point), made.mPoint2 = this.place(joint.child_point);
+    this.setLaws(made, joint);
     framesOf(bodies, joint).forEach((frame, i) => {
       const axis = (name, along) => made[name + (i + 1)] = this.vector(rotate(frame, along));
       if (joint.type === 'revolute') axis('mHingeAxis', [0, 0, 1]), axis('mNormalAxis', [1, 0, 0]);
@@ -205,6 +222,7 @@ await serve({
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  laws: ['friction', 'springs', 'motors'],
   contacts: true,
   shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {

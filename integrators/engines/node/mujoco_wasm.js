@@ -1,9 +1,9 @@
 // MuJoCo, current version.
-import {serve, add, conjugate, cross, frameAbout, halfHeightOf, normalized, product, rotate, rotateBack, scaled, subtract, Unsupported} from './serve.js';
+import {serve, MotorForces, add, conjugate, cross, frameAbout, halfHeightOf, normalized, product, rotate, rotateBack, scaled, subtract, Unsupported} from './serve.js';
 
 let mujoco;
 
-const integrators = {default: 'Euler', elliptic: 'Euler', implicit: 'implicit', implicitfast: 'implicitfast', rk4: 'RK4'};
+const integrators = {default: 'Euler', elliptic: 'Euler', implicit: 'implicit', implicitfast: 'implicitfast', rk4: 'RK4', stiff: 'implicit'};
 
 function advance(model, data, h) {
   model.opt.timestep = h;
@@ -75,11 +75,32 @@ function planeText({normal, offset, friction}) {
 const nameOf = (index) => index < 0 ? 'world' : `b${index}`;
 const bodyType = 1;  // mjtObj value
 
-function jointsText(joint) {
+const jointName = (index) => `j${index}`;
+const jointType = 3;  // mjtObj value
+
+// Limits, friction, armature, spring and damper of a joint as attributes. MuJoCo has no limits on one side.
+function lawsText({limits, friction, armature, stiffness, rest, damping}) {
+  const attributes = {frictionloss: friction, armature, stiffness, springref: rest, damping};
+  const all = Object.entries(attributes).map(([name, value]) => value ? ` ${name}="${value}"` : '').join('');
+  return limits ? `${all} limited="true" range="${limits.lower ?? -1e9} ${limits.upper ?? 1e9}"` : all;
+}
+
+// The stiffest soft constraints that MuJoCo permits: a time constant of two steps and an impedance of 0.9999.
+function stiffen({jnt_solref, jnt_solimp, dof_solref, dof_solimp, eq_solref, eq_solimp}, h) {
+  for (const solref of [jnt_solref, dof_solref, eq_solref])
+    for (let i = 0; i < solref.length; i += 2) solref[i] = 2 * h, solref[i + 1] = 1;
+  for (const solimp of [jnt_solimp, dof_solimp, eq_solimp])
+    for (let i = 0; i < solimp.length; i += 5) solimp[i] = solimp[i + 1] = 0.9999;
+}
+
+function jointsText(joint, index) {
   if (!joint) return '<freejoint/>';
   if (joint.type === 'fixed') return '';
   const type = {spherical: 'ball', prismatic: 'slide'}[joint.type] ?? 'hinge', pos = joint.child_point.join(' ');
   if (!joint.child_axes.length) return `<joint type="${type}" pos="${pos}"/>`;
+  if (joint.child_axes.length === 1)
+    return `<joint name="${jointName(index)}" type="${type}" pos="${pos}" axis="${joint.child_axes[0].join(' ')}"${
+        lawsText(joint)}/>`;
   return joint.child_axes.map((axis) => `<joint type="${type}" pos="${pos}" axis="${axis.join(' ')}"/>`).join('');
 }
 
@@ -94,7 +115,10 @@ function closureText({parent, child, parent_point, child_point, parent_axes, chi
 }
 
 class Mechanism {
-  constructor({bodies, joints, loops, gravity, setting}) {
+  constructor({bodies, joints, loops, gravity, setting, motors = [], couplings = []}) {
+    this.isStiff = setting === 'stiff';
+    const couplingText = ({first, second, ratio}) => `<joint joint1="${jointName(second)}" joint2="${
+        jointName(first)}" polycoef="0 ${ratio} 0 0 0"/>`;
     const carrier = (i) => joints.find(({child}) => child === i);
     const bodyText = (i) => {
       const joint = carrier(i), body = bodies[i], base = joint && joint.parent >= 0 ? bodies[joint.parent] : undefined;
@@ -102,14 +126,17 @@ class Mechanism {
       const place = base ? rotate(up, subtract(body.p, base.p)) : body.p;
       const children = joints.filter(({parent}) => parent === i).map(({child}) => bodyText(child));
       return `<body name="${nameOf(i)}" pos="${place.join(' ')}" quat="${product(up, body.q).join(' ')}">${
-          jointsText(joint)}<inertial pos="0 0 0" mass="${body.mass}" diaginertia="${body.moments.join(' ')}"/>${
+          jointsText(joint, joints.indexOf(joint))}<inertial pos="0 0 0" mass="${body.mass}" diaginertia="${body.moments.join(' ')}"/>${
           children.join('')}</body>`;
     };
     const all = bodies.map((_, i) => i), roots = all.filter((i) => !(carrier(i)?.parent >= 0));
-    this.model = mujoco.MjModel.from_xml_string(`<mujoco><option integrator="${integrators[setting]}" gravity="${
-        gravity.join(' ')}"/><worldbody>${roots.map(bodyText).join('')}</worldbody><equality>${
-        loops.map(closureText).join('')}</equality></mujoco>`);
+    this.model = mujoco.MjModel.from_xml_string(`<mujoco><compiler angle="radian"/><option integrator="${
+        integrators[setting]}" gravity="${gravity.join(' ')}"/><worldbody>${roots.map(bodyText).join('')}</worldbody><equality>${
+        loops.map(closureText).join('')}${couplings.map(couplingText).join('')}</equality></mujoco>`);
     this.data = new mujoco.MjData(this.model);
+    this.forces = new MotorForces(motors);
+    this.dofs = motors.map(
+        ({joint}) => this.model.jnt_dofadr[mujoco.mj_name2id(this.model, jointType, jointName(joint))]);
     this.ids = all.map((i) => mujoco.mj_name2id(this.model, bodyType, nameOf(i)));
     for (const i of all) {
       const joint = carrier(i), body = bodies[i], first = this.model.body_dofadr[this.ids[i]];
@@ -131,7 +158,13 @@ class Mechanism {
       return {q: Array.from(xquat.subarray(4 * id, 4 * id + 4)), w, p, v};
     });
   }
-  step(h) { advance(this.model, this.data, h); }
+  step(h) {
+    if (this.isStiff) stiffen(this.model, h);
+    this.forces.enterStep(h);
+    const forces = this.forces.byJoint();
+    this.forces.motors.forEach(({joint}, i) => this.data.qfrc_applied[this.dofs[i]] = forces.get(joint) ?? 0);
+    advance(this.model, this.data, h);
+  }
   free() { this.data.delete(), this.model.delete(); }
 }
 
@@ -144,10 +177,12 @@ await serve({
     elliptic: 'as default, with the elliptic friction cone',
     implicit: 'integrator implicit',
     implicitfast: 'integrator implicitfast',
-    rk4: 'integrator RK4'
+    rk4: 'integrator RK4',
+    stiff: 'as implicit, with limits, friction and couplings of joints as stiff as MuJoCo permits at the step: solref 2 h, solimp 0.9999'
   },
   joints: ['revolute', 'prismatic', 'spherical', 'universal', 'fixed'],
   loops: ['revolute', 'spherical'],
+  laws: ['limits', 'friction', 'armature', 'springs', 'motors', 'couplings'],
   shapes: ['ball', 'capsule', 'cylinder', 'disc', 'ellipsoid', 'box', 'several'],
   load: async () => {
     mujoco = await (await import('@mujoco/mujoco')).default();

@@ -9,8 +9,8 @@
 //   step(h)
 //   mass(), moments()     the engine's values, undefined if not available
 //   free()                frees the engine's objects
-// For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting}, and
-// {balls, planes, contact} if bodies touch each other as balls:
+// For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting},
+// {motors, couplings} if there are any, and {balls, planes, contact} if bodies touch each other as balls:
 //   motions()             motions of all bodies, in their order
 //   step(h), free()       as for a World
 import fs from 'node:fs';
@@ -144,6 +144,67 @@ export function framesOf(bodies, joint, main = 'z') {
   return [within(bodies, joint.parent, frame), within(bodies, joint.child, frame)];
 }
 
+// Motors of joints as forces that are constant during a step. A motor acts in the steps whose middle is in its window.
+export class MotorForces {
+  constructor(motors) { this.motors = motors, this.time = this.middle = 0; }
+  enterStep(h) { this.middle = this.time + 0.5 * h, this.time += h; }
+  // The forces that act, by index of the joint.
+  byJoint() {
+    const forces = new Map();
+    for (const {joint, force, from, until = Infinity} of this.motors)
+      if (from <= this.middle && this.middle < until) forces.set(joint, (forces.get(joint) ?? 0) + force);
+    return forces;
+  }
+}
+
+// Motors, springs and dampers of joints as forces on bodies. `apply(index, force, torque)`: on a body, at its centre of
+// mass, in world axes.
+export class JointForces extends MotorForces {
+  constructor({bodies, joints, motors = []}) {
+    super(motors);
+    this.bodies = bodies, this.joints = joints;
+    this.loaded = joints.map((joint, i) => ({joint, i})).filter(
+        ({joint, i}) => joint.stiffness || joint.damping || motors.some((motor) => motor.joint === i));
+  }
+  // `motions`: of all bodies
+  apply(h, motions, apply) {
+    this.enterStep(h);
+    const forces = this.byJoint();
+    for (const {joint, i} of this.loaded) {
+      const {stiffness = 0, rest = 0, damping = 0, parent, child} = joint;
+      const {x, rate} = this.coordinate(joint, motions), axis = rotate(normalized(motions[child].q), joint.child_axes[0]);
+      const along = scaled((forces.get(i) ?? 0) - stiffness * (x - rest) - damping * rate, axis);
+      const back = scaled(-1, along), none = [0, 0, 0];
+      if (joint.type === 'revolute') {
+        apply(child, none, along);
+        if (parent >= 0) apply(parent, none, back);
+      } else {
+        apply(child, along, none);
+        if (parent >= 0) apply(parent, back, cross(subtract(motions[child].p, motions[parent].p), back));
+      }
+    }
+  }
+  // The coordinate of a revolute (between -pi and pi) or prismatic joint and its rate.
+  coordinate(joint, motions) {
+    const rest = {q: [1, 0, 0, 0], w: [0, 0, 0], p: [0, 0, 0], v: [0, 0, 0]};
+    const parent = motions[joint.parent] ?? rest, child = motions[joint.child];
+    const up = normalized(parent.q), down = normalized(child.q), axis = rotate(up, joint.parent_axes[0]);
+    const along = (a) => a[0] * axis[0] + a[1] * axis[1] + a[2] * axis[2];
+    if (joint.type === 'revolute') {
+      const start = within(this.bodies, joint.parent, this.bodies[joint.child].q);
+      const turn = product(product(conjugate(up), down), conjugate(start)), [a, b, c] = joint.parent_axes[0];
+      const sine = a * turn[1] + b * turn[2] + c * turn[3];
+      return {
+        x: 2 * Math.atan2(turn[0] < 0 ? -sine : sine, Math.abs(turn[0])), rate: along(subtract(child.w, parent.w))
+      };
+    }
+    const arm = rotate(down, joint.child_point), place = add(child.p, arm);
+    const behind = add(parent.p, rotate(up, joint.parent_point));
+    const carried = add(parent.v, cross(parent.w, subtract(place, parent.p)));
+    return {x: along(subtract(place, behind)), rate: along(subtract(add(child.v, cross(child.w, arm)), carried))};
+  }
+}
+
 const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
 const zero = [0, 0, 0];
 
@@ -246,10 +307,10 @@ function answerTo({World, Mechanism}, settings, line) {
 }
 
 // Answers requests until input ends. `load` returns {World, Mechanism}, or throws if the package is missing. `joints`
-// and `loops` are the types that its Mechanism supports, `shapes` those that its World supports on planes. `contacts`:
+// and `loops` are the types that its Mechanism supports, `laws` its laws of joints (README.md), `shapes` those that its World supports on planes. `contacts`:
 // its Mechanism supports balls.
 export async function serve(
-    {engine, packageName, precision, settings, load, joints = [], loops = [], shapes = [], contacts = false}) {
+    {engine, packageName, precision, settings, load, joints = [], loops = [], laws = [], shapes = [], contacts = false}) {
   let loaded;
   try {
     loaded = {version: versionOf(packageName), ...await load()};
@@ -260,7 +321,7 @@ export async function serve(
     say({engine, precision, settings, missing: missing.split('\n')[0]});
     return;
   }
-  say({engine, version: loaded.version, precision, settings, joints, loops, shapes, contacts});
+  say({engine, version: loaded.version, precision, settings, joints, loops, laws, shapes, contacts});
   let unread = '';
   process.stdin.setEncoding('utf8');
   for await (const chunk of process.stdin) {

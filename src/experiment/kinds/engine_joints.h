@@ -29,6 +29,9 @@ std::vector<JointPlace> joint_places(const Plan& plan, const std::vector<Result>
 /// The page: ranking rule, tables, and a paragraph for each engine.
 std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& places, const Findings& findings);
 
+/// `conclude` of the kind `engine_joint_laws`: limits, friction and gears of joints.
+Findings conclude_engine_joint_laws(const Plan& plan, const std::vector<Result>& rows);
+
 /// The follow-up of `engine_joints` at one step: a rope with a ball of 1 to 1000 times a link's mass, and hanging
 /// chains of 10 to 100 links.
 Plan joint_sweeps(const Plan& plan);

@@ -54,7 +54,9 @@ std::string describe_engine_joints(const std::vector<const JointPlace*>& own) {
 std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& places, const Findings& findings) {
     std::string text =
         "# Joints of physics engines against the truth\n\n" + markdown_text(plan.experiment.about) + ".\n\n";
-    text += "[Engines](engines.md) is the corresponding page for one body.\n\n";
+    text +=
+        "[Engines](engines.md) is the corresponding page for one body, "
+        "[limits, friction and gears](engine_joint_laws.md) that for further laws of joints.\n\n";
     text += fmt::format("Ranking. {}\n\n", leaderboard_rule);
     text +=
         "Each body starts in the state that the scene defines. Engines in maximal coordinates receive the points and "

@@ -47,6 +47,8 @@ std::span<const ExperimentKind> kinds() {
          .conclude = conclude_engine_joints,
          .follow_up = joint_sweeps,
          .keeps_series = true},
+        // limits, friction and gears of joints of physics engines
+        {.name = "engine_joint_laws", .reads = all_keys, .conclude = conclude_engine_joint_laws},
         // contact of physics engines, on planes with friction
         {.name = "engine_contact", .reads = all_keys, .conclude = conclude_engine_contact},
         // joint solvers of games and robotics: attitude, gaps and energy at each step

@@ -155,6 +155,8 @@ ContactHistory contact_history(const Problem& problem, const std::vector<double>
     for (std::size_t i = 0; i < intervals.size(); ++i) {
         if (wanted[i].empty()) continue;
         const ContactParts parts = parts_of_contact(problem.scene, intervals[i].plane);
+        // samples are those of contacts with planes
+        if (!parts.plane) continue;
         for (const double t : wanted[i]) {
             const std::size_t k = static_cast<std::size_t>(std::ranges::lower_bound(all, t) - all.begin());
             if (k >= second.motions.size()) break;

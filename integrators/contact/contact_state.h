@@ -62,20 +62,25 @@ struct SlipPath {
     std::vector<P> angle;
     P start{0};  ///< s
 
+    /// The angle at the time t, rad.
+    template <class S>
+    S angle_at(const S& t) const {
+        S sum(0);
+        for (std::size_t k = angle.size(); k-- > 0;) sum = (sum + angle[k]) * (t - start);
+        return sum;
+    }
     /// The direction at the time t.
     template <class S>
     Vector3<S> at(const S& t) const {
-        S sum(0), sine(0), cosine(1);
-        for (std::size_t k = angle.size(); k-- > 0;) sum = (sum + angle[k]) * (t - start);
-        sine_cosine(sum, sine, cosine);
+        S sine(0), cosine(1);
+        sine_cosine(angle_at(t), sine, cosine);
         return cosine * direction_W + sine * across_W;
     }
     /// The direction rotated by a quarter, at the time t.
     template <class S>
     Vector3<S> across_at(const S& t) const {
-        S sum(0), sine(0), cosine(1);
-        for (std::size_t k = angle.size(); k-- > 0;) sum = (sum + angle[k]) * (t - start);
-        sine_cosine(sum, sine, cosine);
+        S sine(0), cosine(1);
+        sine_cosine(angle_at(t), sine, cosine);
         return cosine * across_W - sine * direction_W;
     }
 };

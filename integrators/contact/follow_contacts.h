@@ -30,8 +30,11 @@
 
 #include "integrators/contact/contact_record.h"
 #include "integrators/contact/event_roots.h"
+#include "integrators/contact/mode_step.h"
 #include "integrators/contact/mode_steps.h"
 #include "integrators/contact/rotation_friction.h"
+#include "integrators/contact/slip_start.h"
+#include "integrators/contact/sphere_cluster.h"
 #include "integrators/contact/transitions.h"
 #include "integrators/contact/two_contacts.h"
 #include "integrators/series/limb_real.h"
@@ -118,7 +121,7 @@ class ContactDriver {
         if (planned_ && t > t_) {
             Step step = planned_->step;
             step.length = step.when(t, t_);
-            move_to(step, t);
+            move_to(step, t, true);
         }
         planned_.reset(), leave_system();
     }
@@ -130,6 +133,75 @@ class ContactDriver {
     }
     /// Applies impacts with planes and selects the mode after a change of the velocities.
     void select_mode() { transition(nullptr); }
+    /// Applies impacts with planes once. Returns whether there were any.
+    bool apply_plane_impacts() {
+        form_.set_time(t_);
+        return apply_impacts(touching(), resting_speed(false), 1, pending_);
+    }
+
+    // For a sphere that a cluster of spheres moves (follow_cluster.h).
+
+    /// Sets time and motion.
+    void place(const P& t, const BodyMotion<P>& motion) {
+        t_ = t, motion_ = motion;
+        form_.set_time(t);
+        note_sizes();
+    }
+    /// Continues alone from a motion under the loads that act from `leg_begin` (s) on.
+    void resume(const P& t, const BodyMotion<P>& motion, double leg_begin) {
+        place(t, motion);
+        for (std::size_t i = 0; i < legs_.size(); ++i)
+            if (legs_[i].begin <= leg_begin) leg_ = i;
+        is_in_leg_ = true;
+        BodyMotion<P> unchanged = motion;
+        form_.enter(legs_[leg_].begin, unchanged);
+        planned_.reset(), leave_system();
+        std::fill(zeros_.begin(), zeros_.end(), 0);
+    }
+    /// Whether the loads that change at `begin` (s) act on it, if any do.
+    bool has_entered(double begin) const {
+        return std::ranges::none_of(
+            legs_, [&](const Leg& leg) { return leg.begin == begin && leg.index >= leg_ + (is_in_leg_ ? 1 : 0); });
+    }
+    /// Records the events of a change to rolling or sliding on `plane`, or to flight, and its interval.
+    void note_mode(const P& t, const BodyMotion<P>& motion, std::optional<std::size_t> plane, bool rolls, bool first) {
+        place(t, motion);
+        onset_.reset(), two_.reset();
+        former_rotation_ = rotation_;
+        const Impacts impacts = std::exchange(pending_, {});
+        const System next = !plane ? System::flight : rolls ? System::rolling : System::sliding;
+        record_mode(next, plane ? std::optional(Pair{*plane, 0}) : std::nullopt, first, mode_, contact_, impacts.landed,
+                    impacts.accumulated);
+    }
+    /// Raises the largest |F|/(mu N) of the present interval.
+    void raise_ratio(double ratio) {
+        double& largest = run_.record.intervals.back().largest_ratio;
+        largest = std::max(largest, ratio);
+    }
+    const SampleQueue& samples() const { return samples_; }
+    void append_sample(const BodyMotion<P>& motion, const std::vector<Vector3<P>>& forces_W) {
+        show(motion, forces_W, std::vector<Vector3<P>>(forces_W.size()));
+        samples_.pop();
+    }
+    /// Replaces the last sample if it was taken at `time` (s) and the body is still there.
+    void replace_sample(double time, const BodyMotion<P>& motion, const std::vector<Vector3<P>>& forces_W) {
+        if (!(last_sample_ == time) || !(t_ == P(time)) || run_.motions.empty()) return;
+        run_.motions.back() = motion, run_.forces_W.back() = forces_W;
+    }
+    const Scene& scene() const { return *scene_; }
+    const Sizes& sizes() const { return sizes_; }
+    SphereBody<P> sphere() const {
+        const MassProperties<P> body = mass_properties<P>(scene_->body);
+        return {body.mass, body.inertia[0][0], geometry_.pieces.front().radius};
+    }
+    /// The plane of the lasting contact, if there is one.
+    std::optional<std::size_t> lasting_plane() const {
+        return contact_ ? std::optional(contact_->plane) : std::nullopt;
+    }
+    bool rolls() const { return mode_ == System::rolling; }
+    bool touches_plane(std::size_t plane) const {
+        return !(gap(plane * geometry_.pieces.size(), motion_) > P(reach() * error(4)));
+    }
     Run<P> finish() {
         close_interval();
         run_.evaluations = settings_.steps ? steps_.evaluations() : run_.steps;
@@ -152,34 +224,11 @@ class ContactDriver {
   private:
     using T = typename SeriesScalar<P>::Type;
 
-    /// The polynomial of a step.
-    struct Step {
-        StepExpansion<P> expansion;
-        int clock = 0;
-        bool stretched = false;
-        P length{0};  // in the independent variable s
-
-        int order() const { return expansion.order(); }
-        P coefficient(int i, int k) const { return expansion.coefficient(i, k); }
-        // s at which the clock is t, for a clock that increases
-        P when(const P& t, const P& start) const {
-            if (!stretched) return t - start;
-            P low(0), high = length, s = length / P(2);
-            for (int i = 0; i < 300; ++i) {
-                P value(0), slope(0);
-                for (int k = order(); k >= 0; --k) {
-                    slope = slope * s + value;
-                    value = value * s + coefficient(clock, k);
-                }
-                (value < t ? low : high) = s;
-                P next = s - (value - t) / slope;
-                if (!(next >= low && next <= high)) next = (low + high) / P(2);
-                const P change = Elementary<P>::magnitude(P(next - s));
-                s = next;
-                if (!(change > P(4) * Elementary<P>::epsilon() * high)) break;
-            }
-            return s;
-        }
+    using Step = ModeStep<P>;
+    /// What impacts with planes at one time have led to.
+    struct Impacts {
+        bool landed = false;
+        std::optional<Pair> accumulated;
     };
     struct Found {
         P s{0};
@@ -209,9 +258,11 @@ class ContactDriver {
     ContactSettings settings_;
     SampleQueue samples_;
     Run<P> run_;
+    double last_sample_ = -1;  // s
     P t_{0};
     BodyMotion<P> motion_;
     Sizes sizes_;
+    Impacts pending_;                          // of impacts before the mode is selected
     std::optional<Pair> contact_;              // the lasting contact
     std::optional<TwoContacts<P>> two_;        // lasting contacts of a ball with two planes; contact_ is then the first
     std::array<std::size_t, 2> slip_zeros_{};  // known order of the zeros of their slips at the start of the mode
@@ -344,21 +395,10 @@ class ContactDriver {
         former_rotation_ = rotation_;
         set_rotation({});
         release_face();
-        const double resting = speed() * (first ? 1e-12 : std::max(error(1), settings_.step_error));
-        bool landed = false;
-        std::optional<Pair> accumulated;
-        for (int round = 0; round < 200; ++round) {
-            bool again = false;
-            for (const std::size_t k : near) {
-                const Pair pair = form_.pair_at(k);
-                const ContactResponse<P> at = form_.response(pair, motion_);
-                if (!(at.velocity[2] < P(-resting))) continue;
-                if (!impact(pair, at, resting, landed, accumulated)) return;
-                again = true;
-            }
-            if (!again) break;
-            if (round == 199) return fail("simultaneous impacts do not end " + at_time());
-        }
+        const double resting = resting_speed(first);
+        Impacts impacts = std::exchange(pending_, {});
+        apply_impacts(near, resting, 200, impacts);
+        if (fails()) return;
         zeros_.assign(geometry_.size(), 0);
         std::optional<Pair> lasting;
         std::vector<Pair> all, resting_pairs;
@@ -382,21 +422,42 @@ class ContactDriver {
             const std::array<bool, 2> presses = pressed_planes({resting_pairs[0], resting_pairs[1]});
             if (presses[0] && presses[1])
                 return enter_two({resting_pairs[0], resting_pairs[1]},
-                                 {first, former, former_contact, former_two, landed});
+                                 {first, former, former_contact, former_two, impacts.landed});
             for (std::size_t i = 0; i < 2; ++i)
                 if (presses[1 - i] && !presses[i] && std::erase(all, resting_pairs[i]) > 0)
                     zeros_[index_of(resting_pairs[i])] = 2;
         }
         if (!all.empty()) lasting = all.front();
         if (all.size() > 1 && !start_face(all)) return;
-        if (former_two) return leave_planes(*former_two, lasting, landed);
+        if (former_two) return leave_planes(*former_two, lasting, impacts.landed);
         if (arrived && *arrived == EventKind::lifts_off) {
             if (lasting && former_contact && *lasting == *former_contact) lasting.reset();
             if (former_contact) zeros_[index_of(*former_contact)] = 3;
             for (const Pair& pair : former_face) zeros_[index_of(pair)] = 3;
             release_face();
         }
-        enter_mode(lasting, first, former, former_contact, landed, accumulated);
+        enter_mode(lasting, first, former, former_contact, impacts.landed, impacts.accumulated);
+    }
+    /// A speed of separation below it is zero.
+    double resting_speed(bool first) const {
+        return speed() * (first ? 1e-12 : std::max(error(1), settings_.step_error));
+    }
+    /// Applies impacts until no touching point approaches, in at most `rounds` rounds. Returns whether there were any.
+    bool apply_impacts(const std::vector<std::size_t>& near, double resting, int rounds, Impacts& impacts) {
+        bool any = false;
+        for (int round = 0; round < rounds; ++round) {
+            bool again = false;
+            for (const std::size_t k : near) {
+                const Pair pair = form_.pair_at(k);
+                const ContactResponse<P> at = form_.response(pair, motion_);
+                if (!(at.velocity[2] < P(-resting))) continue;
+                if (!impact(pair, at, resting, impacts.landed, impacts.accumulated)) return true;
+                again = any = true;
+            }
+            if (!again) return any;
+        }
+        if (rounds > 1) fail("simultaneous impacts do not end " + at_time());
+        return any;
     }
     // lasting contacts with two planes
     /// What preceded a transition.
@@ -653,6 +714,10 @@ class ContactDriver {
             else
                 zeros_[index_of(*lasting)] = 2, lasting.reset();
         }
+        record_mode(next, lasting, first, former, former_contact, landed, accumulated);
+    }
+    void record_mode(System next, std::optional<Pair> lasting, bool first, System former,
+                     std::optional<Pair> former_contact, bool landed, std::optional<Pair> accumulated) {
         if (accumulated) record(*accumulated, EventKind::accumulates);
         const bool continues = former_contact && lasting && *former_contact == *lasting;
         if (!first && !landed) {
@@ -1003,21 +1068,11 @@ class ContactDriver {
         series_.reset();
         steps_.end_mode();
     }
-    // |c_k| h^k <= 10^-digits scale for the last four coefficients, because one may vanish by symmetry
     double step_of(const Series<T>& series, const std::vector<Block>& blocks) const {
         return step_of(series, blocks, settings_.digits);
     }
     double step_of(const Series<T>& series, const std::vector<Block>& blocks, double digits) const {
-        double log2_step = std::numeric_limits<double>::infinity();
-        for (const Block& block : blocks)
-            for (int k = settings_.order - 3; k <= settings_.order; ++k) {
-                double size = -std::numeric_limits<double>::infinity();
-                for (int i = block.first; i < block.first + block.size; ++i)
-                    size = std::max(size, log2_magnitude(series.coefficient(i, k)));
-                const double allowed = std::log2(block.scale) - digits * std::log2(10.0);
-                log2_step = std::min(log2_step, (allowed - size) / k);
-            }
-        return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
+        return settings_.step_factor * taylor_step(series, settings_.order, blocks, digits);
     }
     // The series of the observed functions must converge as well. Their sizes: the body's length for gaps, the contact
     // force for forces, and its square for the cone.
@@ -1222,7 +1277,7 @@ class ContactDriver {
         }
         const std::optional<Found> found = first_event(step);
         if (found) step.length = found->s, to_end = false;
-        const P reached = to_end ? P(leg.end) : clock_at(step);
+        const P reached = to_end ? P(leg.end) : step.clock_at_end();
         if (!found && !to_end && !(reached > t_) && !step.stretched) {
             fail("step size below the spacing of numbers " + at_time());
             return false;
@@ -1242,14 +1297,9 @@ class ContactDriver {
         spin_zeros_ = 0;
         slip_zeros_ = {};
     }
-    P clock_at(const Step& step) const {
-        P value(0);
-        for (int k = step.order(); k >= 0; --k) value = value * step.length + step.coefficient(step.clock, k);
-        return value;
-    }
     void limit_to_leg(Step& step, const Leg& leg, bool& to_end) const {
         // a long step may reach the end of the leg long before its end: halve until the clock is monotone
-        if (clock_at(step) < P(leg.end)) return;
+        if (step.clock_at_end() < P(leg.end)) return;
         step.length = step.when(P(leg.end), t_);
         to_end = true;
     }
@@ -1287,11 +1337,10 @@ class ContactDriver {
         PlaneVectors forces(scene_->planes.size()), torques(scene_->planes.size());
         if (two_) {
             for (std::size_t i = 0; i < 2; ++i)
-                forces[two_->pairs[i].plane] = observed_vector(step, step.clock + 5 + 3 * static_cast<int>(i), s);
+                forces[two_->pairs[i].plane] = step.observed_vector(step.clock + 5 + 3 * static_cast<int>(i), s);
         } else if (contact_) {
-            forces[contact_->plane] = observed_vector(step, step.clock + 3, s);
-            if (rotation_.acts)
-                torques[contact_->plane] = observed_vector(step, form_.first_rotation_function() + 3, s);
+            forces[contact_->plane] = step.observed_vector(step.clock + 3, s);
+            if (rotation_.acts) torques[contact_->plane] = step.observed_vector(form_.first_rotation_function() + 3, s);
         }
         return {std::move(forces), std::move(torques)};
     }
@@ -1307,17 +1356,8 @@ class ContactDriver {
             show(form_.motion(y.data()), std::move(forces), std::move(torques));
         }
     }
-    // the value of three observed functions from the index `first` on
-    Vector3<P> observed_vector(const Step& step, int first, const P& s) const {
-        Vector3<P> result;
-        for (int i = 0; i < 3; ++i) {
-            P sum(0);
-            for (int k = step.order(); k >= 1; --k) sum = sum * s + P(k) * step.coefficient(first + i, k);
-            result[static_cast<std::size_t>(i)] = sum;
-        }
-        return result;
-    }
     void show(const BodyMotion<P>& m, std::vector<Vector3<P>> forces, std::vector<Vector3<P>> torques) {
+        last_sample_ = samples_.front();
         run_.motions.push_back(m);
         run_.forces_W.push_back(std::move(forces));
         run_.torques_W.push_back(std::move(torques));
@@ -1349,12 +1389,6 @@ class ContactDriver {
         for (; open_intervals_ > 0 && !(all.back().to > all.back().from) && !fails(); --open_intervals_) all.pop_back();
         open_intervals_ = 0;
     }
-    // the value of an observed function
-    double observed(const Step& step, int index, const P& s) const {
-        P sum(0);
-        for (int k = step.order(); k >= 1; --k) sum = sum * s + P(k) * step.coefficient(index, k);
-        return static_cast<double>(sum);
-    }
     void note_two_ratios(const Step& step) {
         std::vector<Interval<P>>& all = run_.record.intervals;
         for (std::size_t c = 0; c < 2; ++c) {
@@ -1366,7 +1400,8 @@ class ContactDriver {
                 const P s = step.length * P(i) / P(8);
                 const int normal = step.clock + 1 + static_cast<int>(c);
                 // (mu N)^2 - A^2
-                const double limit = friction * observed(step, normal, s), rest = observed(step, normal + 2, s);
+                const double limit = friction * static_cast<double>(step.observed(normal, s)),
+                             rest = static_cast<double>(step.observed(normal + 2, s));
                 largest = std::max(largest, std::sqrt(std::max(0.0, limit * limit - rest)) / limit);
             }
         }
@@ -1384,12 +1419,7 @@ class ContactDriver {
         }
         for (int i = 0; i <= 8; ++i) {
             const P s = step.length * P(i) / P(8);
-            Vector3<P> force;
-            for (int c = 0; c < 3; ++c)
-                for (int k = step.order(); k >= 1; --k) {
-                    P& sum = force[static_cast<std::size_t>(c)];
-                    sum = sum * s + P(k) * step.coefficient(step.clock + 3 + c, k);
-                }
+            const Vector3<P> force = step.observed_vector(step.clock + 3, s);
             const Vector3<P> f = ContactAxes<P>(geometry_.planes[contact_->plane].normal_W).from_world(force);
             const double normal = static_cast<double>(f[2]);
             const double tangential = std::hypot(static_cast<double>(f[0]), static_cast<double>(f[1]));
@@ -1443,14 +1473,8 @@ class ContactDriver {
         motion_.velocity_W = motion_.velocity_W - u[0] * axes.first_W - u[1] * axes.second_W;
     }
 
-    /// The start of a slip from zero. In polar coordinates, u_t = slip d(angle),
-    ///   d slip/dt = A,   slip d angle/dt = B,
-    /// with the accelerations A and B of the contact point along and across d. At the start B = 0, and slip grows as t
-    /// or, where the friction cone is reached while rolling, as t^2. The equation for the angle is then singular, and
-    /// order by order its series follows from B_k = (slip angle')_k, in which the highest coefficient of the angle
-    /// appears linearly. For a slip that grows as t^2 the series is asymptotic; the size of its last terms sets the
-    /// step as for a convergent one.
-    /// Plans the first step. Returns false on a fault.
+    /// Plans the first step of a slip or a rolling velocity that starts from zero (slip_start.h). Returns false on a
+    /// fault.
     bool start_slip() {
         const Pair pair = *contact_;
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
@@ -1483,10 +1507,7 @@ class ContactDriver {
         Step step{series, clock, false};
         double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(series, step));
         for (const SlipPath<P>* curve : {&std::as_const(path), &std::as_const(rotation_.path)})
-            for (std::size_t k = curve->angle.size() > 4 ? curve->angle.size() - 4 : 0; k < curve->angle.size(); ++k)
-                longest = std::min(longest,
-                                   std::exp2((-settings_.digits * std::log2(10.0) - log2_magnitude(curve->angle[k])) /
-                                             static_cast<double>(k + 1)));
+            longest = std::min(longest, path_step(*curve, settings_.digits));
         if (!may_step()) return false;
         if (std::isnan(longest)) {
             fail("the motion is not finite " + at_time());
@@ -1509,47 +1530,15 @@ class ContactDriver {
     // start; 0 on a fault.
     template <class Expand>
     std::size_t find_path(SlipPath<P>& path, const Expand& expand, const Onset& onset) {
-        const auto across = [&](const Series<T>& series, int k) {
-            return P(P(k + 1) * static_cast<P>(series.coefficient(onset.across, k + 1)));
-        };
-        // slip_j = A_{j-1} / j; the slip at the start of the series is zero
-        const auto slip = [&](const Series<T>& series, int j) {
-            return static_cast<P>(series.coefficient(onset.along, j));
-        };
-        path.angle = {P(1)};
-        const P turned = across(expand(2), 1);
-        path.angle.clear();
-        const Series<T> straight = expand(settings_.order);
-        const P slope = turned - across(straight, 1);
-        P first = slip(straight, 1);
-        if (Elementary<P>::magnitude(first) <= P(error(6) * onset.acceleration)) first = P(0);
-        const std::size_t zeros = first > P(0) ? 1 : 2;
-        if (zeros == 2 && !(slip(straight, 2) > P(0))) {
+        std::vector<SlipStart<P>> start{{&path, onset.across, onset.along}};
+        const SlipStartFault why =
+            find_slip_paths(start, {settings_.order, onset.acceleration, error(), error(6), onset.must_be_straight},
+                            expand, [&](const Series<T>& series) { return step_of(series, form_.blocks(sizes_, 0)); });
+        if (why == SlipStartFault::does_not_grow)
             fail(fmt::format("{} at {} does not grow from its start {}", onset.name, plane_at(*contact_), at_time()));
-            return 0;
-        }
-        const double free = step_of(straight, form_.blocks(sizes_, 0));
-        bool is_straight = true;
-        for (int k = 1; k < settings_.order; ++k)
-            if (static_cast<double>(Elementary<P>::magnitude(across(straight, k))) * std::pow(free, k) >
-                error() * onset.acceleration)
-                is_straight = false;
-        if (!is_straight && onset.must_be_straight)
+        if (why == SlipStartFault::is_curved)
             fail("sliding and rolling start together along curves, which is not supported, " + at_time());
-        if (!is_straight && !fails()) find_angles(path, expand, across, slip, slope, first);
-        return zeros;
-    }
-    // (slip angle')_k = sum over j of slip_j (k + 1 - j) angle_{k + 1 - j}
-    template <class Expand, class Across, class Slip>
-    void find_angles(SlipPath<P>& path, const Expand& expand, const Across& across, const Slip& slip, const P& slope,
-                     const P& first) const {
-        for (int k = 1; k < settings_.order - 1; ++k) {
-            const Series<T> series = expand(k + 1);
-            P sum(0);
-            for (int j = 2; j <= k; ++j)
-                sum = sum + slip(series, j) * P(k + 1 - j) * path.angle[static_cast<std::size_t>(k - j)];
-            path.angle.push_back((sum - across(series, k)) / (slope - P(k) * first));
-        }
+        return fails() ? 0 : start.front().zeros;
     }
 
     void handle_two(const Found& found) {

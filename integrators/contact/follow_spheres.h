@@ -1,4 +1,5 @@
-// Follows several free spheres from event to event: planes by the modes of each sphere, impacts between pairs.
+// Follows several free spheres from event to event: planes by the modes of each sphere, impacts between pairs, and
+// lasting contacts between spheres.
 //
 // SphereDriver holds a ContactDriver for each sphere (follow_contacts.h). Each driver plans its next step, up to the
 // first event of its sphere. Up to the earliest end of all planned steps the gaps of the pairs are searched for a first
@@ -6,8 +7,11 @@
 // impulse (sphere_impact.h) changes their velocities, and each selects its mode again. Otherwise the sphere whose step
 // ends first takes it. The other spheres keep their planned steps.
 //
-// Simultaneous impacts are resolved one after another in the order of the pairs, repeated until no pair approaches. A
-// pair that touches and neither approaches nor separates ends the run: lasting contact of spheres is not supported.
+// Spheres that touch and neither approach nor separate form a cluster, which a ClusterDriver (follow_cluster.h) moves
+// until their contacts open.
+//
+// Simultaneous impacts are resolved one after another in the order of the pairs, repeated until no pair approaches. An
+// impact on a sphere that rests on a third one ends the run: the laws for pairs do not determine it.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/contact/follow_cluster.h"
 #include "integrators/contact/follow_contacts.h"
 #include "integrators/contact/sphere_impact.h"
 #include "motion/contact.h"
@@ -61,15 +66,16 @@ class SphereGaps {
     struct Centers {
         std::vector<Vector3<P>> position_W, velocity_W;
     };
-    SphereGaps(std::vector<SpherePair> pairs, std::vector<P> radii)
-        : pairs_(std::move(pairs)), radii_(std::move(radii)) {}
+    /// `distances`: of the centres of each pair in contact, m.
+    SphereGaps(std::vector<SpherePair> pairs, std::vector<P> distances)
+        : pairs_(std::move(pairs)), sizes_(std::move(distances)) {}
 
     std::size_t size() const { return pairs_.size(); }
     Vector3<P> normal(std::size_t k, const Centers& at) const {
         const Vector3<P> away = at.position_W[pairs_[k].first] - at.position_W[pairs_[k].second];
         return (P(1) / length(away)) * away;
     }
-    P size_of(std::size_t k) const { return radii_[pairs_[k].first] + radii_[pairs_[k].second]; }
+    const P& size_of(std::size_t k) const { return sizes_[k]; }
     Gap<P> gap(std::size_t k, const Centers& at) const {
         const auto& [i, j, restitution, friction] = pairs_[k];
         const Vector3<P> away = at.position_W[i] - at.position_W[j];
@@ -84,35 +90,41 @@ class SphereGaps {
 
   private:
     std::vector<SpherePair> pairs_;
-    std::vector<P> radii_;
+    std::vector<P> sizes_;
 };
 
-/// `Impact`: ClosedFormImpact or PhasedImpact.
-template <class P, class Form, class Impact>
+/// `Form`: of a single sphere, `Cluster`: of touching spheres, `Impact`: ClosedFormImpact or PhasedImpact.
+template <class P, class Form, class Cluster, class Impact>
 class SphereDriver {
   public:
     SphereDriver(const Scene& scene, const std::vector<double>& sample_times, const ContactSettings& settings)
         : scene_(&scene), settings_(settings), pairs_(sphere_pairs(scene)) {
         for (std::size_t i = 0; i < scene.bodies.size(); ++i)
             scenes_.push_back(std::make_unique<Scene>(scene_of_sphere(scene, i)));
-        std::vector<P> radii;
         for (const auto& alone : scenes_) {
             bodies_.push_back(std::make_unique<Driver>(*alone, sample_times, settings));
-            properties_.push_back(mass_properties<P>(alone->body));
-            radii.push_back(bodies_.back()->geometry().pieces.front().radius);
+            spheres_.push_back(bodies_.back()->sphere());
         }
-        radii_ = radii;
-        gaps_ = std::make_unique<SphereGaps<P>>(pairs_, std::move(radii));
+        for (const SpherePair& pair : pairs_) {
+            PairState<P> state;
+            state.distance = spheres_[pair.first].radius + spheres_[pair.second].radius;
+            state.contact = contact_with_body(scene, pair.first, pair.second);
+            state.restitution = P(pair.restitution);
+            states_.push_back(state);
+        }
     }
 
     SphereRun<P> run() {
         for (const auto& body : bodies_) body->start();
         while (!fails()) {
-            for (const auto& body : bodies_)
-                if (!body->has_planned_step()) body->plan();
+            for (std::size_t i = 0; i < bodies_.size(); ++i)
+                if (!cluster_of(i) && !bodies_[i]->has_planned_step()) bodies_[i]->plan();
+            for (const auto& cluster : clusters_)
+                if (!cluster->has_planned_step()) cluster->plan();
             if (find_fault()) break;
             if (!has_started_) {
-                resolve_impacts();
+                touch_exactly();
+                resolve({});
                 has_started_ = true;
                 continue;
             }
@@ -124,6 +136,7 @@ class SphereDriver {
 
   private:
     using Driver = ContactDriver<P, Form>;
+    using Touching = ClusterDriver<P, Cluster, Driver>;
     using Centers = typename SphereGaps<P>::Centers;
 
     const Scene* scene_;
@@ -131,24 +144,30 @@ class SphereDriver {
     std::vector<SpherePair> pairs_;
     std::vector<std::unique_ptr<Scene>> scenes_;
     std::vector<std::unique_ptr<Driver>> bodies_;
-    std::vector<MassProperties<P>> properties_;
-    std::vector<P> radii_;
-    std::unique_ptr<SphereGaps<P>> gaps_;
+    std::vector<SphereBody<P>> spheres_;
+    std::vector<PairState<P>> states_;
+    std::vector<std::unique_ptr<Touching>> clusters_;
     P t_{0};
     bool has_started_ = false;
     std::string fault_;
     Record<P> pairs_record_;
     long stalled_ = 0;  // impacts without progress in time
     P stalled_at_{-1};
+    std::vector<std::size_t> bounced_;                  // pairs with impacts at the last time of impacts
+    long cluster_steps_ = 0, cluster_evaluations_ = 0;  // of clusters that have ended
 
     bool fails() const { return !fault_.empty(); }
     std::string at_time() const { return fmt::format("at t = {:.10g} s", static_cast<double>(t_)); }
+    const std::string& name(std::size_t body) const { return scene_->bodies[body].name; }
+    static bool is_limit(const std::string& why) {
+        return why.starts_with("the time limit") || why.starts_with("the step limit");
+    }
     bool find_fault() {
         for (std::size_t i = 0; i < bodies_.size() && fault_.empty(); ++i)
             if (const std::string& why = bodies_[i]->fault(); !why.empty())
-                fault_ = why.starts_with("the time limit") || why.starts_with("the step limit")
-                             ? why
-                             : scene_->bodies[i].name + ": " + why;
+                fault_ = is_limit(why) ? why : name(i) + ": " + why;
+        for (const auto& cluster : clusters_)
+            if (fault_.empty()) fault_ = cluster->fault();
         return fails();
     }
     double speed() const {
@@ -156,39 +175,147 @@ class SphereDriver {
         for (const auto& body : bodies_) largest = std::max(largest, body->largest_speed());
         return largest;
     }
+    Touching* cluster_of(std::size_t body) const {
+        for (const auto& cluster : clusters_)
+            if (cluster->has(body)) return cluster.get();
+        return nullptr;
+    }
 
     Centers centers(const P& t) const {
         Centers all;
-        for (const auto& body : bodies_) {
-            const BodyMotion<P> m = body->motion_at(t);
-            all.position_W.push_back(m.position_W), all.velocity_W.push_back(m.velocity_W);
+        all.position_W.resize(bodies_.size()), all.velocity_W.resize(bodies_.size());
+        const auto set = [&](std::size_t i, const BodyMotion<P>& m) {
+            all.position_W[i] = m.position_W, all.velocity_W[i] = m.velocity_W;
+        };
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            if (!cluster_of(i)) set(i, bodies_[i]->motion_at(t));
+        for (const auto& cluster : clusters_) {
+            const std::vector<BodyMotion<P>> motions = cluster->motions_at(t);
+            for (std::size_t i = 0; i < motions.size(); ++i) set(cluster->members()[i], motions[i]);
         }
         return all;
+    }
+    // the gaps of some pairs
+    SphereGaps<P> gaps_of(const std::vector<std::size_t>& which) const {
+        std::vector<SpherePair> pairs;
+        std::vector<P> distances;
+        for (const std::size_t k : which) pairs.push_back(pairs_[k]), distances.push_back(states_[k].distance);
+        return {std::move(pairs), std::move(distances)};
+    }
+    std::vector<std::size_t> all_pairs() const {
+        std::vector<std::size_t> all;
+        for (std::size_t k = 0; k < pairs_.size(); ++k) all.push_back(k);
+        return all;
+    }
+    // spheres that touch to 10^-12 at the start touch exactly
+    void touch_exactly() {
+        const Centers start = centers(t_);
+        for (std::size_t k = 0; k < pairs_.size(); ++k) {
+            const Vector3<P> away = start.position_W[pairs_[k].first] - start.position_W[pairs_[k].second];
+            const P distance = length(away);
+            if (Elementary<P>::magnitude(P(distance - states_[k].distance)) <= P(1e-12) * states_[k].distance)
+                states_[k].distance = distance;
+        }
     }
 
     // Moves to the next event of a pair or to the end of the first planned step. Returns false at the end.
     bool advance() {
         std::optional<P> end;
-        for (const auto& body : bodies_)
-            if (body->has_planned_step() && (!end || body->planned_end() < *end)) end = body->planned_end();
+        const auto note = [&](const auto& one) {
+            if (one->has_planned_step() && (!end || one->planned_end() < *end)) end = one->planned_end();
+        };
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            if (!cluster_of(i)) note(bodies_[i]);
+        for (const auto& cluster : clusters_) note(cluster);
         if (!end) return false;
-        if (*end > t_ && !pairs_.empty()) {
-            const auto at = [&](const P& t) { return centers(t); };
-            // the ends of a step bound the speeds within it up to the curvature of the motion
-            const P bound(4 * speed());
-            if (const auto t = ContactSearch<P, decltype(at), SphereGaps<P>>(*gaps_, at, bound).first(t_, *end)) {
-                t_ = *t;
-                resolve_impacts();
-                return true;
-            }
+        // a cluster observes the gaps between its members
+        std::vector<std::size_t> apart;
+        for (std::size_t k = 0; k < pairs_.size(); ++k)
+            if (const Touching* cluster = cluster_of(pairs_[k].first); !cluster || !cluster->has(pairs_[k].second))
+                apart.push_back(k);
+        if (const std::optional<P> t = first_approach(apart, *end)) {
+            t_ = *t;
+            resolve({});
+            return true;
         }
-        if (*end > t_) t_ = *end;
-        for (const auto& body : bodies_)
-            if (body->has_planned_step() && body->planned_end() == *end) body->take_planned_step();
+        if (*end > t_) t_ = *end, bounced_.clear();
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            if (!cluster_of(i) && bodies_[i]->has_planned_step() && bodies_[i]->planned_end() == *end)
+                bodies_[i]->take_planned_step();
+        std::vector<std::pair<std::vector<std::size_t>, ClusterEvent>> unsettled;
+        for (const auto& cluster : clusters_)
+            if (cluster->has_planned_step() && cluster->planned_end() == *end)
+                if (const ClusterEvent event = cluster->take_planned_step(); event != ClusterEvent::none)
+                    unsettled.emplace_back(cluster->members(), event);
+        for (const auto& [members, event] : unsettled)
+            if (!find_fault()) resolve(members, event == ClusterEvent::splits);
         return true;
     }
 
-    void resolve_impacts() {
+    // The first time up to `end` at which a gap of some pairs closes.
+    std::optional<P> first_approach(std::vector<std::size_t> pairs, P end) const {
+        if (!(end > t_)) return {};
+        std::optional<P> first;
+        for (const std::size_t k : bounced_)
+            if (const std::optional<P> t = end_of_short_flight(k, end); t && std::erase(pairs, k) > 0)
+                first = t, end = *t;
+        if (pairs.empty()) return first;
+        // the ends of a step bound the speeds within it up to the curvature of the motion
+        P bound(speed());
+        for (const Vector3<P>& v : centers(end).velocity_W) bound = std::max(bound, length(v));
+        const std::optional<P> other = search(pairs, t_, end, P(P(4) * bound));
+        return other ? other : first;
+    }
+    std::optional<P> search(const std::vector<std::size_t>& pairs, const P& begin, const P& end, const P& bound) const {
+        const auto at = [&](const P& t) { return centers(t); };
+        const SphereGaps<P> gaps = gaps_of(pairs);
+        return ContactSearch<P, decltype(at), SphereGaps<P>>(gaps, at, bound).first(begin, end);
+    }
+    /// The end of the flight after an impact with the separation speed u at the present time, if it is short compared
+    /// with the steps: it is near 2 u / |c|, where c is the acceleration of the gap. Impacts that accumulate have such
+    /// flights. Their gaps are below rounding, so that Simpson's rule integrates the rate of the gap.
+    std::optional<P> end_of_short_flight(std::size_t k, const P& end) const {
+        constexpr int most_iterations = 12;
+        const SphereGaps<P> gaps = gaps_of({k});
+        const auto rate_after = [&](const P& time) { return gaps.gap(0, centers(t_ + time)).rate; };
+        const P u = rate_after(P(0));
+        // later the spheres may have passed through each other
+        P flight = (end - t_) / P(1000);
+        for (int i = 0; i < most_iterations; ++i) {
+            const P change = u - rate_after(flight);
+            if (!(change > P(0)) || !(u > P(0))) return {};
+            const P next = P(2) * u * flight / change;
+            if (i == 0 && next > flight) return {};
+            if (next > flight) break;
+            flight = next;
+        }
+        // the error of Simpson's rule
+        const double share = static_cast<double>(P(flight / (end - t_)));
+        if (!(std::pow(share, 4) < std::pow(10.0, -4 - settings_.event_digits))) return {};
+        for (int i = 0; i < most_iterations; ++i) {
+            const P at_end = rate_after(flight);
+            const P change = flight * (u + P(4) * rate_after(flight / P(2)) + at_end) / (P(6) * at_end);
+            flight = flight - change;
+            if (!(Elementary<P>::magnitude(change) > P(4) * Elementary<P>::epsilon() * flight)) break;
+        }
+        return t_ + flight;
+    }
+
+    /// What happens at one time.
+    struct Resolution {
+        std::vector<std::size_t> touching;  // pairs
+        std::vector<bool> rested;           // whether each of them had no normal velocity
+        std::vector<bool> affected;         // bodies that leave their steps
+        std::vector<bool> pushed;           // bodies on which impulses act
+        std::vector<bool> collided;         // pairs
+        double resting = 0;                 // speeds below it are zero
+        bool keeps_modes = false;           // no force changes unless impulses act
+        bool changes = false;
+    };
+
+    /// Applies the impacts at the present time, then selects the modes of all spheres that take part. `bodies`: spheres
+    /// that do in any case. `keeps_modes`: their modes only change by impulses.
+    void resolve(const std::vector<std::size_t>& bodies, bool keeps_modes = false) {
         if (!(t_ > stalled_at_)) {
             if (++stalled_ > 1000) {
                 fault_ = "too many impacts " + at_time();
@@ -197,65 +324,172 @@ class SphereDriver {
         } else {
             stalled_ = 0, stalled_at_ = t_;
         }
-        const double resting = speed() * std::pow(10.0, 1 - settings_.event_digits);
-        // spheres that touch to 10^-12 at the start touch exactly
-        const P tolerance(has_started_ ? std::pow(10.0, 4 - settings_.event_digits) : 1e-12);
-        std::vector<std::size_t> touching;
-        const Centers start = centers(t_);
-        for (std::size_t k = 0; k < pairs_.size(); ++k)
-            if (!(gaps_->gap(k, start).distance > tolerance * gaps_->size_of(k))) touching.push_back(k);
-        for (int round = 0; round < 200 && !fails(); ++round) {
-            std::vector<std::size_t> moved;
-            for (const std::size_t k : touching)
-                if (gaps_->gap(k, centers(t_)).rate < P(-resting)) collide(k, moved);
-            if (moved.empty()) return check_separation(touching, resting);
-            for (const std::size_t i : moved) bodies_[i]->select_mode();
-            find_fault();
+        bounced_.clear();
+        Resolution now;
+        now.keeps_modes = keeps_modes;
+        now.affected.assign(bodies_.size(), false), now.pushed = now.affected;
+        now.collided.assign(pairs_.size(), false);
+        now.resting =
+            speed() *
+            (has_started_ ? std::max(std::pow(10.0, 1 - settings_.event_digits), settings_.step_error) : 1e-12);
+        find_touching(now);
+        for (const std::size_t i : bodies) take_part(i, now);
+        for (int round = 0;; ++round) {
+            if (round == 200) fault_ = "simultaneous impacts do not end " + at_time();
+            now.changes = false;
+            for (std::size_t j = 0; j < now.touching.size() && !fails(); ++j)
+                if (rate(now.touching[j]) < P(-now.resting)) collide(j, now);
+            for (std::size_t i = 0; i < bodies_.size() && !find_fault(); ++i)
+                if (now.affected[i] && bodies_[i]->apply_plane_impacts()) now.changes = now.pushed[i] = true;
+            if (fails() || !now.changes) break;
         }
-        if (!fails()) fault_ = "simultaneous impacts do not end " + at_time();
+        if (!fails()) form_clusters(now);
     }
-    void check_separation(const std::vector<std::size_t>& touching, double resting) {
-        for (const std::size_t k : touching)
-            if (!(gaps_->gap(k, centers(t_)).rate > P(resting))) {
-                fault_ = fmt::format(
-                    "the spheres {} and {} stay in contact {}: their lasting contact and its impacts "
-                    "are not determined by the laws for pairs",
-                    scene_->bodies[pairs_[k].first].name, scene_->bodies[pairs_[k].second].name, at_time());
-                return;
-            }
+    P rate(std::size_t k) const { return gaps_of({k}).gap(0, centers(t_)).rate; }
+    void find_touching(Resolution& now) const {
+        const double tolerance = has_started_ ? std::pow(10.0, 4 - settings_.event_digits) : 1e-12;
+        const SphereGaps<P> gaps = gaps_of(all_pairs());
+        const Centers at = centers(t_);
+        for (std::size_t k = 0; k < pairs_.size(); ++k) {
+            const Gap<P> gap = gaps.gap(k, at);
+            if (!states_[k].closed && gap.distance > P(tolerance) * gaps.size_of(k)) continue;
+            now.touching.push_back(k);
+            now.rested.push_back(states_[k].closed || Elementary<P>::magnitude(gap.rate) <= P(now.resting));
+        }
     }
-    // Applies the impact of a pair, and notes its bodies in `moved`.
-    void collide(std::size_t k, std::vector<std::size_t>& moved) {
+    // Stops the step of a body, or of the cluster that it is in.
+    void take_part(std::size_t body, Resolution& now) {
+        if (now.affected[body]) return;
+        Touching* cluster = cluster_of(body);
+        if (!cluster) {
+            bodies_[body]->interrupt(t_);
+            now.affected[body] = true;
+            return;
+        }
+        cluster->interrupt(t_);
+        cluster->release();
+        for (const std::size_t member : cluster->members()) now.affected[member] = true;
+        cluster_steps_ += cluster->steps(), cluster_evaluations_ += cluster->evaluations();
+        std::erase_if(clusters_, [&](const auto& one) { return one.get() == cluster; });
+    }
+    // Applies the impact of a touching pair.
+    void collide(std::size_t touching, Resolution& now) {
+        const std::size_t k = now.touching[touching];
         const SpherePair& pair = pairs_[k];
         const std::array<std::size_t, 2> index{pair.first, pair.second};
+        for (const std::size_t i : index) take_part(i, now);
+        if (!is_determined(touching, now)) return;
         SphereImpact<P> at;
-        at.normal_W = gaps_->normal(k, centers(t_));
+        at.normal_W = gaps_of({k}).normal(0, centers(t_));
         at.restitution = P(pair.restitution), at.friction = P(pair.friction);
         for (std::size_t i = 0; i < 2; ++i) {
-            Driver& body = *bodies_[index[i]];
-            if (std::ranges::find(moved, index[i]) == moved.end()) {
-                body.interrupt(t_);
-                moved.push_back(index[i]);
-            }
-            const BodyMotion<P>& m = body.motion();
+            const BodyMotion<P>& m = bodies_[index[i]]->motion();
+            const SphereBody<P>& sphere = spheres_[index[i]];
             at.velocity_W[i] = m.velocity_W, at.rotation_W[i] = rotate(m.q, m.angular_velocity_B);
-            at.radius[i] = radii_[index[i]], at.mass[i] = properties_[index[i]].mass;
-            at.moment[i] = properties_[index[i]].inertia[0][0];
+            at.radius[i] = sphere.radius, at.mass[i] = sphere.mass, at.moment[i] = sphere.moment;
         }
         const Vector3<P> impulse = Impact::impulse(at);
         for (std::size_t i = 0; i < 2; ++i) {
             const Vector3<P> on_body = i == 0 ? impulse : Vector3<P>(-impulse);
             bodies_[index[i]]->add_velocity((P(1) / at.mass[i]) * on_body,
                                             (P(1) / at.moment[i]) * cross(at.arm(i), on_body));
+            now.pushed[index[i]] = true;
         }
-        const P normal = dot(impulse, at.normal_W);
-        pairs_record_.events.push_back({t_, contact_with_body(*scene_, pair.first, pair.second), EventKind::impact,
-                                        normal, impulse - normal * at.normal_W});
+        now.changes = now.collided[k] = true;
+        now.keeps_modes = false;
+        bounced_.push_back(k);
+        note_impact(k, impulse, at.normal_W, now.resting);
+    }
+    // Whether the laws for pairs determine an impact: not if another one at the same time acts through a sphere that
+    // rests on both.
+    bool is_determined(std::size_t touching, const Resolution& now) {
+        const SpherePair& pair = pairs_[now.touching[touching]];
+        for (std::size_t j = 0; j < now.touching.size(); ++j) {
+            const SpherePair& other = pairs_[now.touching[j]];
+            const bool share = other.first == pair.first || other.first == pair.second || other.second == pair.first ||
+                               other.second == pair.second;
+            if (j == touching || !share || !(now.rested[j] || now.rested[touching])) continue;
+            if (now.rested[touching] && !now.collided[now.touching[j]]) continue;
+            fault_ = fmt::format(
+                "the impact of {} and {} {} acts through touching spheres on {} and {}: the laws for pairs do not "
+                "determine it",
+                name(pair.first), name(pair.second), at_time(), name(other.first), name(other.second));
+            return false;
+        }
+        return true;
+    }
+    void note_impact(std::size_t k, const Vector3<P>& impulse_W, const Vector3<P>& normal_W, double resting) {
+        const P normal = dot(impulse_W, normal_W), separation = rate(k);
+        const bool separates = separation > P(resting), has_limit = pairs_[k].restitution > 0;
+        states_[k].has_landed = !separates;
+        states_[k].separation.reset();
+        if (!separates && has_limit) states_[k].separation = separation;
+        pairs_record_.events.push_back({t_, states_[k].contact,
+                                        separates || has_limit ? EventKind::impact : EventKind::lands, normal,
+                                        impulse_W - normal * normal_W});
+    }
+    /// Forms clusters of the bodies that take part and touch without normal velocity. The others go on alone.
+    void form_clusters(Resolution& now) {
+        std::vector<std::size_t> lasting;
+        for (const std::size_t k : now.touching) {
+            // at the start, spheres that touch may not have collided
+            const bool takes_part = !has_started_ || now.affected[pairs_[k].first] || now.affected[pairs_[k].second];
+            if (!takes_part || rate(k) > P((states_[k].closed ? 1e4 : 1) * now.resting)) continue;
+            lasting.push_back(k);
+        }
+        // a cluster that touches one of them joins
+        for (const std::size_t k : lasting) take_part(pairs_[k].first, now), take_part(pairs_[k].second, now);
+        std::vector<std::size_t> root;
+        for (std::size_t i = 0; i < bodies_.size(); ++i) root.push_back(i);
+        for (const std::size_t k : lasting) {
+            const std::size_t from = root[pairs_[k].second], to = root[pairs_[k].first];
+            std::ranges::replace(root, from, to);
+        }
+        end_separated(now, root);
+        for (std::size_t i = 0; i < bodies_.size() && !find_fault(); ++i) {
+            if (root[i] != i || !now.affected[i]) continue;
+            std::vector<std::size_t> members;
+            for (std::size_t j = 0; j < bodies_.size(); ++j)
+                if (root[j] == i) members.push_back(j);
+            if (members.size() > 1)
+                start_cluster(std::move(members), now);
+            else if (!now.keeps_modes || now.pushed[i])
+                bodies_[i]->select_mode();
+        }
+        find_fault();
+    }
+    void start_cluster(std::vector<std::size_t> members, const Resolution& now) {
+        auto cluster =
+            std::make_unique<Touching>(*scene_, std::move(members), bodies_, pairs_, states_, pairs_record_, settings_);
+        for (const std::size_t i : cluster->members())
+            if (now.pushed[i]) cluster->note_push(i);
+        cluster->start(t_, !has_started_, now.resting);
+        clusters_.push_back(std::move(cluster));
+    }
+    // ends the contacts of pairs that are in no cluster together
+    void end_separated(const Resolution& now, const std::vector<std::size_t>& root) {
+        for (const std::size_t k : now.touching) {
+            PairState<P>& state = states_[k];
+            if (root[pairs_[k].first] == root[pairs_[k].second] || !now.affected[pairs_[k].first]) continue;
+            const bool landed = std::exchange(state.has_landed, false);
+            state.separation.reset();
+            if (!std::exchange(state.closed, false)) continue;
+            if (!now.collided[k] && !landed)
+                pairs_record_.events.push_back({t_, state.contact, EventKind::lifts_off, P(0), {}});
+            Touching::close_interval(state, pairs_record_, t_);
+        }
     }
 
     SphereRun<P> collect() {
         SphereRun<P> result;
         result.fault = fault_;
+        for (PairState<P>& state : states_) Touching::close_interval(state, pairs_record_, t_);
+        // a mode that ends when it starts is no interval
+        std::erase_if(pairs_record_.intervals,
+                      [](const Interval<P>& interval) { return !(interval.to > interval.from); });
+        for (const auto& cluster : clusters_)
+            cluster_steps_ += cluster->steps(), cluster_evaluations_ += cluster->evaluations();
+        result.steps = cluster_steps_, result.evaluations = cluster_evaluations_;
         std::vector<Run<P>> runs;
         for (const auto& body : bodies_) runs.push_back(body->finish());
         std::size_t samples = runs.front().motions.size();

@@ -35,15 +35,16 @@ void solve_definite(std::vector<P>& B, std::vector<P>& x) {
     for (std::size_t c = 0; c < x.size(); ++c) eliminate_column(B, x, c);
     substitute_back(B, x);
 }
-/// As solve_definite() for any matrix, with partial pivoting. Returns false if the matrix is singular.
+/// As solve_definite() for any matrix, with partial pivoting. Returns false if the matrix is singular: a pivot does not
+/// exceed `least`.
 template <class P>
-bool solve_pivoted(std::vector<P>& B, std::vector<P>& x) {
+bool solve_pivoted(std::vector<P>& B, std::vector<P>& x, const P& least = P(0)) {
     const std::size_t m = x.size();
     for (std::size_t c = 0; c < m; ++c) {
         std::size_t pivot = c;
         for (std::size_t r = c + 1; r < m; ++r)
             if (Elementary<P>::magnitude(B[r * m + c]) > Elementary<P>::magnitude(B[pivot * m + c])) pivot = r;
-        if (B[pivot * m + c] == P(0)) return false;
+        if (!(Elementary<P>::magnitude(B[pivot * m + c]) > least)) return false;
         for (std::size_t k = 0; k < m; ++k) std::swap(B[c * m + k], B[pivot * m + k]);
         std::swap(x[c], x[pivot]);
         eliminate_column(B, x, c);

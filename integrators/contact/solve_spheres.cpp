@@ -1,5 +1,6 @@
 #include "integrators/contact/solve_spheres.h"
 
+#include "integrators/contact/cluster_form.h"
 #include "integrators/contact/driver_trajectory.h"
 #include "integrators/contact/reduced_form.h"
 #include "motion/mechanism.h"
@@ -7,7 +8,7 @@
 namespace polhode::contact {
 
 SphereRun<double> follow_spheres_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
-    return SphereDriver<double, ReducedForm<double>, ClosedFormImpact>(
+    return SphereDriver<double, ReducedForm<double>, ClusterForm<double>, ClosedFormImpact>(
                problem.scene, times_of_samples(problem, settings), driver_settings<ContactSettings>(settings, steps))
         .run();
 }

@@ -6,8 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "integrators/contact/cluster_form.h"
 #include "integrators/contact/follow_spheres.h"
 #include "integrators/truth/attempt_contact.h"
+#include "integrators/truth/cluster_multiplier_form.h"
 
 namespace polhode::truth {
 
@@ -21,13 +23,14 @@ Attempt attempt_by_sphere_contacts(const Problem& problem, const std::vector<dou
         return contact::ContactSettings{s.order, local_digits, s.digits, s.step_factor, s.max_steps, stop};
     };
     auto pending = in_thread([&] {
-        return contact::SphereDriver<P, MultiplierForm<P>, contact::PhasedImpact>(problem.scene, sample_times,
-                                                                                  settings(runs.coarse))
+        return contact::SphereDriver<P, MultiplierForm<P>, ClusterMultiplierForm<P>, contact::PhasedImpact>(
+                   problem.scene, sample_times, settings(runs.coarse))
             .run();
     });
-    contact::SphereRun<P> first = contact::SphereDriver<P, contact::ReducedForm<P>, contact::ClosedFormImpact>(
-                                      problem.scene, sample_times, settings(runs.fine))
-                                      .run();
+    contact::SphereRun<P> first =
+        contact::SphereDriver<P, contact::ReducedForm<P>, contact::ClusterForm<P>, contact::ClosedFormImpact>(
+            problem.scene, sample_times, settings(runs.fine))
+            .run();
     contact::SphereRun<P> second = pending.get();
     const std::string& fault = first.fault.empty() ? second.fault : first.fault;
     if (!fault.empty()) return failed_attempt(fault);

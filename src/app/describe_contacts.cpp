@@ -36,7 +36,8 @@ void contacts_of_spheres(Report& report, const Problem& problem) {
     const Scene& scene = problem.scene;
     report.title("Contacts");
     report.line("laws", "Coulomb friction; impacts of spheres in closed form");
-    report.line("simultaneous impacts", "one after the other, in the order of the pairs");
+    report.line("simultaneous impacts",
+                "one after the other, in the order of the pairs; not determined in a row of touching spheres");
     report.line("colliding pairs", fmt::format("{}", sphere_pairs(scene).size()));
     Settings settings;
     settings.samples = 1, settings.seconds_limit = 2, settings.tolerance = default_tolerance;

@@ -162,6 +162,7 @@ class ContactTimeline {
 
     void add_samples(std::size_t row, std::size_t number, const std::vector<ContactSample>& samples) {
         const ContactParts parts = parts_of_contact(scene_, number);
+        if (!parts.plane) return;
         PlaneContact& contact = contacts_[row];
         contact.body = parts.body, contact.plane = *parts.plane;
         if (samples.empty()) return;

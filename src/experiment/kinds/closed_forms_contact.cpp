@@ -162,6 +162,35 @@ void stacked_ball_drop(Comparison& c) {
     c.add("final speed of the upper ball (m/s)", "J/m - g T", J / m - g * c.duration(), c.last(1).velocity_W[2]);
 }
 
+// With k = 1 + I/(m r^2) of each ball and equal masses: the balls roll with the same acceleration a, the force N
+// between them and its friction mu N satisfy k_1 m a = m g_x - (1 + mu) N and k_2 m a = m g_x + (1 - mu) N.
+void ball_pushes_hollow_ball(Comparison& c) {
+    const auto factor = [&](std::size_t b) {
+        return Exact(1 + c.body(b).inertia[0][0] / (c.body(b).mass * c.radius(b) * c.radius(b)));
+    };
+    const Exact k1 = factor(0), k2 = factor(1), friction = c.scene.contacts.at(0).friction, T = c.duration();
+    const Exact a = 2 * c.gravity()[0] / (k1 + k2 + friction * (k2 - k1));
+    c.add("final speed (m/s)", "a T,  a = 2 g_x / (k1 + k2 + mu (k2 - k1))", a * T, c.last(0).velocity_W[0]);
+    c.add("distance (m)", "a T^2/2", a * T * T / 2, c.last(0).position_W[0]);
+    c.add("distance of the balls (m)", "2 r", c.radius(0) + c.radius(1),
+          c.last(1).position_W[0] - c.last(0).position_W[0]);
+}
+
+// The line of centres, of length R, has the cosine y to the vertical. Momentum and energy give, with k = m/(M + m),
+//   R w^2 (1 - k y^2) = 2 g (y0 - y),
+// and the force between the balls vanishes where R w^2 = g y. Then the lower ball has the speed k R w y.
+void ball_leaves_ball(Comparison& c) {
+    const Exact M = c.body(0).mass, m = c.body(1).mass, k = m / (M + m), R = c.radius(0) + c.radius(1);
+    const Exact start = (c.first(1).position_W[2] - c.first(0).position_W[2]) / R;
+    Exact y = 2 * start / 3;
+    for (int i = 0; i < 100; ++i) y -= (k * y * y * y - 3 * y + 2 * start) / (3 * k * y * y - 3);
+    const Exact speed = sqrt(Exact(-c.gravity()[2] * y * R)) * y;
+    c.add("final speed of the lower ball (m/s)", "k sqrt(g R y) y,  k y^3 - 3 y + 2 y0 = 0", k * speed,
+          -c.last(0).velocity_W[0]);
+    c.add("final speed of the upper ball (m/s)", "(1 - k) sqrt(g R y) y", (1 - k) * speed, c.last(1).velocity_W[0]);
+    c.add_constant("momentum (N s)", 0, M * c.last(0).velocity_W[0] + m * c.last(1).velocity_W[0], m * speed);
+}
+
 // The force F0 sin k t moves the block while it exceeds the friction, and again, mirrored, in each half period pi/k.
 void forced_block(Comparison& c) {
     const Exact F0 = c.scene.parameters.at(0).value, k = c.scene.parameters.at(1).value, m = c.body().mass;
@@ -273,6 +302,8 @@ std::span<const SceneForms> contact_forms() {
         {"contact/ball_in_gutter", "E. J. Routh 1905", ball_in_gutter},
         {"contact/ball_incline_rolls", "E. J. Routh 1905", ball_incline_rolls},
         {"contact/ball_incline_slides", "E. J. Routh 1905", ball_incline_slides},
+        {"contact/ball_leaves_ball", "D. Morin 2008", ball_leaves_ball},
+        {"contact/ball_pushes_hollow_ball", "balance of momentum", ball_pushes_hollow_ball},
         {"contact/billiard_natural_angle", "D. G. Alciatore, TP 3.3", billiard_natural_angle},
         {"contact/billiard_side_spin", "G.-G. Coriolis 1835", sliding_ball},
         {"contact/billiard_throw", "D. G. Alciatore, TP A-14", billiard_throw},

@@ -1,0 +1,81 @@
+// The polynomial of one step through a mode, and the length of a Taylor step.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "body/algebra.h"
+#include "integrators/contact/contact_state.h"
+#include "integrators/contact/mode_steps.h"
+#include "integrators/series/limb_real.h"
+#include "integrators/series/real.h"
+#include "integrators/series/series.h"
+
+namespace polhode::contact {
+
+/// The polynomial of a step over the independent variable s. Time is the component `clock`.
+template <class P>
+struct ModeStep {
+    StepExpansion<P> expansion;
+    int clock = 0;
+    bool stretched = false;  ///< whether s is not the time
+    P length{0};             ///< in s
+
+    int order() const { return expansion.order(); }
+    P coefficient(int i, int k) const { return expansion.coefficient(i, k); }
+    /// The time at the end of the step.
+    P clock_at_end() const {
+        P value(0);
+        for (int k = order(); k >= 0; --k) value = value * length + coefficient(clock, k);
+        return value;
+    }
+    /// s at which the clock is t, for a clock that increases.
+    P when(const P& t, const P& start) const {
+        if (!stretched) return t - start;
+        P low(0), high = length, s = length / P(2);
+        for (int i = 0; i < 300; ++i) {
+            P value(0), slope(0);
+            for (int k = order(); k >= 0; --k) {
+                slope = slope * s + value;
+                value = value * s + coefficient(clock, k);
+            }
+            (value < t ? low : high) = s;
+            P next = s - (value - t) / slope;
+            if (!(next >= low && next <= high)) next = (low + high) / P(2);
+            const P change = Elementary<P>::magnitude(P(next - s));
+            s = next;
+            if (!(change > P(4) * Elementary<P>::epsilon() * high)) break;
+        }
+        return s;
+    }
+    /// The value of an observed function, whose integral over s is the component `index`.
+    P observed(int index, const P& s) const {
+        P sum(0);
+        for (int k = order(); k >= 1; --k) sum = sum * s + P(k) * coefficient(index, k);
+        return sum;
+    }
+    /// The values of three observed functions from the index `first` on.
+    Vector3<P> observed_vector(int first, const P& s) const {
+        return {observed(first, s), observed(first + 1, s), observed(first + 2, s)};
+    }
+};
+
+/// The length of a Taylor step for which |c_k| h^k <= 10^-digits scale for the last four coefficients of each block,
+/// because one may vanish by symmetry.
+template <class T>
+double taylor_step(const Series<T>& series, int order, const std::vector<Block>& blocks, double digits) {
+    double log2_step = std::numeric_limits<double>::infinity();
+    for (const Block& block : blocks)
+        for (int k = order - 3; k <= order; ++k) {
+            double size = -std::numeric_limits<double>::infinity();
+            for (int i = block.first; i < block.first + block.size; ++i)
+                size = std::max(size, log2_magnitude(series.coefficient(i, k)));
+            const double allowed = std::log2(block.scale) - digits * std::log2(10.0);
+            log2_step = std::min(log2_step, (allowed - size) / k);
+        }
+    return std::exp2(std::min(log2_step, 1000.0));
+}
+
+}  // namespace polhode::contact

@@ -1,0 +1,87 @@
+// The reference of spheres in lasting contact: both formulations agree to 25 digits, compared with closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "integrators/truth/reference.h"
+#include "scene/scene_file.h"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t touching_place = 7, touching_rate = 10;  // columns of a row of the reference after t
+
+std::string ball_entry(const std::string& name, const std::string& initial) {
+    return R"({"name": ")" + name +
+           R"(", "body": {"shape": {"type": "sphere", "radius": 0.125}, "mass": 1}, "initial": {)" + initial + "}}";
+}
+Scene touching_scene(const std::string& bodies, const std::string& more, double duration) {
+    return parse_scene(R"({"name": "touching", "duration": )" + std::to_string(duration) + R"(, "bodies": [)" + bodies +
+                           R"(], "loads": [{"type": "gravity", "acceleration": [0, 0, -10]}], )" + more + "}",
+                       "touching.json");
+}
+// rows of two bodies at the start, the middle and the end
+DecimalReference touching_truth(const Scene& scene) {
+    DecimalReference truth = decimal_reference(scene, 2, 25);
+    EXPECT_TRUE(truth.available) << truth.message;
+    EXPECT_LE(truth.bound, 1e-24);
+    return truth;
+}
+void expect_touching_decimal(const std::string& decimal, long double expected, long double tolerance = 1e-17L) {
+    EXPECT_LE(std::abs(std::stold(decimal) - expected), tolerance)
+        << decimal << " instead of " << static_cast<double>(expected);
+}
+std::string kinds_of(const DecimalReference& truth) {
+    std::string all;
+    for (const DecimalContactEvent& event : truth.contact_events) all += event.event + " ";
+    return all;
+}
+
+const std::string rough_floor = R"("planes": [{"normal": [0, 0, 1], "offset": 0, "restitution": 0, "friction": 0.25}])";
+
+// A ball that rolls arrives without restitution at a ball at rest, off its centre line.
+TEST(TouchingSpheres, RollingBallPushesAnother) {
+    const DecimalReference truth = touching_truth(touching_scene(
+        ball_entry("a", R"("position": [0, 0.03125, 0.125], "velocity": [1, 0, 0], "angular_velocity": [0, 8, 0])") +
+            "," + ball_entry("b", R"("position": [0.5, 0, 0.125])"),
+        rough_floor + R"(, "contacts": [{"all": true, "restitution": 0, "friction": 0}])", 2));
+    EXPECT_NE(kinds_of(truth).find("lands"), std::string::npos);
+    EXPECT_NE(kinds_of(truth).find("lifts_off"), std::string::npos);
+    // m v + I w/r of each ball changes only by the force between the balls, and is 7/5 m v while it rolls
+    long double sum = 0;
+    for (const std::size_t body : {4u, 5u}) sum += std::stold(truth.columns[body][touching_rate]);
+    EXPECT_LE(std::abs(sum - 1), 1e-17L);
+}
+
+// A ball rolls and slides off another one that rolls on the floor, in space.
+TEST(TouchingSpheres, BallFallsOffABall) {
+    const DecimalReference truth = touching_truth(
+        touching_scene(ball_entry("a", R"("position": [0, 0, 0.125], "angular_velocity": [0, 0, 5])") + "," +
+                           ball_entry("b", R"("position": [0.09, 0.12, 0.325])"),
+                       rough_floor + R"(, "contacts": [{"all": true, "restitution": 0, "friction": 0.5}])", 0.5));
+    EXPECT_NE(kinds_of(truth).find("rolls"), std::string::npos) << kinds_of(truth);
+    EXPECT_NE(kinds_of(truth).find("lifts_off"), std::string::npos) << kinds_of(truth);
+}
+
+// Forces of 4 N press two balls together from the distance 0.2: impacts end at 3 sqrt(0.05).
+TEST(TouchingSpheres, ImpactsAccumulate) {
+    const auto push = [](const std::string& body, const std::string& force) {
+        return R"({"type": "force", "body": ")" + body + R"(", "frame": "world", "point": [0, 0, 0], "vector": )" +
+               force + "}";
+    };
+    const Scene scene = parse_scene(R"({"name": "pressed", "duration": 1, "bodies": [)" + ball_entry("a", "") + "," +
+                                        ball_entry("b", R"("position": [0.45, 0, 0])") + R"(], "loads": [)" +
+                                        push("a", "[4, 0, 0]") + "," + push("b", "[-4, 0, 0]") +
+                                        R"(], "contacts": [{"all": true, "restitution": 0.5, "friction": 0.25}]})",
+                                    "pressed.json");
+    const DecimalReference truth = touching_truth(scene);
+    ASSERT_FALSE(truth.contact_events.empty());
+    EXPECT_EQ(truth.contact_events.back().event, "accumulates");
+    const long double apart = static_cast<long double>(0.45) - 0.25L;
+    expect_touching_decimal(truth.contact_events.back().t, 3 * std::sqrt(apart / 4));
+    expect_touching_decimal(truth.columns[4][touching_place], apart / 2);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -152,7 +152,17 @@ std::string json(const Scene& scene, const CertifiedReference& truth) {
                                 number.radius, number.digits);
         text += ']';
     }
-    return text + "\n]}\n";
+    text += "\n]";
+    if (!scene.planes.empty()) {
+        text += ",\n \"events\": [";
+        for (std::size_t i = 0; i < truth.events.size(); ++i) {
+            const CertifiedEvent& event = truth.events[i];
+            text += fmt::format("{}\n  {{\"event\": \"{}\", \"plane\": {}, \"t\": \"{}\", \"radius\": \"{}\"}}",
+                                i == 0 ? "" : ",", event.kind, json_string(event.plane), event.t.value, event.t.radius);
+        }
+        text += "\n]";
+    }
+    return text + "}\n";
 }
 
 int run_certified(const TruthOptions& options, const Scene& scene) {
@@ -237,7 +247,9 @@ int truth_command(const TruthOptions& options) {
     require_joint_files(scene, options.reactions, options.joints, options.output);
     require_contacts(scene, options.contacts, options.output, options.reactions);
     if (options.certified && options.contacts.any())
-        throw UsageError("--modes and --events: certified events are not available; remove --certified");
+        throw UsageError(
+            "--modes and --events: with --certified the times of events are in the JSON only; remove --certified, or "
+            "use --format json");
     if (options.certified && !options.reactions.empty())
         throw UsageError("--reactions: certified reactions are not available; remove --certified");
     if (options.certified && !options.joints.empty())

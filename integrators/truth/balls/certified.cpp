@@ -4,7 +4,7 @@
 // attempt that fails returns the precision to try next (CertifiedAttempt::wanted_bits). Certifier encloses one body;
 // TreeCertifier (certify_tree.cpp) encloses trees of bodies. Certifier follows the motion from event to event (Piece)
 // and encloses each piece by the first applicable method:
-//   closed form          no torque (closed_form.cpp)
+//   closed form          no torque (closed_form.cpp); a sphere on planes (contact_ball.cpp, SphereCertifier)
 //   collocation          strongly damped pieces (collocation.cpp)
 //   Taylor series        errors carried by the logarithmic norm or by parallelepipeds (taylor.cpp, parallelepiped.cpp)
 // Route holds this choice and a plan computed in double precision. The plan affects cost only, not the proof.
@@ -28,6 +28,7 @@
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/strong_damping.h"
 #include "motion/problem.h"
+#include "scene/plane_file.h"
 #include "scene/scene_file.h"
 #include "scene/scene_formulas.h"
 #include "text/content_hash.h"
@@ -302,8 +303,26 @@ std::string certification_refusal(const Scene& scene) {
                "--certified";
     if (!scene.loops.empty()) return "no certified truth: loops are not supported; remove --certified";
     if (!scene.contacts.empty()) return "no certified truth: contacts of bodies are not supported; remove --certified";
-    if (!scene.planes.empty()) return "no certified truth: impacts on planes are not supported; remove --certified";
-    return "";
+    if (scene.planes.empty()) return "";
+    const std::string why = truth::SphereCertifier::refusal(scene);
+    return why.empty() ? "" : "no certified truth: " + why + "; remove --certified";
+}
+
+// The events of a run with their times to `digits` digits, or as many as are proven.
+std::vector<CertifiedEvent> write_events(const Scene& scene, const std::vector<truth::EnclosedEvent>& events,
+                                         int digits) {
+    std::vector<CertifiedEvent> written;
+    for (const truth::EnclosedEvent& event : events) {
+        CertifiedEvent& one = written.emplace_back();
+        one.kind = event.kind, one.plane = plane_name(scene, event.plane);
+        const double radius = Bound::radius_of(event.t).log2_near() / bits_per_digit;
+        Bound error;
+        one.t.value =
+            truth::decimal_near(event.t, static_cast<long>(std::floor(std::max(radius, -digits - 3.0))) - 1, error);
+        one.t.radius = truth::decimal_above(error);
+        one.t.digits = error.is_zero() ? digits : proven_digits(error, Ball(1));
+    }
+    return written;
 }
 
 // Names the methods that enclosed the motion, separated by semicolons.
@@ -328,7 +347,7 @@ struct PrecisionSearch {
 
 // Repeats attempts at increasing precision until all radii are as small as requested, and sets the result.
 template <class AttemptFunction>
-PrecisionSearch search_precision(const AttemptFunction& make_attempt, double least_bits, int digits,
+PrecisionSearch search_precision(const Scene& scene, const AttemptFunction& make_attempt, double least_bits, int digits,
                                  CertifiedReference& result) {
     PrecisionSearch search{least_bits, most_bits, {}};
     while (search.bits <= search.limit) {
@@ -355,6 +374,7 @@ PrecisionSearch search_precision(const AttemptFunction& make_attempt, double lea
         result.available = true;
         result.steps = attempt.steps;
         write_columns(attempt.columns, digits, result);
+        result.events = write_events(scene, attempt.events, digits);
         result.method = name_methods(attempt);
         break;
     }
@@ -416,8 +436,14 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     truth::TreeCertifier tree_certifier(scene, result.times, least_bits);
     const bool is_tree = is_mechanism(scene);
     result.bodies = static_cast<int>(body_count(scene));
+    truth::SphereCertifier sphere_certifier(scene, result.times);
     const PrecisionSearch search = search_precision(
-        [&] { return is_tree ? tree_certifier.attempt() : certifier.attempt(); }, least_bits, digits, result);
+        scene,
+        [&] {
+            if (!scene.planes.empty()) return sphere_certifier.attempt();
+            return is_tree ? tree_certifier.attempt() : certifier.attempt();
+        },
+        least_bits, digits, result);
     flint_cleanup();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!result.available) result.times.clear();

@@ -18,6 +18,13 @@ struct CertifiedNumber {
     int digits = 0;      ///< proven digits: radius <= 10^-digits times the largest length of its block (q: 1)
 };
 
+/// An event at a contact of a sphere with a plane.
+struct CertifiedEvent {
+    std::string kind;   ///< "impact", "lands", "accumulates" or "rolls"
+    std::string plane;  ///< name of the plane
+    CertifiedNumber t;  ///< s
+};
+
 struct CertifiedReference {
     bool available = false;
     std::string message;     ///< why no result is available, or how it was computed
@@ -33,15 +40,17 @@ struct CertifiedReference {
     int bodies = 1;                                        ///< number of bodies at each time
     std::vector<std::array<CertifiedNumber, 13>> columns;  ///< one row per time and body: q, w in world axes, p, v
     std::vector<std::string> bounds;                       ///< largest radius of each row
+    std::vector<CertifiedEvent> events;                    ///< contacts of a sphere with planes, up to the last sample
 };
 
 /// Computes the motion at sample_time(duration, k, samples), k = 0..samples. A sample at the time of an event shows the
 /// motion after the event. Every radius is at most 10^-digits, and at most 10^-digits times the largest length of its
 /// block (q, w, p, v) over the run. The precision is raised until this holds. If it cannot be reached, `available` is
 /// false and the message gives the number of digits that can be reached. Several bodies are supported without loops.
-/// Also unavailable: scenes with a user-defined torque or with planes, programs built without Arb, and runs that take
-/// the thread more than `seconds_limit` seconds of processor time. Throws InputError if the scene is invalid,
-/// std::invalid_argument if samples or digits is less than 1.
+/// Planes are supported for a uniform sphere under constant gravity: in flight, impacts, sliding with a constant
+/// direction and rolling on one plane at a time. Also unavailable: scenes with a user-defined torque or other contacts,
+/// programs built without Arb, and runs that take the thread more than `seconds_limit` seconds of processor time.
+/// Throws InputError if the scene is invalid, std::invalid_argument if samples or digits is less than 1.
 CertifiedReference certified_reference(const Scene& scene, long samples, int digits,
                                        double seconds_limit = truth_seconds);
 

@@ -159,8 +159,9 @@ TEST(Certified, HeavyDampedAndSprungBodies) {
     expect_contained(sprung, "Taylor");
 }
 
-// Every plain built-in scene without planes has a truth with proven digits, which contains the truth by two
-// formulations. bruls_top requests a fraction of a bit beyond the working precision, which once caused an endless loop.
+// Every plain built-in scene, with planes if the body is a sphere, has a truth with proven digits, which contains the
+// truth by two formulations. bruls_top requests a fraction of a bit beyond the working precision, which once caused an
+// endless loop.
 TEST(Certified, EverySceneOfTheCatalogue) {
     const FreshCache cache;
     constexpr std::size_t every = optimised_build ? 1 : 13;
@@ -170,9 +171,9 @@ TEST(Certified, EverySceneOfTheCatalogue) {
         SCOPED_TRACE(scene.name);
         scene.duration = std::min(scene.duration, 3.0);
         const CertifiedReference certified = certified_reference(scene, 2, 30);
-        if (!scene.planes.empty()) {
-            EXPECT_FALSE(certified.available);
-            EXPECT_NE(certified.message.find("planes"), std::string::npos) << certified.message;
+        if (!scene.planes.empty() && !certified.available) {
+            // other shapes than spheres
+            EXPECT_NE(certified.message.find("contact is certified"), std::string::npos) << certified.message;
             continue;
         }
         expect_proven(certified, 30);

@@ -99,11 +99,11 @@ class SphereCertifier {
     Vector x_, v_, w_;
     Quaternion<Ball> q_;
     Mode mode_ = Mode::flight;
-    std::optional<std::size_t> plane_;    // of the contact
+    std::optional<std::size_t> plane_;    // in contact
     std::optional<std::size_t> touched_;  // the plane from which a flight starts
     Ball leaves_;                         // normal speed at the start of this flight, m/s
     Vector tangent_, foot_;               // velocity and position along that plane at the start of the flight
-    Vector direction_;                    // of the slip, unit; zero without friction
+    Vector direction_;                    // unit vector along the slip; zero without friction
     bool sticks_ = false;                 // the last impact ended the slip
 
     void start();

@@ -38,8 +38,8 @@ struct BoxSolution {
 template <class P>
 class BoxForces {
   public:
-    /// `matrix`: n by n, row by row, symmetric positive definite.
-    BoxForces(std::vector<P> matrix, std::vector<P> accelerations, std::vector<Box<P>> boxes)
+    /// `matrix`: n by n, row by row, symmetric positive definite. Accelerations up to `least` are rounding errors.
+    BoxForces(std::vector<P> matrix, std::vector<P> accelerations, std::vector<Box<P>> boxes, const P& least = P(0))
         : A_(std::move(matrix)), a_(std::move(accelerations)), boxes_(std::move(boxes)), n_(a_.size()) {
         P largest(0);
         for (std::size_t i = 0; i < n_; ++i) {
@@ -47,7 +47,7 @@ class BoxForces {
             for (const P& bound : {boxes_[i].low, boxes_[i].high})
                 largest = std::max(largest, P(Elementary<P>::magnitude(P(bound * A_[i * n_ + i]))));
         }
-        small_ = P(1e6) * Elementary<P>::epsilon() * largest;
+        small_ = std::max(P(P(1e6) * Elementary<P>::epsilon() * largest), least);
     }
 
     /// Nothing if no case passes the verification.
@@ -89,8 +89,13 @@ class BoxForces {
         }
         std::vector<BoxSide> sides(n_, BoxSide::within);
         for (std::size_t i = 0; i < n_; ++i) {
-            if (boxes_[i].has_low && f[i] <= static_cast<double>(boxes_[i].low)) sides[i] = BoxSide::low;
-            if (boxes_[i].has_high && f[i] >= static_cast<double>(boxes_[i].high)) sides[i] = BoxSide::high;
+            // a force at its bound holds a joint that does not accelerate
+            double a = static_cast<double>(a_[i]);
+            for (std::size_t j = 0; j < n_; ++j) a += static_cast<double>(A_[i * n_ + j]) * f[j];
+            const double small = static_cast<double>(small_);
+            if (boxes_[i].has_low && f[i] <= static_cast<double>(boxes_[i].low) && a > small) sides[i] = BoxSide::low;
+            if (boxes_[i].has_high && f[i] >= static_cast<double>(boxes_[i].high) && a < -small)
+                sides[i] = BoxSide::high;
         }
         return sides;
     }
@@ -118,8 +123,10 @@ class BoxForces {
         solve_definite(B, right);
         for (std::size_t k = 0; k < held.size(); ++k) {
             const Box<P>& box = boxes_[held[k]];
-            if (box.has_low && !(right[k] >= box.low)) return std::nullopt;
-            if (box.has_high && !(right[k] <= box.high)) return std::nullopt;
+            // beyond a bound by rounding
+            const P excess = small_ / A_[held[k] * n_ + held[k]];
+            if (box.has_low && !(right[k] >= box.low - excess)) return std::nullopt;
+            if (box.has_high && !(right[k] <= box.high + excess)) return std::nullopt;
             result.forces[held[k]] = right[k];
         }
         for (std::size_t i = 0; i < n_; ++i) {

@@ -104,7 +104,7 @@ class ModeSteps {
     }
     bool is_running() const { return false; }
     void end_mode() {}
-    void start(const Form&, const P*, const std::vector<double>&) {}
+    void start(const Form&, const P*, const std::vector<double>&, const std::vector<double>& = {}) {}
     double step(double) { return 0; }
     std::string fault() const { return ""; }
     const StepPolynomial& polynomial() const { return polynomial_; }
@@ -126,8 +126,12 @@ class ModeSteps<double, Form> {
         steps_.reset(), model_.reset();
     }
     /// Starts a mode from the state y of `scales.size()` components. `form` must not change until end_mode().
-    void start(const Form& form, const double* y, std::vector<double> scales) {
+    /// `function_scales`: sizes of the functions after the state, whose polynomials must be as accurate as the state;
+    /// empty or zero: not required.
+    void start(const Form& form, const double* y, std::vector<double> scales,
+               std::vector<double> function_scales = {}) {
         end_mode();
+        function_scales_ = std::move(function_scales);
         std::vector<double> state(y, y + scales.size());
         for (double& scale : scales)
             if (!(scale > 0) || !std::isfinite(scale)) scale = 1;
@@ -176,7 +180,7 @@ class ModeSteps<double, Form> {
     std::shared_ptr<ModeModel<Form>> model_;
     Problem problem_;
     std::unique_ptr<SystemSteps> steps_;
-    std::vector<double> scales_, state_, rates_at_start_;
+    std::vector<double> scales_, function_scales_, state_, rates_at_start_;
     std::vector<std::vector<double>> states_, rates_;  // at the points of the step
     StepPolynomial polynomial_;
     std::string fault_;
@@ -209,23 +213,7 @@ class ModeSteps<double, Form> {
         }
         polynomial_.fit(points, h, static_cast<int>(state_.size()), states_, rates_,
                         std::max(1e-2 * tolerance_, 1e-15));
-        return (dense > 0 || is_resolved()) && (!model_->has_formulas() || resolves_functions());
-    }
-    // whether the highest terms of the functions are below the tolerance
-    bool resolves_functions() const {
-        const std::size_t first = state_.size(), all = rates_.front().size();
-        std::vector<double> sizes(all, 0.0);
-        for (const std::vector<double>& rates : rates_)
-            for (std::size_t i = first; i < all; ++i) sizes[i] = std::max(sizes[i], std::abs(rates[i]));
-        // a function may be zero up to rounding
-        constexpr double least = 1e-3;
-        const double largest =
-            std::max(*std::max_element(sizes.begin(), sizes.end()), *std::max_element(scales_.begin(), scales_.end()));
-        for (std::size_t i = first; i < all; ++i)
-            if (polynomial_.last_term(static_cast<int>(i)) >
-                std::max(0.1 * tolerance_, 1e-12) * std::max(sizes[i], least * largest))
-                return false;
-        return true;
+        return (dense > 0 || is_resolved()) && resolves_functions();
     }
     // whether the highest terms of the states are below the tolerance
     bool is_resolved() const {
@@ -234,6 +222,29 @@ class ModeSteps<double, Form> {
                 std::max(0.1 * tolerance_, 1e-14) * (scales_[i] + std::abs(state_[i])))
                 return false;
         return true;
+    }
+    // whether the highest terms of the functions are below the tolerance
+    bool resolves_functions() const {
+        const std::vector<double> scales =
+            function_scales_.empty() && model_->has_formulas() ? largest_functions() : function_scales_;
+        for (std::size_t f = 0; f < scales.size(); ++f)
+            if (scales[f] > 0 && polynomial_.last_term(static_cast<int>(state_.size() + f)) >
+                                     std::max(0.1 * tolerance_, 1e-12) * scales[f])
+                return false;
+        return true;
+    }
+    // the largest values of the functions in the step
+    std::vector<double> largest_functions() const {
+        const std::size_t first = state_.size();
+        std::vector<double> sizes(rates_.front().size() - first, 0.0);
+        for (const std::vector<double>& rates : rates_)
+            for (std::size_t f = 0; f < sizes.size(); ++f) sizes[f] = std::max(sizes[f], std::abs(rates[first + f]));
+        // a function may be zero up to rounding
+        constexpr double least = 1e-3;
+        double largest = *std::max_element(scales_.begin(), scales_.end());
+        for (const double size : sizes) largest = std::max(largest, size);
+        for (double& size : sizes) size = std::max(size, least * largest);
+        return sizes;
     }
     // the cubic through the states and rates at both ends
     void start_from_cubic(const ChebyshevPoints& points, double h) {

@@ -3,13 +3,13 @@
 #include "integrators/contact/driver_trajectory.h"
 #include "integrators/contact/follow_joints.h"
 #include "integrators/contact/joint_tree_form.h"
-#include "motion/mechanism.h"
+#include "motion/formula_mechanism.h"
 
 namespace polhode::contact {
 
 JointRun<double> follow_joints_in_binary64(const Problem& problem, const Settings& settings, MakeSystemSteps steps) {
     JointTreeForm<double> form(problem.scene);
-    std::vector<Block> blocks = form.blocks(mechanism_of(problem).scales());
+    std::vector<Block> blocks = form.blocks(tree_scales(problem));
     return JointDriver<double, JointTreeForm<double>>(problem.scene, problem.scales, std::move(form), std::move(blocks),
                                                       times_of_samples(problem, settings),
                                                       driver_settings<JointSettings>(settings, steps))

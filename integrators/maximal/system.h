@@ -153,8 +153,9 @@ class System {
 
     /// Forces and torques of each joint, then each loop, on its second body, in the scene's order, under the loads of
     /// the piece that was entered last. They include springs, dampers and motors. `lambda`: the multipliers, if
-    /// already known.
-    std::vector<Reaction<P>> reactions(const P* y, const P* lambda = nullptr) const;
+    /// already known. `further`: what else acts on each body; may be empty.
+    std::vector<Reaction<P>> reactions(const P* y, const P* lambda = nullptr,
+                                       const std::vector<Wrench<P>>& further = {}) const;
 
     /// Constraint errors of the state.
     JointGap<P> gap(const P* y) const;
@@ -209,11 +210,16 @@ class System {
 };
 
 template <class P>
-std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given) const {
+std::vector<Reaction<P>> System<P>::reactions(const P* y, const P* given, const std::vector<Wrench<P>>& further) const {
     const std::vector<Placement<P>> at = placements(y);
     const Rows<P> rows = dynamics_->constraints(at);
     std::vector<Wrench<P>> on(at.size());
     add_forces(*mechanism_, loads_, at, y + angles_, on);
+    for (std::size_t b = 0; b < further.size(); ++b) {
+        on[b].force_W = on[b].force_W + further[b].force_W;
+        on[b].torque_W = on[b].torque_W + further[b].torque_W;
+        on[b].torque_B = on[b].torque_B + further[b].torque_B;
+    }
     const std::vector<P> lambda =
         given ? std::vector<P>(given, given + dynamics_->rows()) : dynamics_->multipliers(at, rows, on);
     dynamics_->add_constraint_forces(rows, lambda, on);

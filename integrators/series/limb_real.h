@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -274,13 +275,18 @@ struct SeriesScalar<Real<decimals>> {
 
 /// The recording with its factors converted to another scalar.
 template <class T, class P>
-Recording<T> cast_recording(const Recording<P>& recording) {
-    Recording<T> result;
-    for (const TapeNode<P>& node : recording.tape.nodes)
-        result.tape.nodes.push_back(
-            {static_cast<typename TapeNode<T>::Kind>(node.kind), node.a, node.b, T(node.factor_a), T(node.factor_b)});
-    for (const Traced<P>& rate : recording.rates) result.rates.emplace_back(T(rate.factor), rate.node, nullptr);
-    return result;
+Recording<T> cast_recording(Recording<P> recording) {
+    if constexpr (std::same_as<T, P>) {
+        return recording;
+    } else {
+        Recording<T> result;
+        result.tape.nodes.reserve(recording.tape.nodes.size());
+        for (const TapeNode<P>& node : recording.tape.nodes)
+            result.tape.nodes.push_back({static_cast<typename TapeNode<T>::Kind>(node.kind), node.a, node.b,
+                                         T(node.factor_a), T(node.factor_b)});
+        for (const Traced<P>& rate : recording.rates) result.rates.emplace_back(T(rate.factor), rate.node, nullptr);
+        return result;
+    }
 }
 
 /// @cond specialisations

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -55,16 +57,25 @@ void combine(T& result, const T& a, const T& b, const T& c, const T& d, T& scrat
     add_product(result, c, d, scratch);
 }
 
+/// Of which nodes of a tape a series keeps all coefficients. Of others it keeps only those of the present order, which
+/// takes a quarter of the memory for mechanisms: large series are limited by the memory's speed.
+enum class SeriesRows {
+    all,
+    operands,  ///< operands of products, quotients, functions and roots, and the state variables
+};
+
 /// The Taylor coefficients of one solution, in the scalar T.
 template <class T>
 class Series {
   public:
-    Series(Recording<T> recording, int order)
-        : recording_(std::move(recording)), order_(order), stride_(order + 1), slope_(recording_.tape.nodes.size(), 0) {
-        std::size_t rows = recording_.tape.nodes.size();
-        for (std::size_t i = 0; i < slope_.size(); ++i)
-            if (recording_.tape.nodes[i].kind == Kind::sine) slope_[i] = slope_[i + 1] = static_cast<int>(rows++);
-        coefficients_.resize(rows * stride_);
+    Series(Recording<T> recording, int order, SeriesRows rows = SeriesRows::all) {
+        assign(std::move(recording), order, rows);
+    }
+    /// Replaces the system and the order. Reuses the memory.
+    void assign(Recording<T> recording, int order, SeriesRows rows = SeriesRows::all) {
+        recording_ = std::move(recording);
+        order_ = order, stride_ = static_cast<std::size_t>(order) + 1;
+        place_nodes(rows);
     }
 
     int order() const { return order_; }
@@ -75,22 +86,27 @@ class Series {
     const T& coefficient(int i, int k) const { return row(i)[k]; }
 
     const Recording<T>& recording() const { return recording_; }
-    /// The first order() coefficients of a tape node; order() + 1 for a state variable.
-    const T* node_coefficients(int node) const { return row(node); }
+    /// The first order() coefficients of a tape node; order() + 1 for a state variable. Requires SeriesRows::all.
+    const T* node_coefficients(int node) const {
+        return coefficients_.data() + (places_[static_cast<std::size_t>(node)] >> 1);
+    }
 
     /// Expands the solution that starts at y, which may be of another scalar type.
     template <class P>
     void expand(const P* y) {
-        const std::vector<TapeNode<T>>& nodes = recording_.tape.nodes;
         const int n = dimension();
         for (int i = 0; i < n; ++i) row(i)[0] = T(y[i]);
         for (int k = 0; k < order_; ++k) {
-            for (std::size_t i = n; i < nodes.size(); ++i) expand_node(nodes[i], static_cast<int>(i), k);
+            const T* factors = factors_.data();
+            for (const Step& step : steps_) {
+                expand_node(step, factors, k);
+                if (step.kind == Kind::combination) factors += 2;
+            }
             for (int i = 0; i < n; ++i) {
                 const Traced<T>& rate = recording_.rates[i];
                 T& next = row(i)[k + 1];
                 if (rate.node >= 0)
-                    next = rate.factor * row(rate.node)[k];
+                    next = rate.factor * at(places_[static_cast<std::size_t>(rate.node)], k);
                 else
                     next = k == 0 ? rate.factor : T(0);
                 divide(next, static_cast<unsigned long>(k) + 1);
@@ -101,7 +117,7 @@ class Series {
     /// y(t + h) by Horner's rule.
     template <class P>
     void evaluate(const P& h, P* y) const {
-        const auto at = [&](const T& step) {
+        const auto at_step = [&](const T& step) {
             for (int i = 0; i < dimension(); ++i) {
                 T sum = row(i)[order_];
                 for (int k = order_ - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
@@ -109,75 +125,131 @@ class Series {
             }
         };
         if constexpr (std::same_as<T, P>)
-            at(h);
+            at_step(h);
         else
-            at(T(h));
+            at_step(T(h));
     }
 
   private:
     using Kind = typename TapeNode<T>::Kind;
 
+    // Where the coefficients of a node are: twice the index of the first one, plus 1 if all are kept.
+    using Place = std::int32_t;
+    static constexpr Place nowhere = -1;
+    static constexpr std::size_t most_places = 1'000'000'000;
+    // A node other than a state variable. A sine, its cosine and the row a_1, 2 a_2, .. of its argument a are adjacent.
+    struct Step {
+        Kind kind;
+        Place out, a, b;
+    };
+
     Recording<T> recording_;
-    int order_;
-    std::size_t stride_;
-    std::vector<int> slope_;       // for a sine and its cosine: the row of a_1, 2 a_2, 3 a_3, ..
-    std::vector<T> coefficients_;  // node by node, order + 1 each, with padding
+    int order_ = 0;
+    std::size_t stride_ = 1;
+    std::vector<Place> places_;    // by node
+    std::vector<Step> steps_;      // by node after the state variables
+    std::vector<T> factors_;       // two per combination
+    std::vector<T> coefficients_;  // of the state variables, then of the other nodes
     T scratch_{0};
 
-    T* row(int node) { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }
-    const T* row(int node) const { return coefficients_.data() + static_cast<std::size_t>(node) * stride_; }
+    T* row(int variable) { return coefficients_.data() + static_cast<std::size_t>(variable) * stride_; }
+    const T* row(int variable) const { return coefficients_.data() + static_cast<std::size_t>(variable) * stride_; }
+    T* all(Place place) { return coefficients_.data() + (place >> 1); }
+    T& at(Place place, int k) { return coefficients_[static_cast<std::size_t>((place >> 1) + (k & -(place & 1)))]; }
 
-    void expand_node(const TapeNode<T>& node, int index, int k) {
-        T& result = row(index)[k];
-        switch (node.kind) {
+    // Whether all coefficients of each node are kept.
+    std::vector<char> find_rows(SeriesRows rows) const {
+        const std::vector<TapeNode<T>>& nodes = recording_.tape.nodes;
+        std::vector<char> keeps(nodes.size(), rows == SeriesRows::all ? 1 : 0);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const TapeNode<T>& node = nodes[i];
+            if (node.kind == Kind::state || node.kind == Kind::sine || node.kind == Kind::cosine) keeps[i] = 1;
+            if (node.kind == Kind::quotient || node.kind == Kind::root) keeps[i] = 1;
+            if (node.kind == Kind::product) keeps[static_cast<std::size_t>(node.a)] = 1;
+            if (node.kind == Kind::product || node.kind == Kind::quotient) keeps[static_cast<std::size_t>(node.b)] = 1;
+        }
+        return keeps;
+    }
+    void place_nodes(SeriesRows rows) {
+        const std::vector<TapeNode<T>>& nodes = recording_.tape.nodes;
+        const std::vector<char> keeps = find_rows(rows);
+        const std::size_t stride = stride_;
+        places_.resize(nodes.size());
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            if (next > most_places) throw std::length_error("the system is too large for a Taylor series");
+            places_[i] = static_cast<Place>(2 * next + (keeps[i] ? 1 : 0));
+            next += keeps[i] ? stride : 1;
+            if (nodes[i].kind == Kind::cosine) next += stride;
+        }
+        coefficients_.resize(next);
+        steps_.clear(), factors_.clear();
+        const auto place = [&](int node) { return node < 0 ? nowhere : places_[static_cast<std::size_t>(node)]; };
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const TapeNode<T>& node = nodes[i];
+            if (node.kind == Kind::state) continue;
+            steps_.push_back({node.kind, places_[i], place(node.a), place(node.b)});
+            if (node.kind == Kind::combination) factors_.push_back(node.factor_a), factors_.push_back(node.factor_b);
+        }
+    }
+
+    void expand_node(const Step& step, const T* factors, int k) {
+        T& result = at(step.out, k);
+        switch (step.kind) {
             case Kind::state:
                 break;
             case Kind::combination:
-                if (node.b >= 0) {
-                    combine(result, node.factor_a, row(node.a)[k], node.factor_b, row(node.b)[k], scratch_);
+                if (step.b != nowhere) {
+                    combine(result, factors[0], at(step.a, k), factors[1], at(step.b, k), scratch_);
                     break;
                 }
-                result = node.factor_a * row(node.a)[k];
-                if (k == 0) result += node.factor_b;
+                result = factors[0] * at(step.a, k);
+                if (k == 0) result += factors[1];
                 break;
             case Kind::product:
-                convolve(result, row(node.a), row(node.b), k, scratch_);
+                convolve(result, all(step.a), all(step.b), k, scratch_);
                 break;
             case Kind::quotient:
-                expand_quotient(node, row(index), k);
+                expand_quotient(step, all(step.out), k);
                 break;
-            case Kind::sine:
+            case Kind::sine: {
+                T* const slope = all(step.out) + 2 * stride_;
                 if (k == 0)
-                    sine_cosine(row(node.a)[0], result, row(node.b)[0]);
+                    sine_cosine(at(step.a, 0), result, at(step.b, 0));
                 else
-                    row(slope_[index])[k - 1] = T(k) * row(node.a)[k];
-                [[fallthrough]];
+                    slope[k - 1] = T(k) * at(step.a, k), expand_sine(result, slope, all(step.b), k);
+                break;
+            }
             case Kind::cosine:
                 if (k == 0) break;
-                convolve(result, row(slope_[index]), row(node.b), k - 1, scratch_);
-                divide(result, static_cast<unsigned long>(k));
-                if (node.kind == Kind::cosine) result = -result;
+                expand_sine(result, all(step.out) + stride_, all(step.b), k);
+                result = -result;
                 break;
             case Kind::root:
-                expand_root(row(node.a), row(index), k);
+                expand_root(at(step.a, k), all(step.out), k);
                 break;
         }
     }
-    void expand_quotient(const TapeNode<T>& node, T* q, int k) {
-        const T* b = row(node.b);
-        T above = node.a >= 0 ? row(node.a)[k] : T(k == 0 ? 1 : 0);
+    // sum of j a_j c_{k-j}, j = 1..k, divided by k
+    void expand_sine(T& result, const T* slope, const T* other, int k) {
+        convolve(result, slope, other, k - 1, scratch_);
+        divide(result, static_cast<unsigned long>(k));
+    }
+    void expand_quotient(const Step& step, T* q, int k) {
+        const T* b = all(step.b);
+        T above = step.a != nowhere ? at(step.a, k) : T(k == 0 ? 1 : 0);
         if (k > 0) {
             convolve(q[k], b + 1, q, k - 1, scratch_);
             above -= q[k];
         }
         q[k] = above / b[0];
     }
-    void expand_root(const T* a, T* r, int k) {
+    void expand_root(const T& a, T* r, int k) {
         if (k == 0) {
-            r[0] = square_root(a[0]);
+            r[0] = square_root(a);
             return;
         }
-        T above = a[k];
+        T above = a;
         if (k > 1) {
             convolve(r[k], r + 1, r + 1, k - 2, scratch_);
             above -= r[k];

@@ -16,7 +16,7 @@
 #include "integrators/contact/joint_tree_form.h"
 #include "integrators/truth/attempt_taylor.h"
 #include "integrators/truth/joint_maximal_form.h"
-#include "motion/mechanism.h"
+#include "motion/formula_mechanism.h"
 
 namespace polhode::truth {
 
@@ -111,7 +111,7 @@ Attempt attempt_by_joint_events(const Problem& problem, const std::vector<double
                                                             sample_times, joint_settings(runs.coarse))
             .run();
     });
-    auto blocks = tree.blocks(mechanism_of(problem).scales());
+    auto blocks = tree.blocks(tree_scales(problem));
     contact::JointRun<P> first =
         contact::JointDriver<P, contact::JointTreeForm<P>>(scene, problem.scales, std::move(tree), std::move(blocks),
                                                            sample_times, joint_settings(runs.fine))

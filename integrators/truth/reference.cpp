@@ -94,13 +94,13 @@ Attempt refused_attempt(const std::string& why) {
 
 Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
     const bool use_50_digits = fits_50_digits(local_digits);
+    if (contact::has_joint_events(problem.scene))
+        return use_50_digits ? truth::attempt_by_joint_events<50>(problem, times, local_digits)
+                             : truth::attempt_by_joint_events<100>(problem, times, local_digits);
     switch (select_formulas(problem)) {
         case Formulas::closed_form:
             return truth::attempt_by_closed_form(problem, times, local_digits);
         case Formulas::series_in_joint_coordinates:
-            if (contact::has_joint_events(problem.scene))
-                return use_50_digits ? truth::attempt_by_joint_events<50>(problem, times, local_digits)
-                                     : truth::attempt_by_joint_events<100>(problem, times, local_digits);
             return use_50_digits ? truth::attempt_by_mechanism_series<50>(problem, times, local_digits)
                                  : truth::attempt_by_mechanism_series<100>(problem, times, local_digits);
         case Formulas::collocation:

@@ -106,8 +106,6 @@ void require_joint_files(const Scene& scene, const std::string& reactions, const
         throw UsageError("--reactions: the scene has neither joints nor loops nor planes; remove the option");
     if (!reactions.empty() && has_sphere_contacts(scene))
         throw UsageError("--reactions: not available for contacts of several bodies; use --events");
-    if (!reactions.empty() && has_formula_loads(scene))
-        throw UsageError("--reactions: reactions are not available in scenes with formulas; remove the option");
     if (!joints.empty() && scene.joints.empty())
         throw UsageError("--joints: the scene has no joints; remove the option");
     const auto require_two = [](const std::string& first, const char* one, const std::string& second, const char* two) {

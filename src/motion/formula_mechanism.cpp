@@ -80,4 +80,9 @@ const Tree<double>& tree_of(const Problem& problem) {
                                                                    : formula_mechanism_of(problem).tree();
 }
 
+std::vector<double> tree_scales(const Problem& problem) {
+    return std::holds_alternative<MechanismSystem>(problem.system) ? mechanism_of(problem).scales()
+                                                                   : formula_mechanism_of(problem).scales();
+}
+
 }  // namespace polhode

@@ -26,6 +26,7 @@ class FormulaMechanismModel : public FormulaModelBase<FormulaTree> {
     template <class S>
     void derivative_by_signs(const S* y, S* dy) const;
     std::vector<Sample> motion(const double* y) const;
+    std::vector<Reaction<double>> reactions(const double* y) const { return form_.reactions(*scene_, y, false); }
     /// Projects y back onto the loop constraints.
     bool projects() const { return tree().has_loops(); }
     void project(double* y) const { tree().project(y); }
@@ -52,5 +53,7 @@ const FormulaMechanismModel& formula_mechanism_of(const Problem& problem);
 
 /// The tree of a problem of several bodies, with or without formula loads.
 const Tree<double>& tree_of(const Problem& problem);
+/// The scales of its coordinates and rates, and of further variables of formulas.
+std::vector<double> tree_scales(const Problem& problem);
 
 }  // namespace polhode

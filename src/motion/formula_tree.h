@@ -131,6 +131,7 @@ class FormulaTree {
     }
 
     const Tree<P>& tree() const { return tree_; }
+    Tree<P>& tree() { return tree_; }
     const FormulaValues<P>& terms() const { return terms_; }
     FormulaValues<P>& terms() { return terms_; }
     /// By term: the point of application, from the link's origin in its axes, or a world point, m.
@@ -179,6 +180,29 @@ class FormulaTree {
             terms_.auxiliary_rates(state_rates(state, dy), values, dy + time + 1);
         else
             for (int k = 0; k < terms_.auxiliaries(); ++k) dy[time + 1 + k] = S(0);
+    }
+    /// The reactions of the joints, then of the loops, with the branches of the current signs if `by_signs` is set.
+    std::vector<Reaction<P>> reactions(const Scene& scene, const P* y, bool by_signs) const {
+        const formula::Evaluation<P, P> values = terms_.template evaluate<P>(formula_state(y), nullptr, by_signs);
+        return tree_.reactions_with(scene, y, [&](TreeWork<P>& at) {
+            std::vector<BodyLoad<P>> applied;
+            add_loads(values, at, &applied);
+            return applied;
+        });
+    }
+    /// The values of the arguments of the active switches, with the branches of the current signs.
+    template <class S>
+    std::vector<S> switch_arguments(const S* y) const {
+        std::vector<S> all;
+        if constexpr (formula::TracedScalar<S>) {
+            for (const SwitchOf<P>& point : switching_points()) all.push_back(y[point.component]);
+        } else {
+            const formula::Evaluation<S, P> values = terms_.template evaluate<S>(formula_state(y), nullptr, true);
+            for (const int which : terms_.active_switches())
+                all.push_back(
+                    values.value(terms_.set().auxiliaries[static_cast<std::size_t>(terms_.switch_auxiliary(which))]));
+        }
+        return all;
     }
     /// The rate of change of the argument of a switch, with the branches of the current signs.
     P switch_rate(int which, const P* y) const {
@@ -268,18 +292,22 @@ class FormulaTree {
         rates.set_held(terms_.held(dy + time_index() + 1));
         return rates;
     }
+    // `applied`: loads on bodies are appended to it, those on bodies at rest included; may be null.
     template <class S>
-    void add_loads(const formula::Evaluation<S, P>& values, TreeWork<S>& at) const {
+    void add_loads(const formula::Evaluation<S, P>& values, TreeWork<S>& at,
+                   std::vector<BodyLoad<S>>* applied = nullptr) const {
         for (const std::size_t i : terms_.acting()) {
             const FormulaTerm& term = terms_.set().terms[i];
             if (term.joint >= 0) {
                 const int link = tree_.links().link_of_joint[static_cast<std::size_t>(term.joint)];
                 Vector3<S>& force = at.links[static_cast<std::size_t>(link)].force;
                 force[0] = force[0] + values.value(term.value[0]);
-            } else if (body_of(term).link >= 0) {
+            } else if (const int link = body_of(term).link; link >= 0 || applied) {
                 const Vector3<S> value(values.value(term.value[0]), values.value(term.value[1]),
                                        values.value(term.value[2]));
-                Tree<P>::add_load(at, body_of(term).link, load_of(term, points_[i], value, at));
+                const Pair6<S> load = load_of(term, points_[i], value, at);
+                Tree<P>::add_load(at, link, load);
+                if (applied) applied->push_back({term.body, link, load});
             }
         }
     }
@@ -288,7 +316,9 @@ class FormulaTree {
     Pair6<S> load_of(const FormulaTerm& term, const Vector3<P>& point, const Vector3<S>& value,
                      const TreeWork<S>& at) const {
         const LinkBody<P>& body = body_of(term);
-        const LinkFrame<S>& frame = at.frames[static_cast<std::size_t>(body.link)];
+        // a body at rest has world axes
+        const LinkFrame<S> rest{diagonal(Vector3<S>(S(P(1)), S(P(1)), S(P(1)))), Vector3<S>()};
+        const LinkFrame<S>& frame = body.link < 0 ? rest : at.frames[static_cast<std::size_t>(body.link)];
         const Vector3<S> in_link = term.load.frame == Frame::body ? Vector3<S>(body.turn * value)
                                                                   : Vector3<S>(transposed_times(frame.R, value));
         if (term.load.kind == FormulaKind::torque) return {in_link, Vector3<S>()};

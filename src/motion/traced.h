@@ -39,6 +39,12 @@ template <class T>
 struct Tape {
     std::vector<TapeNode<T>> nodes;
 
+    /// Removes all nodes. Keeps the memory.
+    void clear() {
+        nodes.clear();
+        std::fill(slots_.begin(), slots_.end(), none);
+        noted_ = 0;
+    }
     /// Returns the index of an equal node, or appends the node and returns its index.
     int add(const TapeNode<T>& node) {
         const int found = find(node, [&](const TapeNode<T>& other) { return other == node; });
@@ -197,8 +203,9 @@ struct Recording {
 template <class T, class Form>
 Recording<T> record(const Form& form, int dimension) {
     using Kind = typename TapeNode<T>::Kind;
-    Tape<T> tape;
-    tape.nodes.reserve(512);
+    // large tapes are recorded again and again where modes change: allocating them would take longer than recording
+    static thread_local Tape<T> tape;
+    tape.clear();
     std::vector<Traced<T>> state, rates(dimension);
     for (int i = 0; i < dimension; ++i) {
         tape.nodes.push_back({Kind::state, i, 0, T(0), T(0)});
@@ -216,6 +223,7 @@ Recording<T> record(const Form& form, int dimension) {
             if (operand >= 0) needed[operand] = 1;
     }
     Recording<T> result;
+    result.tape.nodes.reserve(static_cast<std::size_t>(std::count(needed.begin(), needed.end(), 1)));
     std::vector<int> renamed(tape.nodes.size(), Traced<T>::constant);
     for (std::size_t i = 0; i < tape.nodes.size(); ++i) {
         if (!needed[i]) continue;

@@ -102,11 +102,9 @@ struct LinkLoop {
     Vector3<P> second_axis;  ///< revolute: unit, in the second link's axes
     P length = P(0);
     /// A constraint of joint coordinates instead: second = ratio * first + offset, where `second.link` and `first.link`
-    /// are the links of the coordinates. Without a first link the second coordinate is locked, or, if `drive` is not
-    /// negative, has the acceleration y[drive], a component of y after the state.
+    /// are the links of the coordinates.
     bool couples = false;
     P ratio = P(0), offset = P(0);
-    int drive = -1;
 
     int rows() const { return couples ? 1 : type == LoopType::spherical ? 3 : type == LoopType::revolute ? 5 : 1; }
 };
@@ -124,6 +122,21 @@ struct TreeWork {
     std::vector<Pair6<S>> response;  ///< accelerations by row and link
     std::vector<S> rates;            ///< generalized accelerations by row
     std::vector<S> matrix, multipliers;
+    std::vector<S> locks;      ///< generalized forces that keep the accelerations of locked coordinates
+    std::vector<S> row_locks;  ///< their changes by unit multipliers, by row and lock
+};
+
+/// A coordinate that is locked, or whose acceleration is given.
+struct CoordinateLock {
+    int link;
+    int drive = -1;  ///< the acceleration is y[drive], a component of y after the state; -1: locked
+};
+
+/// A load on a body, for reactions: torque about the link's origin and force, link axes.
+template <class S>
+struct BodyLoad {
+    int body, link;
+    Pair6<S> load;
 };
 
 /// A mechanism in joint coordinates. `P`: the scalar of the constants.
@@ -182,10 +195,14 @@ class Tree {
     /// The reactions of the joints, then of the loops, in the scene's order.
     template <class S>
     std::vector<Reaction<S>> reactions(const Scene& scene, const S* y) const;
-    /// Locks the coordinates of these links: their accelerations vanish. Replaces former locks. The coordinates of the
-    /// links `driven` have given accelerations: those at the end of the argument y of all functions of the state, which
-    /// is longer by them. The multipliers of the locks follow those of the loops and couplings.
-    void lock(const std::vector<int>& links, const std::vector<int>& driven = {});
+    /// The reactions under further loads (see derivative_with()). `add_loads(at)` returns those on bodies.
+    template <class S, class AddLoads>
+    std::vector<Reaction<S>> reactions_with(const Scene& scene, const S* y, const AddLoads& add_loads) const;
+    /// Locks the coordinates of these links of one coordinate: their accelerations vanish. Replaces former locks. The
+    /// coordinates of the links `driven` have given accelerations: y[first_drive] and the following components of the
+    /// argument y of all functions of the state, which is longer by them. accelerate() computes the forces of the
+    /// locks, in this order, into work().locks. The cost does not depend on the number of locks.
+    void lock(const std::vector<int>& links, const std::vector<int>& driven = {}, int first_drive = 0);
     /// Adds a generalized force to a link's coordinate until loads are set again.
     void add_motor(int link, const P& force);
     /// The changes of the rates by a generalized impulse of size 1 on a link's coordinate. Locks and couplings hold.
@@ -225,12 +242,17 @@ class Tree {
     std::vector<LinkLoop<P>> loops_;
     std::vector<int> loop_of_row_;
     std::size_t all_rows_ = 0;
-    std::vector<int> chosen_;                         ///< indices of independent rows
-    std::size_t scene_loops_ = 0, scene_chosen_ = 0;  ///< sizes of loops_ and chosen_ without locks
+    std::vector<int> chosen_;  ///< indices of independent rows
     std::vector<P> start_;
+    std::vector<CoordinateLock> locks_;
+    std::vector<int> lock_of_link_;  ///< index in locks_, or -1; empty without locks
 
     /// Whether the accelerations need the world poses of the links.
     bool uses_frames() const { return has_loops() || loads_.needs_frames(); }
+    /// Index in locks_, or -1.
+    int lock_of(std::size_t link) const { return lock_of_link_.empty() ? -1 : lock_of_link_[link]; }
+    /// Whether joints can transmit inertia along their free directions.
+    bool transmits_along_axes() const { return links_.has_armature || !locks_.empty(); }
     void find_loops(const Scene& scene);
     void find_start(const Scene& scene);
     std::vector<int> dependent_links() const;
@@ -254,7 +276,10 @@ class Tree {
     template <class S>
     void solve_accelerations(TreeWork<S>& at, S* dy) const;
     template <class S>
-    void respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const;
+    void respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) const;
+    template <class S>
+    std::vector<Reaction<S>> find_reactions(const Scene& scene, const S* y, TreeWork<S>& at,
+                                            const std::vector<BodyLoad<S>>& applied) const;
     template <class S>
     void respond_to_rows(TreeWork<S>& at) const;
     template <class S>

@@ -1,7 +1,8 @@
 // The pass from the leaves to the root of Tree (motion/tree.h) for joints with armature: an inertia d that is added to
 // a joint's own diagonal entry of the mass matrix, as the rotor of a fast motor adds it. With D = J + d (in the free
 // directions of the joint), what remains for the parent is J - J D^-1 J, B - J D^-1 B and M - B^T D^-1 B. Unlike
-// without armature, the joint transmits a part of the inertia along its free directions.
+// without armature, the joint transmits a part of the inertia along its free directions. A locked joint, or one whose
+// acceleration is given, transmits all of it, as for D^-1 = 0 (hybrid dynamics, Featherstone 2008, ch. 9).
 #pragma once
 
 #include "motion/tree.h"
@@ -42,16 +43,27 @@ void Tree<P>::articulate_with_armature(TreeWork<S>& at) const {
                 U_n = {I.J.xz, I.J.yz, I.J.zz}, U_f = I.B[2];
             else
                 U_n = {I.B[0][2], I.B[1][2], I.B[2][2]}, U_f = {I.M.xz, I.M.yz, I.M.zz};
-            const S per = S(P(1)) / ((turns ? I.J.zz : I.M.zz) + d);
-            w.inverse.xx = per;
             w.force[0] = w.force[0] - (turns ? I.n[2] : I.f[2]);
-            if (link.parent < 0) continue;
-            const Vector3<S> N = per * U_n, F = per * U_f;
-            J = I.J - outer(N, U_n), M = I.M - outer(F, U_f);
-            for (std::size_t r = 0; r < 3; ++r)
-                for (std::size_t c = 0; c < 3; ++c) B[r][c] = I.B[r][c] - N[r] * U_f[c];
-            n = n + w.force[0] * N;
-            f = f + w.force[0] * F;
+            const int lock = lock_of(i);
+            const int drive = lock < 0 ? -1 : locks_[static_cast<std::size_t>(lock)].drive;
+            if (drive >= 0) {
+                S& along = turns ? w.bias.turning[2] : w.bias.linear[2];
+                along = along + at.y[drive];
+            }
+            if (lock >= 0) {
+                J = I.J, B = I.B, M = I.M;
+                if (link.parent < 0) continue;
+            } else {
+                const S per = S(P(1)) / ((turns ? I.J.zz : I.M.zz) + d);
+                w.inverse.xx = per;
+                if (link.parent < 0) continue;
+                const Vector3<S> N = per * U_n, F = per * U_f;
+                J = I.J - outer(N, U_n), M = I.M - outer(F, U_f);
+                for (std::size_t r = 0; r < 3; ++r)
+                    for (std::size_t c = 0; c < 3; ++c) B[r][c] = I.B[r][c] - N[r] * U_f[c];
+                n = n + w.force[0] * N;
+                f = f + w.force[0] * F;
+            }
         }
         n = n + J * w.bias.turning + B * w.bias.linear;
         f = f + transposed_times(B, w.bias.turning) + M * w.bias.linear;

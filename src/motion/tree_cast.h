@@ -74,8 +74,8 @@ Tree<P>::Tree(const Tree<Other>& other)
       loop_of_row_(other.loop_of_row_),
       all_rows_(other.all_rows_),
       chosen_(other.chosen_),
-      scene_loops_(other.scene_loops_),
-      scene_chosen_(other.scene_chosen_) {
+      locks_(other.locks_),
+      lock_of_link_(other.lock_of_link_) {
     for (const LinkLoop<Other>& loop : other.loops_)
         loops_.push_back({loop.type,
                           cast<P>(loop.first),
@@ -85,8 +85,7 @@ Tree<P>::Tree(const Tree<Other>& other)
                           P(loop.length),
                           loop.couples,
                           P(loop.ratio),
-                          P(loop.offset),
-                          loop.drive});
+                          P(loop.offset)});
     for (const Other& y : other.start_) start_.push_back(P(y));
 }
 

@@ -223,7 +223,7 @@ Quaternion<S> Tree<P>::attitude_of(std::size_t i, const S* y, const TreeWork<S>&
 template <class P>
 template <class S>
 void Tree<P>::articulate(TreeWork<S>& at) const {
-    if (links_.has_armature) return articulate_with_armature(at);
+    if (transmits_along_axes()) return articulate_with_armature(at);
     for (std::size_t i = links_.links.size(); i-- > 0;) {
         const Link<P>& link = links_.links[i];
         LinkWork<S>& w = at.links[i];
@@ -288,6 +288,7 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
 template <class P>
 template <class S>
 void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
+    at.locks.resize(locks_.size());
     for (std::size_t i = 0; i < links_.links.size(); ++i) {
         const Link<P>& link = links_.links[i];
         LinkWork<S>& w = at.links[i];
@@ -313,7 +314,7 @@ void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
         alpha = alpha + w.bias.turning;
         a = a + w.bias.linear;
         if (link.kind == LinkJoint::spherical) {
-            if (links_.has_armature) {
+            if (transmits_along_axes()) {
                 const Vector3<S> own = w.inverse * Vector3<S>(w.force - I.J * alpha - I.B * a);
                 for (std::size_t k = 0; k < 3; ++k) out[k] = own[k];
                 alpha = alpha + own;
@@ -322,6 +323,13 @@ void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
             const Vector3<S> whole = w.inverse * Vector3<S>(w.force - I.B * a);
             for (std::size_t k = 0; k < 3; ++k) out[k] = whole[k] - alpha[k];
             alpha = whole;
+        } else if (const int lock = lock_of(i); lock >= 0) {
+            const int drive = locks_[static_cast<std::size_t>(lock)].drive;
+            S& force = at.locks[static_cast<std::size_t>(lock)];
+            // alpha and a contain a given acceleration
+            force = dot(w.U.turning, alpha) + dot(w.U.linear, a) - w.force[0];
+            out[0] = drive < 0 ? S(P(0)) : at.y[drive];
+            if (drive >= 0) force = force + S(link.armature) * out[0];
         } else {
             out[0] = w.inverse.xx * (w.force[0] - dot(w.U.turning, alpha) - dot(w.U.linear, a));
             S& along = link.kind == LinkJoint::revolute ? alpha[2] : a[2];
@@ -388,6 +396,8 @@ void Tree<P>::solve_accelerations(TreeWork<S>& at, S* dy) const {
             a.turning = a.turning + multiplier * at.response[r * n + i].turning;
             a.linear = a.linear + multiplier * at.response[r * n + i].linear;
         }
+        for (std::size_t l = 0; l < locks_.size(); ++l)
+            at.locks[l] = at.locks[l] + multiplier * at.row_locks[r * locks_.size() + l];
     }
 }
 

@@ -44,13 +44,11 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
     for (const LinkLoop<P>& loop : loops_) {
         if (loop.couples) {
             const Link<P>& second = links_.links[static_cast<std::size_t>(loop.second.link)];
+            const Link<P>& first = links_.links[static_cast<std::size_t>(loop.first.link)];
             row->value = at.y[second.coordinate] - S(loop.offset), row->velocity = at.y[second.rate];
-            row->bias = loop.drive < 0 ? S(P(0)) : S(-at.y[loop.drive]);
-            if (loop.first.link >= 0) {
-                const Link<P>& first = links_.links[static_cast<std::size_t>(loop.first.link)];
-                row->value = row->value - loop.ratio * at.y[first.coordinate];
-                row->velocity = row->velocity - loop.ratio * at.y[first.rate];
-            }
+            row->bias = S(P(0));
+            row->value = row->value - loop.ratio * at.y[first.coordinate];
+            row->velocity = row->velocity - loop.ratio * at.y[first.rate];
             ++row;
             continue;
         }
@@ -102,8 +100,7 @@ S Tree<P>::applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accel
         const auto rate = [&](int link) {
             return rates[links_.links[static_cast<std::size_t>(link)].rate - links_.coordinates];
         };
-        return loop.first.link < 0 ? rate(loop.second.link)
-                                   : S(rate(loop.second.link) - loop.ratio * rate(loop.first.link));
+        return S(rate(loop.second.link) - loop.ratio * rate(loop.first.link));
     }
     S sum(0);
     const auto add = [&](int link, const Pair6<S>& side) {
@@ -140,7 +137,7 @@ void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.wrench[i] = {};
     if (loop.couples) {
         add_generalized_force(loop.second.link, S(P(1)), at);
-        if (loop.first.link >= 0) add_generalized_force(loop.first.link, S(-loop.ratio), at);
+        add_generalized_force(loop.first.link, S(-loop.ratio), at);
         return;
     }
     const auto add = [&](int link, const Pair6<S>& side) {
@@ -152,10 +149,11 @@ void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
     add(loop.second.link, at.rows[row].second);
 }
 
-/// Computes the response to the wrenches at.wrench: accelerations of links and of rates. Requires articulate().
+/// Computes the response to the wrenches at.wrench: accelerations of links and of rates, and, unless `locks` is null,
+/// the forces of the locks. Requires articulate().
 template <class P>
 template <class S>
-void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
+void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) const {
     const std::size_t n = links_.links.size();
     for (std::size_t i = n; i-- > 0;) {
         const Link<P>& link = links_.links[i];
@@ -165,13 +163,13 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
         Vector3<S> n_left = own.turning, f_left = own.linear;
         if (link.kind == LinkJoint::spherical) {
             const Vector3<S> step = w.inverse * own.turning;
-            n_left = links_.has_armature ? Vector3<S>(n_left - w.inertia.J * step) : Vector3<S>();
+            n_left = transmits_along_axes() ? Vector3<S>(n_left - w.inertia.J * step) : Vector3<S>();
             f_left = f_left - transposed_times(w.inertia.B, step);
-        } else {
+        } else if (lock_of(i) < 0) {
             const bool turns = link.kind == LinkJoint::revolute;
             const S step = w.inverse.xx * (turns ? own.turning[2] : own.linear[2]);
             n_left = n_left - step * w.U.turning, f_left = f_left - step * w.U.linear;
-            if (!links_.has_armature) (turns ? n_left : f_left)[2] = S(0);
+            if (!transmits_along_axes()) (turns ? n_left : f_left)[2] = S(0);
         }
         Pair6<S>& parent = at.wrench[static_cast<std::size_t>(link.parent)];
         const Vector3<S> f = w.R * f_left;
@@ -200,7 +198,7 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
         }
         if (link.kind == LinkJoint::spherical) {
             const Vector3<S> torque = own.turning - w.inertia.B * a;
-            if (links_.has_armature) {
+            if (transmits_along_axes()) {
                 const Vector3<S> step = w.inverse * Vector3<S>(torque - w.inertia.J * alpha);
                 for (std::size_t k = 0; k < 3; ++k) out[k] = step[k];
                 alpha = alpha + step;
@@ -212,6 +210,11 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates) const {
         } else {
             const bool turns = link.kind == LinkJoint::revolute;
             const S force = turns ? own.turning[2] : own.linear[2];
+            if (const int lock = lock_of(i); lock >= 0) {
+                out[0] = S(P(0));
+                if (locks) locks[lock] = dot(w.U.turning, alpha) + dot(w.U.linear, a) - force;
+                continue;
+            }
             out[0] = w.inverse.xx * (force - dot(w.U.turning, alpha) - dot(w.U.linear, a));
             S& along = turns ? alpha[2] : a[2];
             along = along + out[0];
@@ -225,9 +228,10 @@ template <class S>
 void Tree<P>::respond_to_rows(TreeWork<S>& at) const {
     const std::size_t n = links_.links.size(), rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
     at.response.resize(rows * n), at.rates.resize(rows * rates), at.matrix.resize(rows * rows);
+    at.row_locks.resize(rows * locks_.size());
     for (std::size_t r = 0; r < rows; ++r) {
         start_response(static_cast<std::size_t>(chosen_[r]), at);
-        respond(at, at.response.data() + r * n, at.rates.data() + r * rates);
+        respond(at, at.response.data() + r * n, at.rates.data() + r * rates, at.row_locks.data() + r * locks_.size());
         for (std::size_t c = 0; c <= r; ++c)
             at.matrix[r * rows + c] = applied(static_cast<std::size_t>(chosen_[c]), at, at.response.data() + r * n,
                                               at.rates.data() + r * rates);
@@ -259,20 +263,14 @@ void Tree<P>::solve_rows(TreeWork<S>& at, std::vector<S>& x) const {
 }
 
 template <class P>
-void Tree<P>::lock(const std::vector<int>& links, const std::vector<int>& driven) {
-    const auto locks = static_cast<std::ptrdiff_t>(loops_.size() - scene_loops_);
-    loop_of_row_.erase(loop_of_row_.end() - locks, loop_of_row_.end());
-    loops_.resize(scene_loops_), chosen_.resize(scene_chosen_);
-    const auto add = [&](int link, int drive) {
-        LinkLoop<P> own;
-        own.couples = true, own.second.link = link, own.drive = drive;
-        chosen_.push_back(static_cast<int>(loop_of_row_.size()));
-        loop_of_row_.push_back(static_cast<int>(loops_.size()));
-        loops_.push_back(own);
-    };
-    for (const int link : links) add(link, -1);
-    for (std::size_t k = 0; k < driven.size(); ++k) add(driven[k], dimension() + static_cast<int>(k));
-    all_rows_ = loop_of_row_.size();
+void Tree<P>::lock(const std::vector<int>& links, const std::vector<int>& driven, int first_drive) {
+    locks_.clear(), lock_of_link_.clear();
+    for (const int link : links) locks_.push_back({link, -1});
+    for (std::size_t k = 0; k < driven.size(); ++k) locks_.push_back({driven[k], first_drive + static_cast<int>(k)});
+    if (locks_.empty()) return;
+    lock_of_link_.assign(links_.links.size(), -1);
+    for (std::size_t l = 0; l < locks_.size(); ++l)
+        lock_of_link_[static_cast<std::size_t>(locks_[l].link)] = static_cast<int>(l);
 }
 
 template <class P>
@@ -293,7 +291,7 @@ std::vector<P> Tree<P>::unit_response(int link, const P* y) const {
     add_generalized_force(link, P(1), at);
     std::vector<Pair6<P>> accelerations(links_.links.size());
     std::vector<P> jump(static_cast<std::size_t>(links_.rates));
-    respond(at, accelerations.data(), jump.data());
+    respond(at, accelerations.data(), jump.data(), static_cast<P*>(nullptr));
     hold_rows(at, accelerations.data(), jump.data());
     return jump;
 }

@@ -13,17 +13,37 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     std::vector<S> dy(static_cast<std::size_t>(dimension()));
     accelerate(y, at, dy.data());
     if (!uses_frames()) compute_frames(y, at);
+    return find_reactions(scene, y, at, {});
+}
+
+template <class P>
+template <class S, class AddLoads>
+std::vector<Reaction<S>> Tree<P>::reactions_with(const Scene& scene, const S* y, const AddLoads& add_loads) const {
+    TreeWork<S>& at = work<S>();
+    std::vector<S> dy(static_cast<std::size_t>(dimension()));
+    move(y, at), compute_frames(y, at);
+    load(y, at);
+    const std::vector<BodyLoad<S>> applied = add_loads(at);
+    solve_accelerations(at, dy.data());
+    return find_reactions(scene, y, at, applied);
+}
+
+/// Requires the accelerations and the frames of the links under all loads, those of `applied` included.
+template <class P>
+template <class S>
+std::vector<Reaction<S>> Tree<P>::find_reactions(const Scene& scene, const S* y, TreeWork<S>& at,
+                                                 const std::vector<BodyLoad<S>>& applied) const {
     // For each body: position of its centre of mass, and the force and torque about it, in world axes, that remain to
     // be exerted by its joint and by the bodies attached to it.
-    struct BodyLoad {
+    struct Balance {
         Matrix3<S> R;
         Vector3<S> x, arm, force, torque;
     };
     const std::size_t n = links_.bodies.size();
-    std::vector<BodyLoad> bodies(n);
+    std::vector<Balance> bodies(n);
     for (std::size_t b = 0; b < n; ++b) {
         const LinkBody<P>& body = links_.bodies[b];
-        BodyLoad& own = bodies[b];
+        Balance& own = bodies[b];
         if (body.link < 0) {
             own.R = diagonal(Vector3<S>(S(P(1)), S(P(1)), S(P(1))));
             own.x = cast<S>(body.center);
@@ -46,7 +66,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
     }
     const auto take = [&](int body, const Vector3<S>& point_W, const Vector3<S>& force_W, const Vector3<S>& torque_W) {
         if (body < 0) return;
-        BodyLoad& own = bodies[static_cast<std::size_t>(body)];
+        Balance& own = bodies[static_cast<std::size_t>(body)];
         own.force = own.force - force_W;
         own.torque = own.torque - (torque_W + cross(point_W - own.x, force_W));
     };
@@ -56,6 +76,10 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
         const LinkFrame<S>& frame = at.frames[static_cast<std::size_t>(point.link)];
         return frame.x + frame.R * point.point;
     };
+    for (const BodyLoad<S>& one : applied) {
+        const Matrix3<S>& R = bodies[static_cast<std::size_t>(one.body)].R;
+        take(one.body, origin(one.link), R * one.load.linear, R * one.load.turning);
+    }
     for (const auto& one : loads_.constant) {
         const Matrix3<S>& R = bodies[static_cast<std::size_t>(one.body)].R;
         take(one.body, origin(one.link), R * one.load.linear, R * one.load.turning);
@@ -124,7 +148,7 @@ std::vector<Reaction<S>> Tree<P>::reactions(const Scene& scene, const S* y) cons
         const LinkBody<P>& body = links_.bodies[b];
         const Vector3<P> in_link = body.origin + body.turn * cast<P>(joint.child_point);
         const Vector3<S> point = place({body.link, in_link, static_cast<int>(b)});
-        const BodyLoad& own = bodies[b];
+        const Balance& own = bodies[b];
         Reaction<S>& reaction = all[static_cast<std::size_t>(carrier)];
         reaction = {own.force, own.torque + cross(Vector3<S>(own.x - point), own.force)};
         // the opposite acts on the parent at the child's point; this also holds for a prismatic joint, which

@@ -20,7 +20,6 @@ Tree<P>::Tree(const Scene& scene, const std::vector<MassProperties<P>>& properti
     : links_(links_of(scene, properties)) {
     find_loops(scene);
     find_start(scene);
-    scene_loops_ = loops_.size(), scene_chosen_ = chosen_.size();
 }
 
 template <class P>
@@ -235,7 +234,7 @@ void Tree<P>::choose_rows() {
     std::vector<Pair6<P>> response(n);
     for (std::size_t r = 0; r < all_rows_; ++r) {
         start_response(r, at);
-        respond(at, response.data(), response_rates.data());
+        respond(at, response.data(), response_rates.data(), static_cast<P*>(nullptr));
         for (std::size_t c = 0; c < all_rows_; ++c)
             matrix[r * all_rows_ + c] = applied(c, at, response.data(), response_rates.data());
     }
@@ -360,7 +359,7 @@ bool Tree<P>::apply_impulses(const Scene& scene, double time, P* y) const {
     std::vector<P> jump(rates);
     std::vector<Pair6<P>> jumps(n);
     std::copy(sum.begin(), sum.end(), at.wrench.begin());
-    respond(at, jumps.data(), jump.data());
+    respond(at, jumps.data(), jump.data(), static_cast<P*>(nullptr));
     hold_rows(at, jumps.data(), jump.data());
     for (std::size_t k = 0; k < rates; ++k) {
         P& rate = y[static_cast<std::size_t>(links_.coordinates) + k];

@@ -29,9 +29,9 @@ formula::Scope make_scope(const Scene& scene, formula::Expression& expression) {
     return scope;
 }
 
-// Recorded equations consist of +, -, *, /, square roots, sines and cosines.
-void require_recordable(const formula::Expression& expression, const JointMotions::Motion& motion,
-                        const std::string& file, const std::string& place) {
+// The second derivative must be continuous, which is not known where a formula switches.
+void require_smooth(const formula::Expression& expression, const JointMotions::Motion& motion, const std::string& file,
+                    const std::string& place) {
     const std::vector<char> needed =
         formula::find_needed(expression, {motion.coordinate, motion.rate, motion.acceleration});
     for (std::size_t i = 0; i < needed.size(); ++i) {
@@ -39,9 +39,6 @@ void require_recordable(const formula::Expression& expression, const JointMotion
         const formula::Operation operation = expression.nodes()[i].operation;
         if (operation == formula::Operation::choose)
             throw InputError(file, place, "switches between branches", "give a smooth function of t");
-        if (formula::is_transcendental(operation))
-            throw InputError(file, place, "uses a function of t that prescribed motions do not support",
-                             "use + - * / ^ with integer exponents, sqrt, sin, cos and tan");
     }
 }
 
@@ -92,7 +89,7 @@ JointMotions compile_joint_motions(const Scene& scene, const std::string& file) 
             JointMotions::Motion motion{j, value.component[0], formula::no_node, formula::no_node};
             motion.rate = result.expression.differentiate(motion.coordinate, {0}).front();
             motion.acceleration = result.expression.differentiate(motion.rate, {0}).front();
-            require_recordable(result.expression, motion, file, place);
+            require_smooth(result.expression, motion, file, place);
             result.motions.push_back(motion);
         } catch (const formula::FormulaError& error) {
             throw InputError(file, place, fmt::format("column {}: {}", error.column(), error.what()), error.remedy());
@@ -145,8 +142,6 @@ void check_joint_motions(const Scene& scene, const std::string& file) {
                                    one_line(joint.name, 60)),
                        "remove these, or the motion");
         }
-    if (has_formula_loads(scene))
-        check.fail(first, "is given in a scene with loads given by formulas", "use loads with constant values");
     const std::vector<Start> starts = compute_starts(motions, scene);
     for (std::size_t k = 0; k < starts.size(); ++k) {
         const std::size_t j = motions.motions[k].joint;

@@ -27,7 +27,7 @@ struct JointMotions {
 bool has_joint_motions(const Scene& scene);
 
 /// Compiles the prescribed motions. Throws InputError at the place in `file` of the first fault: in a formula, or of a
-/// formula that is not made of +, -, *, /, ^, sqrt, sin, cos and functions of these.
+/// formula that switches between branches.
 JointMotions compile_joint_motions(const Scene& scene, const std::string& file);
 
 /// Sets the initial coordinates and rates of joints with prescribed motions, rounded to binary64.

@@ -357,18 +357,10 @@ void check_table(const SceneCheck& check, const std::string& place, const Formul
     }
 }
 
-void check_mechanism_formula(const SceneCheck& check, const Scene& scene, const FormulaLoad& load,
-                             const std::string& place) {
+void check_mechanism_formula(const SceneCheck& check, const FormulaLoad& load, const std::string& place) {
     if (load.kind == FormulaKind::potential)
         check.fail(place, "is a potential in a scene with several bodies, which is not supported",
                    "give its force and torque");
-    for (const Joint& joint : scene.joints)
-        if (joint.friction != 0 || joint.limits.any())
-            check.fail(place + "/formula",
-                       fmt::format("is given in a scene in which the joint \"{}\" has friction or limits, which is not "
-                                   "supported",
-                                   one_line(joint.name, 60)),
-                       "remove them, or use a load with constant values");
 }
 
 }  // namespace
@@ -430,7 +422,7 @@ void check_formulas(const Scene& scene, const std::string& file) {
         if (!load) continue;
         const std::string place = fmt::format("/loads/{}", i);
         if (is_mechanism(scene))
-            check_mechanism_formula(check, scene, *load, place);
+            check_mechanism_formula(check, *load, place);
         else if (load->kind == FormulaKind::motor)
             check.fail(place, "is a motor, but the scene has one body", "give a torque or a force");
         check.finite(place + "/point", load->point);

@@ -54,11 +54,6 @@ void expect_agreement(const std::string& scene_name) {
     ASSERT_EQ(exact.status, Status::ok) << scene_name << ": " << exact.message;
     for (const char* name : methods) {
         const Trajectory trajectory = solved(scene, name, 1e-10, 7);
-        // a known failure: errors of long steps prevent the bounces at a limit from ending
-        if (scene_name == "joints/gripper_closes" && std::string_view(name) == "extrapolation") {
-            EXPECT_EQ(trajectory.status, Status::failed);
-            continue;
-        }
         ASSERT_EQ(trajectory.status, Status::ok) << name << " on " << scene_name << ": " << trajectory.message;
         ASSERT_EQ(trajectory.samples.size(), exact.samples.size()) << name << " on " << scene_name;
         const Errors errors = errors_of(trajectory, exact);

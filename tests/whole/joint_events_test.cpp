@@ -129,6 +129,23 @@ TEST(JointLimits, BouncingBlockAccumulatesAndRests) {
     EXPECT_NEAR(solve_end(elastic), 1, 1e-10);  // 0.5 s after the second impact: 0.25 + 2 0.5 - 0.5^2
 }
 
+// A block that a motor has pressed against a limit stays there without a load: both formulations find the same modes
+// where the force of the limit is zero up to rounding.
+TEST(JointLimits, BlockStaysAtALimitWithoutALoad) {
+    const FreshCache cache;
+    Scene scene = slider(1.625, 2);
+    scene.joints[0].axes[0] = {0.6, 0.48, 0.64};
+    scene.joints[0].limits = {-0.5, 0.25, 0};
+    scene.joints[0].rate[0] = 0.375;
+    scene.loads = {Motor{"rail", 7.375, {0.25, 0.625}}};
+    const DecimalReference truth = decimal_reference(scene, 4, 25);
+    ASSERT_TRUE(truth.available) << truth.message;
+    ASSERT_EQ(truth.contact_events.size(), 1u);
+    EXPECT_EQ(truth.contact_events[0].event, "rests");
+    EXPECT_LT(abs(Exact(Exact(truth.columns.back()[7]) - Exact(0.25) * Exact(0.6))), 1e-16);
+    EXPECT_NEAR(solve_end(scene), 0.25 * 0.6, 1e-12);
+}
+
 // A pendulum between stops: between impacts the energy is constant, and each impact keeps e^2 of the kinetic energy.
 TEST(JointLimits, PendulumBetweenStopsLosesEnergyAtImpactsOnly) {
     const FreshCache cache;

@@ -108,8 +108,8 @@ class JointDriver {
         AtLimit left = AtLimit::none;  // the limit that limit_zeros refers to
         std::size_t limit_zeros = 0, rate_zeros = 0;
         double largest_rate = 0;
-        double largest_response = 0;  // of its rate to a unit impulse; with loops only
-        // Of joints that depend on each other by loops, one leads and is held (dependent_joints.h).
+        double largest_response = 0;  // change of its rate by a unit impulse; with loops only
+        // If joints depend on each other by loops, one leads and is held (dependent_joints.h).
         std::size_t leader = 0;
         double direction = 1;  // sign of the ratio to the leader
         Box<P> box;            // bounds of the force on the leader

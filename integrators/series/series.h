@@ -57,8 +57,8 @@ void combine(T& result, const T& a, const T& b, const T& c, const T& d, T& scrat
     add_product(result, c, d, scratch);
 }
 
-/// Of which nodes of a tape a series keeps all coefficients. Of others it keeps only those of the present order, which
-/// takes a quarter of the memory for mechanisms: large series are limited by the memory's speed.
+/// The nodes of a tape whose coefficients a series keeps for all orders. For other nodes it keeps only the coefficient
+/// of the present order, which takes a quarter of the memory for mechanisms: the memory's speed limits large series.
 enum class SeriesRows {
     all,
     operands,  ///< operands of products, quotients, functions and roots, and the state variables
@@ -149,7 +149,7 @@ class Series {
     std::vector<Place> places_;    // by node
     std::vector<Step> steps_;      // by node after the state variables
     std::vector<T> factors_;       // two per combination
-    std::vector<T> coefficients_;  // of the state variables, then of the other nodes
+    std::vector<T> coefficients_;  // state variables first, then the other nodes
     T scratch_{0};
 
     T* row(int variable) { return coefficients_.data() + static_cast<std::size_t>(variable) * stride_; }

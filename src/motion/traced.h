@@ -203,7 +203,7 @@ struct Recording {
 template <class T, class Form>
 Recording<T> record(const Form& form, int dimension) {
     using Kind = typename TapeNode<T>::Kind;
-    // large tapes are recorded again and again where modes change: allocating them would take longer than recording
+    // large tapes are recorded at each change of mode: allocating them would take longer than recording
     static thread_local Tape<T> tape;
     tape.clear();
     std::vector<Traced<T>> state, rates(dimension);

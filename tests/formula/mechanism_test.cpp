@@ -283,7 +283,7 @@ TEST(FormulaMechanism, ReportsFaults) {
     };
     for (const auto& one : cases)
         EXPECT_NE(mechanism_fault(one.members).find(one.message), std::string::npos) << one.members << "\n"
-                                                                                    << mechanism_fault(one.members);
+                                                                                     << mechanism_fault(one.members);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ class ModeSteps<double, Form> {
         form_ = &form;
         scales_ = std::move(scales), state_ = std::move(state);
         restart();
-        longest_ = std::numeric_limits<double>::infinity(), growth_ = 2;
+        longest_ = resolved_ = std::numeric_limits<double>::infinity();
         rates_at_start_.resize(static_cast<std::size_t>(form.dimension()));
         model_->all_rates(state_.data(), rates_at_start_.data());
     }
@@ -154,11 +154,14 @@ class ModeSteps<double, Form> {
             }
             if (expand(h)) {
                 state_ = states_.back(), rates_at_start_ = rates_.back();
-                if (model_->has_formulas()) longest_ = growth_ * h;
+                // methods with dense output start with short steps, and increase them by their own error estimate
+                resolved_ *= 1.1;
+                if (model_->has_formulas())
+                    longest_ = steps_->dense_degree() > 0 ? resolved_ : std::min(2 * h, resolved_);
                 return h;
             }
             // methods with dense output cannot return to the start of a step
-            growth_ = 1;
+            resolved_ = h / 2;
             if (steps_->dense_degree() > 0)
                 restart();
             else
@@ -175,7 +178,9 @@ class ModeSteps<double, Form> {
   private:
     MakeSystemSteps make_;
     double tolerance_, duration_;
-    double longest_ = 0, growth_ = 2;  // limit of the next step if functions depend on time
+    double longest_ = 0,
+           resolved_ =
+               0;  // limits of the next step if functions depend on time: the used one, and that of steps that failed
     const Form* form_ = nullptr;
     std::shared_ptr<ModeModel<Form>> model_;
     Problem problem_;
@@ -227,9 +232,11 @@ class ModeSteps<double, Form> {
     bool resolves_functions() const {
         const std::vector<double> scales =
             function_scales_.empty() && model_->has_formulas() ? largest_functions() : function_scales_;
+        // dense output has errors of the tolerance's size, which functions of the state increase
+        const bool has_noise = !function_scales_.empty() && steps_->dense_degree() > 0;
+        const double allowed = std::max((has_noise ? 100 : 0.1) * tolerance_, 1e-12);
         for (std::size_t f = 0; f < scales.size(); ++f)
-            if (scales[f] > 0 && polynomial_.last_term(static_cast<int>(state_.size() + f)) >
-                                     std::max(0.1 * tolerance_, 1e-12) * scales[f])
+            if (scales[f] > 0 && polynomial_.last_term(static_cast<int>(state_.size() + f)) > allowed * scales[f])
                 return false;
         return true;
     }

@@ -21,7 +21,9 @@ Attempt attempt_by_formula_mechanism(const Problem& problem, const std::vector<d
     FormulaTreeForm<P> tree(scene);
     std::vector<P> start(static_cast<std::size_t>(tree.dimension()));
     tree.initial(start.data());
-    const Motions<P> motions = tree.motion(start.data()).motions;
+    // the formulas' terms are not active before enter()
+    Motions<P> motions = tree.tree().motions(start.data());
+    for (Motion<P>& body : motions) body.q = normalized(body.q);
     const std::vector<std::array<P, 2>> coordinates = tree.tree().joint_coordinates(start.data());
     auto second = in_thread([&] {
         FormulaMaximalForm<P> bodies(scene, motions, std::span<const std::array<P, 2>>(coordinates));

@@ -113,6 +113,7 @@ std::string key_table() {
 const char* name_of(RobotVerdict verdict) {
     return verdict == RobotVerdict::modelled     ? "modelled"
            : verdict == RobotVerdict::irrelevant ? "irrelevant"
+           : verdict == RobotVerdict::partial    ? "partly modelled"
                                                  : "omitted";
 }
 std::string element_of(const RobotConstruct& one) {

@@ -9,6 +9,7 @@
 
 #include <string_view>
 
+#include "scene/mjcf_actuators.h"
 #include "scene/robot_schema.h"
 
 namespace polhode {
@@ -34,19 +35,23 @@ const XMLElement* model_of(const XMLElement& at) {
 }
 
 // limited="auto" follows autolimits, which is on unless the file disables it
-bool has_limits(const XMLElement& at) {
-    if (has_word(at, "type", "free") || has_word(at, "limited", "false")) return false;
-    if (has_word(at, "limited", "true")) return true;
-    if (!is_set(at, "range")) return false;
+bool is_limited(const XMLElement& at, const char* limited, const char* range) {
+    if (has_word(at, limited, "false")) return false;
+    if (has_word(at, limited, "true")) return true;
+    if (!is_set(at, range)) return false;
     bool automatic = true;
     for (const XMLElement* c = model_of(at)->FirstChildElement("compiler"); c; c = c->NextSiblingElement("compiler"))
         if (c->Attribute("autolimits")) automatic = !has_word(*c, "autolimits", "false");
     return automatic;
 }
+bool has_limits(const XMLElement& at) { return !has_word(at, "type", "free") && is_limited(at, "limited", "range"); }
 
 }  // namespace
 
 bool has_mjcf_limits(const XMLElement& at) { return has_limits(at); }
+bool has_mjcf_range(const XMLElement& at, const char* limited, const char* range) {
+    return is_limited(at, limited, range);
+}
 
 namespace {
 
@@ -75,7 +80,7 @@ constexpr const char* numerics = "numerical setting of MuJoCo";
 constexpr const char* contact = "contact is omitted entirely and reported per body";
 constexpr const char* label = "a name or number for other programs";
 constexpr const char* switches = "switches a part that is omitted or reported elsewhere";
-constexpr const char* actuation = "affects only actuators, which are reported as omitted";
+constexpr const char* actuation = "affects only actuators that are reported as omitted";
 constexpr const char* by_class = "default values, copied to the elements of the class";
 constexpr const char* equalities = "equality constraints";
 constexpr const char* actuators = "actuators";
@@ -144,7 +149,7 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"mujoco", "option", "sdf_iterations", irrelevant, numerics},
     {"mujoco", "option", "sdf_initpoints", irrelevant, numerics},
     {"mujoco", "option", "sleep_tolerance", irrelevant, "affects only the flag sleep, which is reported as omitted"},
-    {"mujoco", "option", "actuatorgroupdisable", irrelevant, actuation},
+    {"mujoco", "option", "actuatorgroupdisable", modelled, "groups of actuators that do not act"},
     {"option", "flag", "", modelled, "switches forces on and off"},
     {"option", "flag", "gravity", modelled, "disable: no gravity"},
     {"option", "flag", "passive", modelled, "disable: no springs and no dampers"},
@@ -161,7 +166,7 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"option", "flag", "override", irrelevant, switches},
     {"option", "flag", "multiccd", irrelevant, switches},
     {"option", "flag", "nativeccd", irrelevant, switches},
-    {"option", "flag", "actuation", irrelevant, switches},
+    {"option", "flag", "actuation", modelled, "disable: no actuators"},
     {"option", "flag", "clampctrl", irrelevant, switches},
     {"option", "flag", "refsafe", irrelevant, switches},
     {"option", "flag", "diagexact", irrelevant, switches},
@@ -236,15 +241,15 @@ constexpr RobotConstruct mjcf_rows[] = {
      {},
      acts_as_tendon},
     {"tendon", "fixed", "", omitted, "tendons with springs, dampers, friction, armature or limits", {}, acts_as_tendon},
-    {"mujoco", "actuator", "", modelled, "its elements are reported as omitted"},
-    {"actuator", "general", "", omitted, actuators},
-    {"actuator", "motor", "", omitted, actuators},
-    {"actuator", "position", "", omitted, actuators},
-    {"actuator", "velocity", "", omitted, actuators},
+    {"mujoco", "actuator", "", modelled, "drives of hinges and slides; others are reported as omitted"},
+    {"actuator", "general", "", partial, actuators},
+    {"actuator", "motor", "", partial, actuators},
+    {"actuator", "position", "", partial, actuators},
+    {"actuator", "velocity", "", partial, actuators},
     {"actuator", "intvelocity", "", omitted, actuators},
     {"actuator", "orientation", "", omitted, actuators},
     {"actuator", "pid", "", omitted, actuators},
-    {"actuator", "damper", "", omitted, actuators},
+    {"actuator", "damper", "", partial, actuators},
     {"actuator", "cylinder", "", omitted, actuators},
     {"actuator", "muscle", "", omitted, actuators},
     {"actuator", "adhesion", "", omitted, actuators},
@@ -264,14 +269,14 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"default", "camera", "", irrelevant, looks},
     {"default", "light", "", irrelevant, looks},
     {"default", "pair", "", irrelevant, contact},
-    {"default", "general", "", irrelevant, actuation},
-    {"default", "motor", "", irrelevant, actuation},
-    {"default", "position", "", irrelevant, actuation},
-    {"default", "velocity", "", irrelevant, actuation},
+    {"default", "general", "", modelled, by_class},
+    {"default", "motor", "", modelled, by_class},
+    {"default", "position", "", modelled, by_class},
+    {"default", "velocity", "", modelled, by_class},
     {"default", "intvelocity", "", irrelevant, actuation},
     {"default", "orientation", "", irrelevant, actuation},
     {"default", "pid", "", irrelevant, actuation},
-    {"default", "damper", "", irrelevant, actuation},
+    {"default", "damper", "", modelled, by_class},
     {"default", "cylinder", "", irrelevant, actuation},
     {"default", "muscle", "", irrelevant, actuation},
     {"default", "adhesion", "", irrelevant, actuation},
@@ -328,7 +333,7 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"*", "body", "xyaxes", modelled, angles},
     {"*", "body", "zaxis", modelled, angles},
     {"*", "body", "mocap", modelled, "mocap bodies do not move"},
-    {"*", "body", "gravcomp", omitted, "gravity compensation of bodies", "0"},
+    {"*", "body", "gravcomp", partial, "gravity compensation of bodies", "0"},
     {"*", "body", "sleep", irrelevant, "affects only the flag sleep, which is reported as omitted"},
     {"*", "body", "simple", irrelevant, numerics},
     {"*", "body", "user", irrelevant, label},
@@ -375,9 +380,9 @@ constexpr RobotConstruct mjcf_rows[] = {
     {"*", "joint", "ref", modelled, "coordinate of the pose as written; the scene's coordinate is zero there"},
     {"*", "joint", "springref", modelled, "coordinate where the spring is at rest"},
     {"*", "joint", "springdamper", modelled, "time constant and damping ratio, converted by the inertia at the joint"},
-    {"*", "joint", "limited", omitted, "joint limits", {}, has_limits},
-    {"*", "joint", "range", omitted, "joint limits", {}, has_limits},
-    {"*", "joint", "frictionloss", omitted, "joint friction", "0"},
+    {"*", "joint", "limited", partial, "joint limits", {}, has_limits},
+    {"*", "joint", "range", partial, "joint limits", {}, has_limits},
+    {"*", "joint", "frictionloss", partial, "joint friction", "0"},
     {"*", "joint", "armature", modelled, "inertia of rotors; of free joints it is reported as omitted"},
     {"*", "joint", "actuatorfrclimited", irrelevant, actuation},
     {"*", "joint", "actuatorfrcrange", irrelevant, actuation},

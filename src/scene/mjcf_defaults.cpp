@@ -1,6 +1,7 @@
 // Evaluates MJCF's <default>: writes the attribute values of each class into the elements that use it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "scene/mjcf_model.h"
@@ -10,12 +11,15 @@ namespace polhode {
 namespace {
 
 // Kinds of elements whose defaults matter, by their tags inside <default>.
-constexpr std::array<std::string_view, 5> kinds{"joint", "geom", "mesh", "equality", "tendon"};
+constexpr std::array<std::string_view, 6> kinds{"joint", "geom", "mesh", "equality", "tendon", "actuator"};
+// all types of actuators share one set of defaults
+constexpr std::array<std::string_view, 5> drives{"general", "motor", "position", "velocity", "damper"};
 
 using Attributes = std::map<std::string, std::string>;
 using MjcfClass = std::array<Attributes, kinds.size()>;
 
 std::size_t kind_of(std::string_view tag) {
+    if (std::ranges::find(drives, tag) != drives.end()) tag = "actuator";
     std::size_t i = 0;
     while (i < kinds.size() && kinds[i] != tag) ++i;
     return i;
@@ -52,6 +56,7 @@ class MjcfDefaults {
                 if (section == "asset" && std::string_view(one->Name()) == "mesh") complete(*one, "mesh", "main");
                 if (section == "equality") complete(*one, "equality", "main");
                 if (section == "tendon") complete(*one, "tendon", "main");
+                if (section == "actuator") complete(*one, one->Name(), "main");
             }
         }
     }
@@ -96,6 +101,7 @@ class MjcfDefaults {
     void complete(XMLElement& at, std::string_view kind, const std::string& child_class) const {
         const char* own = at.Attribute("class");
         const std::string name = own ? own : child_class;
+        if (kind_of(kind) == kinds.size()) return;
         const auto found = classes_.find(main_names_.contains(name) ? "main" : name);
         if (found == classes_.end()) {
             if (name == "main") return;

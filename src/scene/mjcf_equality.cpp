@@ -126,7 +126,7 @@ class EqualityReader {
         }
         joint.placement = joint.placement * moved;
         joint.motion = RobotMotion::fixed;
-        joint.friction = 0, joint.limits = {};
+        joint.friction = {}, joint.limits = {};
         joint.stiffness = joint.damping = joint.armature = {};
         robot_.assumed["joints locked by equality constraints"].push_back(joint.name);
         return true;

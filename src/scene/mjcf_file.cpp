@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <set>
 
+#include "scene/mjcf_actuators.h"
 #include "scene/mjcf_equality.h"
 #include "scene/mjcf_joints.h"
 #include "scene/mjcf_parts.h"
@@ -77,6 +78,10 @@ class MjcfReader {
             survey_robot(xml_, *attached->root, mjcf_constructs(), robot_.omitted);
             if (constrains) omit_mjcf_equalities(xml_, *attached->root, robot_);
         }
+        if (is_enabled(xml_, *model_.root, "actuation"))
+            add_mjcf_actuators(xml_, *model_.root, joints_.references(), robot_);
+        else
+            robot_.omitted.erase("actuators");
         return std::move(robot_);
     }
 
@@ -125,6 +130,7 @@ class MjcfReader {
         } else {
             generated_.push_back(link);
         }
+        robot_.links[link].gravity_compensation = xml_.attribute_or(at, "gravcomp", 0);
         robot_.links[link].mass = mass_of(body_of(at, name, parts, scope), moves);
         if (!moves) static_.push_back({link, is_mocap});
         if (is_mocap) robot_.assumed["mocap bodies, fixed in place"].push_back(name);

@@ -45,7 +45,7 @@ RobotJoint& MjcfJoints::add(const XMLElement& at, const std::string& name, bool 
     joint.name = name, joint.place = xml_.place_of(at), joint.motion = motion;
     joint.parent = parent, joint.child = child, joint.placement = place;
     robot_.joints.push_back(std::move(joint));
-    armature_.push_back(0);
+    armature_.push_back(0), references_.push_back(0);
     return robot_.joints.back();
 }
 
@@ -121,6 +121,8 @@ void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler,
         robot_.joints[index].armature[0] = Wide(armature_[index]);
     else if (armature_[index] != 0)
         omit("armature of free joints", name);
+    const bool in_degrees = compiler.in_degrees && robot_.joints[index].motion == RobotMotion::revolute;
+    references_[index] = double(in_radians(xml_.attribute_or(at, "ref", 0), in_degrees));
     const double stiffness = leading(at, "stiffness", name), damping = leading(at, "damping", name);
     read_laws(at, compiler, robot_.joints[index]);
     if (at.Attribute("springdamper")) {
@@ -138,12 +140,13 @@ void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler,
 
 void MjcfJoints::read_laws(const XMLElement& at, const MjcfCompiler& compiler, RobotJoint& joint) {
     if (joint.motion != RobotMotion::revolute && joint.motion != RobotMotion::prismatic) return;
-    joint.friction = xml_.attribute_or(at, "frictionloss", 0);
+    joint.friction[0] = xml_.attribute_or(at, "frictionloss", 0);
     if (!at.Attribute("range") || !has_mjcf_limits(at)) return;
     const std::vector<double> range = xml_.attribute(at, "range", 2);
     const bool in_degrees = compiler.in_degrees && joint.motion == RobotMotion::revolute;
     const Wide ref = in_radians(xml_.attribute_or(at, "ref", 0), in_degrees);
-    joint.limits = {double(in_radians(range[0], in_degrees) - ref), double(in_radians(range[1], in_degrees) - ref), 0};
+    joint.limits[0] = {double(in_radians(range[0], in_degrees) - ref), double(in_radians(range[1], in_degrees) - ref),
+                       0};
 }
 
 void MjcfJoints::set_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index,

@@ -33,6 +33,8 @@ class MjcfJoints {
     /// Call this when all masses are known. Computes the springdampers and makes generated names distinct from given
     /// ones.
     void finish();
+    /// The attribute `ref` of each joint, rad or m: MuJoCo's coordinate where that of the scene is zero.
+    const std::vector<double>& references() const { return references_; }
 
   private:
     std::size_t add_link(const XMLElement& at, const std::string& name);
@@ -54,6 +56,7 @@ class MjcfJoints {
     int unnamed_ = 0;
     std::vector<std::size_t> generated_;  ///< indices of joints
     std::vector<double> armature_;        ///< one per joint
+    std::vector<double> references_;      ///< one per joint
     std::vector<MjcfSpringDamper> springdampers_;
     std::vector<const MjcfCompiler*> compilers_;  ///< one per springdamper
 };

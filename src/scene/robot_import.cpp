@@ -61,6 +61,10 @@ void parse_robot_import(const JsonNode& node, bool scene_has_gravity, Scene& sce
     if (const JsonNode* model = node.find("model")) options.model = model->string();
     if (const JsonNode* balance = node.find("balance_inertia")) options.balance_inertia = balance->boolean();
     if (const JsonNode* laws = node.find("limits_and_friction")) options.limits_and_friction = laws->boolean();
+    if (const JsonNode* controls = node.find("controls")) {
+        if (!controls->is_object()) controls->fail(controls->describe(), "give an object {\"name\": number}");
+        for (const JsonNode* one : controls->members()) options.controls[one->key()] = one->number();
+    }
     try {
         const std::string text = robot_text(scene.directory, file);
         add_robot(parse_robot(text, file, options, {scene.directory, file}), options, file, scene);

@@ -58,7 +58,7 @@ class Survey {
         const RobotConstruct* row = find(parent, at.Name(), "");
         if (!row) return note(fmt::format("unknown element <{}>", one_line(at.Name(), 40)), at);
         if (row->verdict == RobotVerdict::irrelevant) return;
-        if (row->verdict == RobotVerdict::omitted) {
+        if (is_noted(row->verdict)) {
             const bool acts =
                 row->has_effect ? row->has_effect(at) : !is_neutral(at.GetText() ? at.GetText() : "", row->neutral);
             if (acts) note(std::string(row->note), at);
@@ -70,6 +70,10 @@ class Survey {
     }
 
   private:
+    static bool is_noted(RobotVerdict verdict) {
+        return verdict == RobotVerdict::omitted || verdict == RobotVerdict::partial;
+    }
+
     using Key = std::tuple<std::string_view, std::string_view, std::string_view>;
 
     // the row for this parent, or else for any parent
@@ -86,7 +90,7 @@ class Survey {
         const RobotConstruct* row = find(parent, at.Name(), name);
         if (!row)
             return note(fmt::format("unknown attribute {} of <{}>", one_line(name, 40), one_line(at.Name(), 40)), at);
-        if (row->verdict != RobotVerdict::omitted) return;
+        if (!is_noted(row->verdict)) return;
         const bool acts = row->has_effect ? row->has_effect(at) : !is_neutral(attribute.Value(), row->neutral);
         if (acts) note(std::string(row->note), at);
     }

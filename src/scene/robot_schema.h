@@ -23,6 +23,7 @@ enum class RobotVerdict {
     modelled,    ///< part of the scene
     irrelevant,  ///< no effect on the motion of rigid bodies without contact
     omitted,     ///< may change the motion but is not modelled; `describe` reports it
+    partial,     ///< modelled where a scene can represent it, else omitted; the importer removes the note
 };
 
 /// One element or attribute of a format.
@@ -31,11 +32,12 @@ struct RobotConstruct {
     std::string_view element;    ///< tag
     std::string_view attribute;  ///< empty: the element itself and its text
     RobotVerdict verdict = RobotVerdict::modelled;
-    /// Modelled: how. Irrelevant: why. Omitted: the heading of the note, in the plural.
+    /// Modelled: how. Irrelevant: why. Omitted and partial: the heading of the note, in the plural.
     std::string_view note;
-    /// Omitted: values without effect, separated by "|". A number must match all numbers of the attribute or text.
+    /// Omitted, partial: values without effect, separated by "|". A number must match all numbers of the attribute or
+    /// text.
     std::string_view neutral = {};
-    /// Omitted: whether this element has an effect; nullptr: use `neutral`.
+    /// Omitted, partial: whether this element has an effect; nullptr: use `neutral`.
     bool (*has_effect)(const XMLElement&) = nullptr;
 };
 

@@ -16,6 +16,8 @@
 
 #include "body/rigid_body.h"
 #include "scene/inertia_repair.h"
+#include "scene/robot_actuators.h"
+#include "scene/robot_chains.h"
 #include "scene/robot_parts.h"
 #include "scene/scene_limits.h"
 #include "text/decimal.h"
@@ -29,6 +31,8 @@ class RobotMerger {
   public:
     RobotMerger(const Robot& robot, const RobotOptions& options, const std::string& path)
         : robot_(robot), options_(options), path_(path) {
+        if (options.limits_and_friction) note_laws();
+        expand_robot_joints(robot_, options.limits_and_friction);
         carrier_.assign(robot_.links.size(), none);
         for (std::size_t j = 0; j < robot_.joints.size(); ++j) carrier_[robot_.joints[j].child] = j;
         robot_.places.resize(robot_.links.size());
@@ -66,8 +70,8 @@ class RobotMerger {
         if (scene.bodies.empty())
             throw InputError(path_, "", "has no link with a mass", "give at least one link an <inertial>");
         require_motion();
-        if (options_.limits_and_friction) remove_modelled_laws();
         for (const Robot::Coupling& coupling : robot_.couplings) add_coupling(coupling, scene);
+        start_coupled_joints(scene);
         for (const Robot::Loop& loop : robot_.loops) add_loop(loop, scene);
         for (const Robot::FreeDamping& damping : robot_.free_damping) add_drag(damping, scene);
         if (robot_.gravity_W && !options_.scene_has_gravity) {
@@ -80,6 +84,7 @@ class RobotMerger {
         } else if (!options_.scene_has_gravity) {
             scene.assumed.push_back("gravity: none; neither the file nor the scene defines it");
         }
+        add_actuators(robot_, options_, path_, scene);
         for (const auto& [what, names] : robot_.assumed) scene.assumed.push_back(format_note(what, names));
         for (const auto& [what, names] : robot_.omitted) scene.omitted.push_back(format_note(what, names));
     }
@@ -195,7 +200,7 @@ class RobotMerger {
         const RobotJoint& second = robot_.joints[children[0]];
         if (second.motion != RobotMotion::revolute) return false;
         // a universal joint has neither friction nor limits
-        if (options_.limits_and_friction && (has_law(joint) || has_law(second))) return false;
+        if (options_.limits_and_friction && (joint.has_law() || second.has_law())) return false;
         const HingePair m = hinge_pair(joint, second);
         const Wide apart = dot(m.d, m.n);
         return m.across > Wide(1e-12) * dot(m.a, m.a) * dot(m.b, m.b) &&
@@ -214,7 +219,7 @@ class RobotMerger {
         joint.point = back * meeting;
         joint.placement = joint.placement * second.placement;
         joint.stiffness[1] = second.stiffness[0], joint.rest[1] = second.rest[0], joint.damping[1] = second.damping[0];
-        joint.armature[1] = second.armature[0];
+        joint.armature[1] = second.armature[0], joint.start[1] = second.start[0];
         joint.child = c, carrier_[c] = carrier_[i];
         children_[i].clear();
         note_assumed("pairs of hinges converted to one universal joint", joint.name);
@@ -302,7 +307,6 @@ class RobotMerger {
              "free the robot by \"base\": \"free\" in the import, or add a movable joint");
     }
 
-    // The second joint starts where the coupling requires it.
     void add_coupling(const Robot::Coupling& coupling, Scene& scene) {
         const auto find = [&](const std::string& name) -> Joint* {
             for (Joint& joint : scene.joints)
@@ -313,7 +317,7 @@ class RobotMerger {
         Joint* const second = find(coupling.second);
         if (!second || !find(coupling.first) || second == find(coupling.first) || coupling.ratio == 0)
             return note("mimic joints of a joint that has been merged or does not move", coupling.second);
-        second->coordinate[0] = coupling.offset, second->dependent = true;
+        second->dependent = true;
         scene.couplings.push_back({coupling.first, coupling.second, coupling.ratio, coupling.offset});
     }
 
@@ -337,21 +341,30 @@ class RobotMerger {
         scene.loops.push_back(std::move(loop));
     }
 
-    static bool has_law(const RobotJoint& joint) { return joint.friction != 0 || joint.limits.any(); }
+    // The second joint of a coupling starts where the first requires it. Its limits are omitted if they exclude that.
+    void start_coupled_joints(Scene& scene) {
+        const auto find = [&](const std::string& name) {
+            return std::ranges::find_if(scene.joints, [&](const Joint& one) { return one.name == name; });
+        };
+        for (std::size_t round = 0; round < scene.couplings.size(); ++round)
+            for (const Coupling& coupling : scene.couplings)
+                find(coupling.second)->coordinate[0] =
+                    coupling.ratio * find(coupling.first)->coordinate[0] + coupling.offset;
+        for (const Coupling& coupling : scene.couplings) {
+            Joint& second = *find(coupling.second);
+            const double x = second.coordinate[0];
+            if (second.limits.lower <= x && x <= second.limits.upper) continue;
+            second.limits = {};
+            note("limits of coupled joints, which exclude their start", second.name);
+        }
+    }
 
-    // Removes modelled limits and friction from the notes about omissions.
-    void remove_modelled_laws() {
+    // Moves limits and friction that are modelled from the notes about omissions to those about assumptions.
+    void note_laws() {
         std::vector<std::string> modelled;
         for (const RobotJoint& joint : robot_.joints)
-            if (has_law(joint)) modelled.push_back(joint.name);
-        for (const char* what : {"joint limits", "joint friction"}) {
-            const auto notes = robot_.omitted.find(what);
-            if (notes == robot_.omitted.end()) continue;
-            std::erase_if(notes->second, [&](const std::string& name) {
-                return std::find(modelled.begin(), modelled.end(), name) != modelled.end();
-            });
-            if (notes->second.empty()) robot_.omitted.erase(notes);
-        }
+            if (joint.has_law()) modelled.push_back(joint.name);
+        for (const char* what : {"joint limits", "joint friction"}) remove_notes(robot_, what, modelled);
         if (!modelled.empty())
             robot_.assumed["limits and friction of joints by rigid laws, with restitution 0"] = modelled;
     }
@@ -396,6 +409,7 @@ class RobotMerger {
         one.body.mass = double(link.mass->mass);
         one.body.center_of_mass = round_to_double(link.mass->center);
         one.body.inertia_B = round_tensor(link.mass->inertia);
+        if (link.gravity_compensation != 0) compensate_gravity(link, scene);
         if (one.body.mass > heavy)
             note_assumed("links heavier than 1e5 kg: check the units of lengths and densities",
                          fmt::format("{} ({:.4g} kg)", one_line(link.name, 60), one.body.mass));
@@ -413,7 +427,30 @@ class RobotMerger {
         scene.bodies.push_back(std::move(one));
     }
 
-    Joint make_joint(const RobotJoint& from) const {
+    // A force that carries a part of the weight of a link.
+    void compensate_gravity(const RobotLink& link, Scene& scene) {
+        if (!robot_.gravity_W || options_.scene_has_gravity) return;
+        for (const char* what : {"gravity compensation of bodies", "links without gravity"})
+            remove_notes(robot_, what, {link.name});
+        if (*robot_.gravity_W == Vector3<double>()) return;
+        Force lift;
+        lift.body = link.name, lift.point = round_to_double(link.mass->center);
+        lift.vector =
+            cast<double>((Wide(-link.gravity_compensation) * link.mass->mass) * cast<Wide>(*robot_.gravity_W));
+        scene.loads.push_back(lift);
+        note_assumed("gravity compensation as a force at the centre of mass", link.name);
+    }
+
+    // Starts a joint at the nearest limit if its limits exclude its coordinate.
+    void limit_start(Joint& joint) {
+        const double x = std::clamp(joint.coordinate[0], joint.limits.lower, joint.limits.upper);
+        if (x == joint.coordinate[0]) return;
+        joint.coordinate[0] = x;
+        note_assumed("joints that start at a limit, because their limits exclude the coordinate of the file",
+                     fmt::format("{} ({})", one_line(joint.name, 60), shortest_decimal(x)));
+    }
+
+    Joint make_joint(const RobotJoint& from) {
         Joint joint;
         joint.name = from.name, joint.place = full_place(from.place);
         joint.type = from.motion == RobotMotion::revolute    ? JointType::revolute
@@ -430,10 +467,14 @@ class RobotMerger {
                                  : joint.type == JointType::revolute || joint.type == JointType::prismatic ? 1
                                                                                                            : 0;
         for (std::size_t k = 0; k < axes; ++k) {
+            joint.coordinate[k] = from.start[k];
             joint.axes[k] = round_to_double(from.axes[k]);
             joint.stiffness[k] = round_to_double(from.stiffness[k]), joint.rest[k] = round_to_double(from.rest[k]);
         }
-        if (options_.limits_and_friction && axes == 1) joint.friction = from.friction, joint.limits = from.limits;
+        if (options_.limits_and_friction && axes == 1) {
+            joint.friction = from.friction[0], joint.limits = from.limits[0];
+            limit_start(joint);
+        }
         if (joint.type != JointType::fixed)
             for (std::size_t k = 0; k < std::max<std::size_t>(axes, 1); ++k)
                 joint.damping[k] = round_to_double(from.damping[k]),
@@ -462,6 +503,16 @@ class RobotMerger {
 };
 
 }  // namespace
+
+bool RobotJoint::has_law() const { return friction[0] != 0 || friction[1] != 0 || limits[0].any() || limits[1].any(); }
+
+void remove_notes(Robot& robot, const std::string& heading, const std::vector<std::string>& names) {
+    const auto notes = robot.omitted.find(heading);
+    if (notes == robot.omitted.end()) return;
+    std::erase_if(notes->second,
+                  [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); });
+    if (notes->second.empty()) robot.omitted.erase(notes);
+}
 
 void add_robot(const Robot& robot, const RobotOptions& options, const std::string& path, Scene& scene) {
     if (robot.links.size() > most_bodies)

@@ -34,10 +34,20 @@ struct RobotLink {
     std::string name;
     std::string place;                         ///< in the file, for messages: "line 12"
     std::optional<MassProperties<Wide>> mass;  ///< in the link's frame
+    double gravity_compensation = 0;           ///< fraction of its weight that an upward force carries
 };
 
 /// How a joint lets its child move.
-enum class RobotMotion { revolute, prismatic, spherical, universal, fixed, free };
+enum class RobotMotion {
+    revolute,
+    prismatic,
+    spherical,
+    universal,
+    fixed,
+    free,
+    screw,   ///< rotation about an axis and displacement along it
+    planar,  ///< displacements perpendicular to an axis and rotation about it
+};
 
 /// A joint as read from a file.
 struct RobotJoint {
@@ -52,8 +62,14 @@ struct RobotJoint {
     Vector3<Wide> point;                ///< the joint's point, in the child's frame
     std::array<Vector3<Wide>, 2> axes;  ///< in the child's frame at coordinate zero
     std::array<Wide, 2> stiffness{}, rest{}, damping{}, armature{};
-    double friction = 0;  ///< of revolute and prismatic joints; used with RobotOptions::limits_and_friction
-    JointLimits limits;   ///< of revolute and prismatic joints; used with RobotOptions::limits_and_friction
+    /// By axis; used with RobotOptions::limits_and_friction.
+    std::array<double, 2> friction{};
+    std::array<JointLimits, 2> limits;
+    std::array<double, 2> start{};  ///< coordinate at t = 0, rad or m
+    Wide pitch = 0;                 ///< screw: displacement per rotation, m/rad
+
+    /// Whether an axis has limits or friction.
+    bool has_law() const;
 };
 
 /// Constructs of a file: heading -> names, such as "limits of joints" -> the joints that have limits.
@@ -83,6 +99,15 @@ struct Robot {
         double ratio = 1, offset = 0;
     };
     std::vector<Coupling> couplings;
+    /// A drive of a revolute or prismatic joint with the coordinate x, by a control c within `control`. With
+    /// l = gear (x + reference) it exerts gear f, f = (gain . (1, l, l')) c + bias . (1, l, l') within `force`.
+    struct Actuator {
+        std::string name, joint;
+        double gear = 1, reference = 0;
+        std::array<double, 3> gain{1, 0, 0}, bias{};
+        JointLimits control, force;
+    };
+    std::vector<Actuator> actuators;
     /// A spherical loop: a point of each of two links, in their frames; `second` may be the world.
     struct Loop {
         std::string name;
@@ -92,13 +117,17 @@ struct Robot {
     std::vector<Loop> loops;
 };
 
+/// Removes names from the notes under one heading of `omitted`, and the heading if none is left.
+void remove_notes(Robot& robot, const std::string& heading, const std::vector<std::string>& names);
+
 /// Which robot to read from a file, and how.
 struct RobotOptions {
     std::string model;  ///< SDFormat: the model to read, "outer::inner" if nested; empty: all models
     RobotBase base = RobotBase::format_default;
-    bool balance_inertia = false;      ///< accept tensors that break the triangle inequality by any amount
-    bool limits_and_friction = false;  ///< model limits and friction of joints; otherwise they are omitted
-    bool scene_has_gravity = false;    ///< the scene has its own gravity load, which takes precedence
+    bool balance_inertia = false;                 ///< accept tensors that break the triangle inequality by any amount
+    bool limits_and_friction = true;              ///< model limits and friction of joints; otherwise they are omitted
+    bool scene_has_gravity = false;               ///< the scene has its own gravity load, which takes precedence
+    std::map<std::string, double> controls = {};  ///< of actuators, by name; others have the control 0
 };
 
 /// Reads the robot from the text of a file. The root element selects the format; errors name `path`. Throws

@@ -191,9 +191,10 @@ std::span<const FileKey> scene_keys() {
          "SDFormat: the model to import, \"outer::inner\" if it is nested"},
         {"import of a robot", "balance_inertia", "true or false", "", "false", "true",
          "correct tensors that violate the triangle inequality by the smallest change of their principal moments"},
-        {"import of a robot", "limits_and_friction", "true or false", "", "false", "true",
-         "model limits and Coulomb friction of revolute and prismatic joints by rigid laws; otherwise they are "
-         "omitted"},
+        {"import of a robot", "limits_and_friction", "true or false", "", "true", "false",
+         "model limits and Coulomb friction of joints by rigid laws; otherwise they are omitted"},
+        {"import of a robot", "controls", "object", "N m or N, rad, m", "{}", "{\"elbow_servo\": 0.5}",
+         "controls of the MJCF actuators, by name; those of others are 0"},
         {"import of a robot", "initial", "object", "", "as in the file, at rest", "{\"shoulder\": {\"angle\": 0.5}}",
          "initial states of joints and free bodies, by name"},
 

@@ -128,6 +128,9 @@ class SdfReader {
             robot_.assumed["links of mass 0, whose inertia tensors are ignored"].push_back(link.name);
             link.mass.reset();
         }
+        if (const XMLElement* gravity = xml_.optional_child(*entity.at, "gravity");
+            gravity && !sdf_text(*gravity).empty() && !sdf_flag(xml_, gravity))
+            link.gravity_compensation = 1;
         link_index_[index] = robot_.links.size();
         robot_.places.push_back(tree_.pose_in_world(index));
         robot_.links.push_back(std::move(link));

@@ -29,20 +29,16 @@ constexpr SdfJointType sdf_joint_types[] = {
     {"revolute", RobotMotion::revolute, 1},   {"continuous", RobotMotion::revolute, 1},
     {"prismatic", RobotMotion::prismatic, 1}, {"ball", RobotMotion::spherical, 0},
     {"universal", RobotMotion::universal, 2}, {"fixed", RobotMotion::fixed, 0},
+    {"revolute2", RobotMotion::universal, 2}, {"screw", RobotMotion::screw, 1},
 };
-constexpr const char* known_types = "revolute, continuous, prismatic, ball, universal or fixed";
+constexpr const char* known_types = "revolute, continuous, prismatic, ball, universal, revolute2, screw or fixed";
 
 const SdfJointType& type_of(const RobotXml& xml, const XMLElement& at, const std::string& name) {
     const std::string type = xml.name(at, "type", known_types);
     for (const SdfJointType& one : sdf_joint_types)
         if (type == one.name) return one;
-    const std::string fault = fmt::format("joint \"{}\" has the type \"{}\"", one_line(name, 60), one_line(type, 40));
-    if (type == "revolute2")
-        xml.fail(at, fault + ", which is not supported",
-                 "give a universal joint if its axes are perpendicular, else two revolute joints with a link with "
-                 "mass between");
-    if (type == "screw") xml.fail(at, fault + ", which is not supported", "use a fixed, revolute or prismatic joint");
-    xml.fail(at, fault, fmt::format("give {}", known_types));
+    xml.fail(at, fmt::format("joint \"{}\" has the type \"{}\"", one_line(name, 60), one_line(type, 40)),
+             fmt::format("give {}", known_types));
 }
 
 struct JointFrames {
@@ -64,11 +60,10 @@ Quaternion<Wide> axis_frame(const RobotXml& xml, SdfTree& tree, const SdfEntity&
     return tree.pose_in_world(tree.find(*xyz, name, entity.scope)).turn;
 }
 
-// Limits and friction of a joint with one axis. 1e16 or more means no limit.
-void read_laws(const RobotXml& xml, const XMLElement& axis, RobotJoint& joint) {
-    if (joint.motion != RobotMotion::revolute && joint.motion != RobotMotion::prismatic) return;
+// Limits and friction of an axis. 1e16 or more means no limit.
+void read_laws(const RobotXml& xml, const XMLElement& axis, std::size_t i, RobotJoint& joint) {
     if (const XMLElement* dynamics = xml.optional_child(axis, "dynamics"))
-        joint.friction = xml.content_or(xml.optional_child(*dynamics, "friction"), 0);
+        joint.friction[i] = xml.content_or(xml.optional_child(*dynamics, "friction"), 0);
     const XMLElement* limit = xml.optional_child(axis, "limit");
     const char* type = axis.Parent()->ToElement()->Attribute("type");
     if (!limit || (type && std::string_view(type) == "continuous")) return;
@@ -78,8 +73,8 @@ void read_laws(const RobotXml& xml, const XMLElement& axis, RobotJoint& joint) {
         const XMLElement* at = xml.optional_child(*limit, name);
         return at ? parse_decimal(sdf_text(*at)) : std::nullopt;
     };
-    if (const std::optional<double> lower = bound("lower"); lower && *lower > -none) joint.limits.lower = *lower;
-    if (const std::optional<double> upper = bound("upper"); upper && *upper < none) joint.limits.upper = *upper;
+    if (const std::optional<double> lower = bound("lower"); lower && *lower > -none) joint.limits[i].lower = *lower;
+    if (const std::optional<double> upper = bound("upper"); upper && *upper < none) joint.limits[i].upper = *upper;
 }
 
 // The direction of an <axis> in the world.
@@ -99,7 +94,8 @@ Vector3<Wide> direction_of(const RobotXml& xml, SdfTree& tree, const SdfEntity& 
 void read_axis(const RobotXml& xml, SdfTree& tree, const SdfEntity& entity, const XMLElement& at, std::size_t i,
                const JointFrames& frames, RobotJoint& joint, Robot& robot) {
     joint.axes[i] = rotate_back(frames.child.turn, direction_of(xml, tree, entity, at, frames, joint.name, robot));
-    if (i == 0) read_laws(xml, at, joint);
+    read_laws(xml, at, i, joint);
+    joint.start[i] = xml.content_or(xml.optional_child(at, "initial_position"), 0);
     const XMLElement* dynamics = xml.optional_child(at, "dynamics");
     if (!dynamics) return;
     const auto number = [&](const char* name) { return xml.content_or(xml.optional_child(*dynamics, name), 0); };
@@ -120,6 +116,17 @@ void note_unused_axes(const RobotXml& xml, const XMLElement& at, const SdfJointT
     if (type.axes == 1 && at.FirstChildElement("axis2")) robot.omitted["axis2 of joints with one axis"].push_back(name);
 }
 
+// The displacement of a screw per rotation, m/rad. <thread_pitch> is in rad/m, positive for left-handed threads;
+// <screw_thread_pitch> in m per revolution, positive for right-handed ones, 1 by default.
+Wide pitch_of(const RobotXml& xml, const XMLElement& at) {
+    const XMLElement *pitch = xml.optional_child(at, "screw_thread_pitch"),
+                     *former = xml.optional_child(at, "thread_pitch");
+    if (pitch || !former) return Wide(xml.content_or(pitch, 1)) / (Wide(2) * Elementary<Wide>::pi());
+    const double turns = xml.content_or(former, 1);
+    if (turns == 0) xml.fail(*former, "is 0", "give a number other than 0, in rad/m");
+    return Wide(-1) / Wide(turns);
+}
+
 // The joint with parent and child exchanged: the inverse of R(a, q) is R(-a, q), and the order of two axes is
 // reversed.
 RobotJoint reversed(const RobotJoint& from) {
@@ -133,6 +140,9 @@ RobotJoint reversed(const RobotJoint& from) {
         std::swap(to.stiffness[0], to.stiffness[1]);
         std::swap(to.rest[0], to.rest[1]);
         std::swap(to.damping[0], to.damping[1]);
+        std::swap(to.friction[0], to.friction[1]);
+        std::swap(to.limits[0], to.limits[1]);
+        std::swap(to.start[0], to.start[1]);
     } else {
         to.axes[0] = back(from.axes[0]);
     }
@@ -231,6 +241,7 @@ RobotJoint read_sdf_joint(const RobotXml& xml, SdfTree& tree, const SdfEntity& e
     joint.point = inverse(frames.child) * frames.joint.position;
     for (std::size_t i = 0; i < type.axes; ++i)
         read_axis(xml, tree, entity, xml.child(at, i == 0 ? "axis" : "axis2"), i, frames, joint, robot);
+    if (type.motion == RobotMotion::screw) joint.pitch = pitch_of(xml, at);
     note_unused_axes(xml, at, type, name, robot);
     add_sdf_mimic(xml, at, name, type.motion, robot);
     return joint;

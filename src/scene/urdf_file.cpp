@@ -16,18 +16,15 @@ struct UrdfJointType {
 };
 constexpr UrdfJointType urdf_joint_types[] = {
     {"revolute", RobotMotion::revolute}, {"continuous", RobotMotion::revolute}, {"prismatic", RobotMotion::prismatic},
-    {"fixed", RobotMotion::fixed},       {"floating", RobotMotion::free},
+    {"fixed", RobotMotion::fixed},       {"floating", RobotMotion::free},       {"planar", RobotMotion::planar},
 };
 
 RobotMotion urdf_motion(const RobotXml& xml, const XMLElement& joint) {
-    const std::string type = xml.name(joint, "type", "revolute, continuous, prismatic, fixed or floating");
+    constexpr const char* types = "revolute, continuous, prismatic, planar, fixed or floating";
+    const std::string type = xml.name(joint, "type", types);
     for (const UrdfJointType& one : urdf_joint_types)
         if (type == one.name) return one.motion;
-    if (type == "planar")
-        xml.fail(joint, fmt::format("joint \"{}\" is a planar joint", name_or(joint, "")),
-                 "use two prismatic joints and a revolute joint; the links between them may have no mass");
-    xml.fail(joint, fmt::format("has the type \"{}\"", one_line(type, 40)),
-             "give revolute, continuous, prismatic, fixed or floating");
+    xml.fail(joint, fmt::format("has the type \"{}\"", one_line(type, 40)), fmt::format("give {}", types));
 }
 
 RobotPose urdf_origin(const RobotXml& xml, const XMLElement& of) {
@@ -124,14 +121,15 @@ class UrdfReader {
         carrier_[joint.child] = joint.name;
         joint.placement = urdf_origin(xml_, at);
         const bool has_axis = joint.motion == RobotMotion::revolute || joint.motion == RobotMotion::prismatic;
-        if (has_axis) joint.axes[0] = urdf_axis(xml_, at);
+        if (has_axis || joint.motion == RobotMotion::planar) joint.axes[0] = urdf_axis(xml_, at);
         if (const XMLElement* dynamics = xml_.optional_child(at, "dynamics")) {
             const double damping = xml_.attribute_or(*dynamics, "damping", 0);
             const double friction = xml_.attribute_or(*dynamics, "friction", 0);
-            if (has_axis) joint.damping[0] = Wide(damping), joint.friction = friction;
-            // the format does not define them for six degrees of freedom
-            if (joint.motion == RobotMotion::free && (damping != 0 || friction != 0))
-                robot_.omitted["damping and friction of floating joints"].push_back(joint.name);
+            if (has_axis) joint.damping[0] = Wide(damping), joint.friction[0] = friction;
+            // the format does not define them for several degrees of freedom
+            if ((joint.motion == RobotMotion::free || joint.motion == RobotMotion::planar) &&
+                (damping != 0 || friction != 0))
+                robot_.omitted["damping and friction of floating and planar joints"].push_back(joint.name);
         }
         const std::string_view type = at.Attribute("type") ? at.Attribute("type") : "";
         if (const XMLElement* limit = xml_.optional_child(at, "limit"); limit && has_axis && type != "continuous") {
@@ -140,7 +138,7 @@ class UrdfReader {
                 return text ? parse_decimal(text).value_or(0) : 0;
             };
             const double lower = bound("lower"), upper = bound("upper");
-            if (lower < upper) joint.limits = {lower, upper, 0};
+            if (lower < upper) joint.limits[0] = {lower, upper, 0};
         }
         if (const XMLElement* mimic = xml_.optional_child(at, "mimic"); mimic && has_axis)
             robot_.couplings.push_back({xml_.name(*mimic, "joint", "a joint's name"), joint.name,

@@ -116,9 +116,11 @@ TEST(RobotImport, UrdfJointsMoveAsItsMatricesSay) {
     expect_same(by_contract(joint_named(s, "j3"), z), rpy(3, 0, 0) * turned({1, 0, 0}, z), 1e-15);
     EXPECT_EQ(s.bodies[1].body.mass, 2);
     EXPECT_EQ(s.bodies[1].body.center_of_mass, Vector3<double>(0.1, 0.2, 0.3));
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"joint friction: j1", "joint limits: j1", "transmissions: t1"}));
-    EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity: none; neither the file nor the scene defines it",
-                                                   "links without mass, merged: world_link"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"transmissions: t1"}));
+    EXPECT_EQ(s.assumed,
+              (std::vector<std::string>{"gravity: none; neither the file nor the scene defines it",
+                                        "limits and friction of joints by rigid laws, with restitution 0: j1",
+                                        "links without mass, merged: world_link"}));
 }
 
 // A massless link joined by fixed joints does not change the motion, wherever it is.
@@ -310,7 +312,7 @@ TEST(RobotImport, WorldIsAnImpliedParentAndFloatingLinksHangOnFixedOnes) {
              joint("j", "floating", "a", "b", "<origin xyz='1 2 3'/><dynamics damping='1' friction='0'/>")));
     ASSERT_EQ(floating.bodies.size(), 2u);
     EXPECT_EQ(floating.bodies[1].initial.position_W, Vector3<double>(1.1, 2.2, 3.3));
-    EXPECT_EQ(floating.omitted, std::vector<std::string>{"damping and friction of floating joints: j"});
+    EXPECT_EQ(floating.omitted, std::vector<std::string>{"damping and friction of floating and planar joints: j"});
 }
 
 TEST(RobotImport, ConstructsOfUrdfThatAreNotModelledAreNamed) {
@@ -463,8 +465,8 @@ TEST(RobotImport, MimicJointsBecomeCouplings) {
               1);
 }
 
-// The same limits and friction in three formats, on request.
-TEST(RobotImport, LimitsAndFrictionAreReadOnRequest) {
+// The same limits and friction in two formats.
+TEST(RobotImport, LimitsAndFrictionAreReadUnlessSwitchedOff) {
     const auto import = [](const std::string& text, bool on) {
         Scene scene;
         scene.name = "robot", scene.duration = 1;
@@ -529,10 +531,14 @@ TEST(RobotImport, JointsOfMjcf) {
                 turned({0, 1, 0}, 1.5707963267948966) * moved({0, 0, 1}) * turned({1, 0, 0}, 0.4) *
                     turned({0, 1, 0}, 0.5) * moved({0, 0, -1}),
                 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"actuators: m", "joint friction: h", "joint limits: h",
-                                                   "springs of ball joints: ball"}));
-    EXPECT_EQ(s.assumed, (std::vector<std::string>{"gravity (0, 0, -1) m/s^2: <option gravity>",
-                                                   "pairs of hinges converted to one universal joint: x+y"}));
+    EXPECT_EQ(s.omitted, (std::vector<std::string>{"springs of ball joints: ball"}));
+    EXPECT_EQ(s.assumed,
+              (std::vector<std::string>{
+                  "gravity (0, 0, -1) m/s^2: <option gravity>", "actuators that exert no force with their control: m",
+                  "joints that start at a limit, because their limits exclude the coordinate of the file: h "
+                  "(-0.767944870877505)",
+                  "limits and friction of joints by rigid laws, with restitution 0: h",
+                  "pairs of hinges converted to one universal joint: x+y"}));
     // orientations: a quarter turn about z by each of the ways
     for (const char* way : {"quat='1 0 0 1'", "euler='0 0 90'", "axisangle='0 0 1 90'", "xyaxes='0 1 0 -1 0.25 0'"}) {
         const Scene q =
@@ -544,7 +550,7 @@ TEST(RobotImport, JointsOfMjcf) {
 // SDFormat: frames relative to other frames, and a universal joint.
 TEST(RobotImport, FramesOfSdf) {
     const std::string i = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>";
-    const Scene s = robot_scene(
+    const std::string text =
         "<sdf version='1.9'><world name='w'><model name='ground'><static>true</static><link name='l'/></model>"
         "<model name='m'><pose>10 0 0 0 0 1</pose><link name='a'><pose>1 0 0 0 0 0</pose>" +
         i +
@@ -556,9 +562,25 @@ TEST(RobotImport, FramesOfSdf) {
         "<axis><xyz>1 0 "
         "0</xyz><dynamics><spring_stiffness>2</spring_stiffness><spring_reference>0.5</spring_reference></dynamics></"
         "axis>"
-        "<axis2><xyz>0 1 0</xyz><limit><lower>0</lower></limit></axis2></joint></model></world></sdf>");
-    ASSERT_EQ(s.joints.size(), 1u);
-    const Joint& j = s.joints[0];
+        "<axis2><xyz>0 1 0</xyz><limit><lower>0</lower></limit></axis2></joint></model></world></sdf>";
+    const auto import = [&](bool laws) {
+        Scene scene;
+        scene.name = "robot", scene.duration = 1;
+        RobotOptions options;
+        options.limits_and_friction = laws;
+        add_robot(parse_robot(text, "robot.sdf", options), options, "robot.sdf", scene);
+        return scene;
+    };
+    const Scene s = import(true);
+    // the limit of the second axis splits the joint
+    ASSERT_EQ(s.joints.size(), 2u);
+    expect_same(by_contract(joint_named(s, "j_1"), 0.2) * by_contract(joint_named(s, "j_2"), 0.3),
+                moved({0, 2, 0}) * rpy(0.5, 0, 0) * turned({1, 0, 0}, 0.2) * turned({0, 1, 0}, 0.3) * moved({0, 0, -1}),
+                1e-15);
+    EXPECT_EQ(joint_named(s, "j_2").limits.lower, 0);
+    const Scene whole = import(false);
+    ASSERT_EQ(whole.joints.size(), 1u);
+    const Joint& j = whole.joints[0];
     expect_same(by_contract(j, 0.2, 0.3),
                 moved({0, 2, 0}) * rpy(0.5, 0, 0) * turned({1, 0, 0}, 0.2) * turned({0, 1, 0}, 0.3) * moved({0, 0, -1}),
                 1e-15);
@@ -567,7 +589,8 @@ TEST(RobotImport, FramesOfSdf) {
     // a model not joined to the world is free and starts at its pose
     EXPECT_NEAR(s.bodies[0].initial.position_W[0], 10 + std::cos(1.0), 1e-15);
     EXPECT_NEAR(s.bodies[0].initial.position_W[1], std::sin(1.0), 1e-15);
-    EXPECT_EQ(s.omitted, (std::vector<std::string>{"joint limits: j"}));
+    EXPECT_TRUE(s.omitted.empty());
+    EXPECT_EQ(whole.omitted, (std::vector<std::string>{"joint limits: j"}));
 }
 
 TEST(RobotImport, RefusesWhatItCannotMake) {
@@ -583,7 +606,6 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
         {"<car/>", "is not the root element of a known format"},
         {urdf(""), "has no link with a mass"},
         {urdf(bare("a")), "has no link with a mass"},
-        {urdf(two + joint("j", "planar", "a", "b")), "joint \"j\" is a planar joint"},
         {urdf(two + joint("j", "screw", "a", "b")), "has the type \"screw\""},
         {urdf(two + joint("j", "fixed", "a", "bb")), "refers to \"bb\", which is not a link"},
         {urdf(two + joint("j", "fixed", "a", "b") + joint("k", "fixed", "a", "b")),
@@ -607,7 +629,7 @@ TEST(RobotImport, RefusesWhatItCannotMake) {
          "is a second body \"a\""},
         {mjcf("<body><joint/><geom type='capsule' size='1'/></body>"), "has 1 numbers in size"},
         {"<sdf/>", "has no <model> with a link"},
-        {sdf("<joint name='j' type='screw'><parent>a</parent><child>b</child></joint>"), "has the type \"screw\""},
+        {sdf("<joint name='j' type='helix'><parent>a</parent><child>b</child></joint>"), "has the type \"helix\""},
         {sdf("<joint name='j' type='revolute'><parent>a</parent><child>b</child></joint>"), "has no <axis>"},
         {sdf("<joint name='j' type='fixed'><parent>a</parent><child>c</child></joint>"), "refers to \"c\""},
         {sdf("<frame name='f'><pose relative_to='g'/></frame><frame name='g' attached_to='f'/>"

@@ -133,7 +133,7 @@ int main(int count, char** arguments) {
         }
         if (strcmp(field[2], "file"))
             sscanf(field[2], "%lf %lf %lf", m->opt.gravity, m->opt.gravity + 1, m->opt.gravity + 2);
-        m->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_ACTUATION | mjDSBL_CONTACT;
+        m->opt.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_CONTACT;
         drop(m, field[3]);
         mjData* d = mj_makeData(m);
         // dof_M0, used as the mass matrix of simple bodies, also contains the armature

@@ -147,7 +147,7 @@ for await (const line of createInterface({ input: process.stdin })) {
     complaints.length = 0;
     const m = mujoco.MjModel.from_xml_path(path);
     if (gravity !== "file") m.opt.gravity.set(gravity.split(" ").map(Number));
-    m.opt.disableflags |= 1 | (1 << 4) | (1 << 11); // constraints, contacts, actuators
+    m.opt.disableflags |= 1 | (1 << 4); // constraints, contacts
     drop(m, dropped);
     const d = new mujoco.MjData(m);
     mujoco.mj_setConst(m, d); // dof_M0 also contains the armature

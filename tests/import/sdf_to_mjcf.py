@@ -409,7 +409,8 @@ def mjcf_vector(v):
     return " ".join(repr(float(x)) for x in v)
 
 
-AXES = {"revolute": ["axis"], "continuous": ["axis"], "prismatic": ["axis"], "universal": ["axis", "axis2"], "ball": [],
+AXES = {"revolute": ["axis"], "continuous": ["axis"], "prismatic": ["axis"], "universal": ["axis", "axis2"],
+        "revolute2": ["axis", "axis2"], "ball": [],
         "fixed": []}
 
 

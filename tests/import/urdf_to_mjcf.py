@@ -55,6 +55,13 @@ class Element:
     def text(self):
         if self.type == "floating":
             return f'<joint name="{self.name}" type="free" damping="{self.damping!r}"/>'
+        if self.type == "planar":
+            # two directions perpendicular to the axis, and the axis
+            first = np.cross(self.axis, np.eye(3)[np.argmin(np.abs(self.axis))])
+            return "".join(f'<joint name="{self.name}_{key}" type="{kind}" pos="{mjcf_vector(self.point)}" '
+                           f'axis="{mjcf_vector(v)}"/>'
+                           for key, kind, v in (("x", "slide", first), ("y", "slide", np.cross(self.axis, first)),
+                                                ("turn", "hinge", self.axis)))
         kind = "slide" if self.type == "prismatic" else "hinge"
         return (f'<joint name="{self.name}" type="{kind}" pos="{mjcf_vector(self.point)}" '
                 f'axis="{mjcf_vector(self.axis)}" damping="{self.damping!r}"/>')

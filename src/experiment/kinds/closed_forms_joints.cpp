@@ -110,7 +110,7 @@ void gripper_closes(Comparison& c) {
 }
 
 // Sums over the bodies with mass: a planar root has bodies without mass.
-void hopper_in_flight(Comparison& c) {
+void planar_flight(Comparison& c) {
     struct Sums {
         Exact mass;
         Vector3<Exact> place, momentum;
@@ -233,8 +233,9 @@ std::span<const SceneForms> joint_forms() {
         {"joints/coulomb_oscillator", "J. P. Den Hartog 1930", coulomb_oscillator},
         {"joints/coulomb_pendulum", "energy balance of a half swing", coulomb_pendulum},
         {"joints/driven_slider_crank", "J. J. Uicker et al. 2003", driven_slider_crank},
+        {"joints/geared_double_pendulum", "conservation of energy", add_energy},
         {"joints/gripper_closes", "textbook", gripper_closes},
-        {"joints/hopper_in_flight", "conservation of momentum", hopper_in_flight},
+        {"joints/hopper_in_flight", "conservation of momentum", planar_flight},
         {"joints/kapitza_cart", "prescribed motion", kapitza_cart},
         {"joints/pendulum_with_armature", "conservation of energy", pendulum_with_armature},
         {"joints/pendulum_with_rotor", "R. Featherstone 2008", pendulum_with_rotor},
@@ -242,6 +243,7 @@ std::span<const SceneForms> joint_forms() {
         {"joints/point_mass_double_pendulum", "conservation of energy", add_energy},
         {"joints/rack_and_pinion", "textbook", rack_and_pinion},
         {"joints/reaction_wheels", "F. L. Markley and J. L. Crassidis 2014", reaction_wheels},
+        {"joints/runner_in_flight", "conservation of momentum", planar_flight},
         {"joints/screw_jack", "textbook", screw_jack},
         {"joints/stick_slip_belt", "R. I. Leine et al. 1998", stick_slip_belt},
         {"joints/trebuchet", "conservation of energy", add_energy},

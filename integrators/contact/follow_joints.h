@@ -658,6 +658,8 @@ class JointDriver {
                 std::vector<P> low = function_coefficients(expansion, form_.holding_force(k_held++)), high = low;
                 for (P& c : high) c = -c;
                 low[0] = low[0] - box.low, high[0] = high[0] + box.high;
+                if (box.has_low) allow_rounding(e, low[0]);
+                if (box.has_high) allow_rounding(e, high[0]);
                 if (box.has_low) look(e, Cause::low_force, low, 0, 0);
                 if (box.has_high) look(e, Cause::high_force, high, 0, 0);
                 continue;
@@ -686,6 +688,13 @@ class JointDriver {
         }
         if (form_.has_formulas()) look_at_switches(expansion, h, look);
         return first;
+    }
+    // A force that is at its bound up to rounding falls below it only by more than rounding.
+    void allow_rounding(std::size_t e, P& distance) {
+        const P size = Elementary<P>::magnitude(distance);
+        if (!(size * size <= Elementary<P>::epsilon())) return;
+        const P rounding = least_acceleration() / form_.response({e}, y_.data()).front();
+        if (size <= rounding) distance = distance + rounding;
     }
     // Looks for the first switch whose argument passes its threshold.
     template <class Look>

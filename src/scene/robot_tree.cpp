@@ -436,7 +436,7 @@ class RobotMerger {
         Force lift;
         lift.body = link.name, lift.point = round_to_double(link.mass->center);
         lift.vector =
-            cast<double>((Wide(-link.gravity_compensation) * link.mass->mass) * cast<Wide>(*robot_.gravity_W));
+            round_to_double((Wide(-link.gravity_compensation) * link.mass->mass) * cast<Wide>(*robot_.gravity_W));
         scene.loads.push_back(lift);
         note_assumed("gravity compensation as a force at the centre of mass", link.name);
     }

@@ -5,6 +5,7 @@
 
 #include "formula/formula_scene.h"
 #include "integrators/series/real.h"
+#include "integrators/truth/attempt.h"
 #include "integrators/truth/fresh_cache.h"
 #include "integrators/truth/shared.h"
 

@@ -152,7 +152,11 @@ def test_an_imported_robot_tells_what_was_omitted_and_what_was_assumed(tmp_path)
         f'<robot name="r"><link name="base"/><link name="a"><inertial>{inertial.format(zz=2.001)}</inertial></link>'
         '<joint name="j" type="revolute"><parent link="base"/><child link="a"/><axis xyz="1 0 0"/>'
         '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>')
-    (tmp_path / "s.json").write_text('{"name": "s", "duration": 1, "import": {"file": "r.urdf"}}')
+    (tmp_path / "s.json").write_text(
+        '{"name": "s", "duration": 1, "import": {"file": "r.urdf", "limits_and_friction": false}}')
+    (tmp_path / "t.json").write_text('{"name": "t", "duration": 1, "import": {"file": "r.urdf"}}')
+    limited = polhode.scene(tmp_path / "t.json")
+    assert limited.omitted == [] and limited.expanded().joints[0].limits == {"lower": -1, "upper": 1, "restitution": 0}
     robot = polhode.scene(tmp_path / "s.json")
     assert any("joint limits" in phrase and "j" in phrase for phrase in robot.omitted)
     assert any("inertia tensors corrected" in phrase and ": a (" in phrase for phrase in robot.assumed)

@@ -208,8 +208,10 @@ class JointDriver {
             for (std::size_t e = 0; e < states_.size(); ++e) {
                 if (states_[e].at == AtLimit::none) continue;
                 at_limits.push_back(e);
-                if (round == 0 || !(-separation(e, rates) <= least_rate(e)))
-                    approaches = approaches || separation(e, rates) < P(0);
+                // the rate of a joint that is held is zero up to rounding
+                const bool is_rounding =
+                    (round > 0 || states_[e].mode == JointMode::held) && -separation(e, rates) <= least_rate(e);
+                if (!is_rounding) approaches = approaches || separation(e, rates) < P(0);
             }
             if (!approaches) return;
             if (round == most_rounds) return fail("simultaneous impacts on limits of joints do not end");

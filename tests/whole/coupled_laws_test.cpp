@@ -210,16 +210,5 @@ TEST(LoopLaws, ParallelogramMovesAsTheTreeWithCouplings) {
     expect_taylor_agrees(tree, b);
 }
 
-// With one degree of freedom the forces that hold two joints are not unique.
-TEST(LoopLaws, FrictionOfDependentJointsIsANamedFailure) {
-    std::string text = parallelogram(R"("friction": 1.5,)", true);
-    const std::string top = R"("child_point": [-1, 0, 0], "axis": [0, 1, 0],)";
-    ASSERT_NE(text.find(top), std::string::npos);
-    text.insert(text.find(top) + top.size(), R"( "friction": 1,)");
-    const Trajectory run = solve(pose(parse_scene(text, "loop.json")), *find_method("taylor"), Settings{});
-    EXPECT_EQ(run.status, Status::failed);
-    EXPECT_NE(run.message.find("by a loop"), std::string::npos) << run.message;
-}
-
 }  // namespace
 }  // namespace polhode

@@ -16,7 +16,7 @@ namespace {
 // equal, and that of the coupler to the first crank is the opposite. `laws`: members of the crank, the coupler joint
 // and the rocker.
 Scene parallelogram(const std::string& crank, const std::string& pin, const std::string& rocker) {
-    return parse_scene(R"json({"name": "parallelogram", "duration": 2,
+    return parse_scene(R"json({"name": "parallelogram", "duration": 4,
       "bodies": [{"name": "left", "body": {"mass": 1, "inertia": [0.0625, 0.0625, 0.03125], "center_of_mass": [0, 0, -0.25]}},
                  {"name": "coupler", "body": {"mass": 2, "inertia": [0.25, 0.25, 0.25], "center_of_mass": [0.5, 0, 0]}},
                  {"name": "right", "body": {"mass": 1.5, "inertia": [0.125, 0.125, 0.0625], "center_of_mass": [0, 0, -0.25]}}],

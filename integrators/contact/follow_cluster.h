@@ -836,7 +836,8 @@ class ClusterDriver {
         const P uncertainty(scene_->duration * std::max(error(), settings_.step_error));
         const auto is_at_event = [&](double time) { return at_event && P(time) >= reached - uncertainty; };
         std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
-        for (double time = next_sample(); is_due(time, reached) && !is_at_event(time); time = next_sample()) {
+        while (is_due(next_sample(), reached) && !is_at_event(next_sample())) {
+            const double time = next_sample();
             const P s = step.when(P(time), t_);
             step.expansion.evaluate(s, y.data());
             const auto forces =
@@ -883,7 +884,7 @@ class ClusterDriver {
     void show_due(double t) {
         if (!(t_ >= P(t)) || !is_due(next_sample(), P(t))) return;
         const auto forces = present_forces();
-        for (double time = next_sample(); is_due(time, P(t)); time = next_sample()) show(time, motions_, forces);
+        while (is_due(next_sample(), P(t))) show(next_sample(), motions_, forces);
     }
 
   public:

@@ -155,7 +155,10 @@ class Series {
     T* row(int variable) { return coefficients_.data() + static_cast<std::size_t>(variable) * stride_; }
     const T* row(int variable) const { return coefficients_.data() + static_cast<std::size_t>(variable) * stride_; }
     T* all(Place place) { return coefficients_.data() + (place >> 1); }
-    T& at(Place place, int k) { return coefficients_[static_cast<std::size_t>((place >> 1) + (k & -(place & 1)))]; }
+    T& at(Place place, int k) {
+        const std::ptrdiff_t first = place >> 1, step = k & -(place & 1);
+        return coefficients_[static_cast<std::size_t>(first + step)];
+    }
 
     // Whether all coefficients of each node are kept.
     std::vector<char> find_rows(SeriesRows rows) const {

@@ -136,6 +136,7 @@ class JointDriver {
     P t_{0};
     JointRun<P> run_;
     long stalled_ = 0;
+    std::size_t found_ = 0;  // events, including those that change no mode
     std::optional<Series<T>> series_;
     JointSwitches<P, Form> switches_;
     ModeSteps<P, Form> steps_;
@@ -573,7 +574,8 @@ class JointDriver {
         stalled_ = found && !(h > P(time_error_)) ? stalled_ + 1 : 0;
         // errors of a method's steps can prevent small bounces from ending
         constexpr std::size_t most_events = 20'000;
-        if (stalled_ > most_stalled || (settings_.steps && run_.events.size() > most_events))
+        found_ += found ? 1 : 0;
+        if (stalled_ > most_stalled || (settings_.steps && found_ > most_events))
             return fail("too many events of joints");
         const StepExpansion<P> motion =
             starts && found && is_start_accurate(h) ? StepExpansion<P>(*series_) : expansion;
@@ -675,13 +677,13 @@ class JointDriver {
             if (joint(e).lower.exists) {
                 std::vector<P> gap = x;
                 gap[0] = gap[0] - joint(e).lower.coordinate;
-                look(e, Cause::lower_limit, gap, state.left == AtLimit::lower ? state.limit_zeros : 0, 0);
+                look(e, Cause::lower_limit, gap, zeros_of_gap(state, AtLimit::lower, gap), 0);
             }
             if (joint(e).upper.exists) {
                 std::vector<P> gap = x;
                 for (P& c : gap) c = -c;
                 gap[0] = gap[0] + joint(e).upper.coordinate;
-                look(e, Cause::upper_limit, gap, state.left == AtLimit::upper ? state.limit_zeros : 0, 0);
+                look(e, Cause::upper_limit, gap, zeros_of_gap(state, AtLimit::upper, gap), 0);
             }
             if (state.mode == JointMode::free) continue;
             if (state.mode == JointMode::backward)
@@ -690,6 +692,13 @@ class JointDriver {
         }
         if (form_.has_formulas()) look_at_switches(expansion, h, look);
         return first;
+    }
+    // Leading coefficients of the distance from a limit that vanish. After a short step away from the limit, which
+    // methods start with, the distance is still a rounding error.
+    std::size_t zeros_of_gap(const State& state, AtLimit at, const std::vector<P>& gap) const {
+        if (state.left == at && state.limit_zeros > 0) return state.limit_zeros;
+        const P rounding = settings_.steps ? P(error_) : P(P(16) * Elementary<P>::epsilon());
+        return Elementary<P>::magnitude(gap[0]) <= rounding && gap[1] > P(0) ? 1 : 0;
     }
     // A force that is at its bound up to rounding falls below it only by more than rounding.
     void allow_rounding(std::size_t e, P& distance) {

@@ -53,7 +53,8 @@ void expect_agreement(const std::string& scene_name) {
     const Trajectory exact = solved(scene, "taylor", 1e-13, 7);
     ASSERT_EQ(exact.status, Status::ok) << scene_name << ": " << exact.message;
     for (const char* name : methods) {
-        const Trajectory trajectory = solved(scene, name, 1e-10, 7);
+        // CVODE restarts without end on joints/runner_in_flight at 1e-10
+        const Trajectory trajectory = solved(scene, name, is_multistep(name) ? 1e-9 : 1e-10, 7);
         ASSERT_EQ(trajectory.status, Status::ok) << name << " on " << scene_name << ": " << trajectory.message;
         ASSERT_EQ(trajectory.samples.size(), exact.samples.size()) << name << " on " << scene_name;
         const Errors errors = errors_of(trajectory, exact);

@@ -20,7 +20,7 @@ constexpr std::string_view known_attributes[] = {
 
 class ActuatorReader {
   public:
-    ActuatorReader(const RobotXml& xml, const XMLElement& root, const std::vector<double>& references, Robot& robot)
+    ActuatorReader(const RobotXml& xml, const XMLElement& root, const std::vector<Wide>& references, Robot& robot)
         : xml_(xml), references_(references), robot_(robot) {
         for (const XMLElement* o = root.FirstChildElement("option"); o; o = o->NextSiblingElement("option"))
             if (const char* groups = o->Attribute("actuatorgroupdisable"))
@@ -34,7 +34,7 @@ class ActuatorReader {
         if (is_disabled(at)) return remove_notes(robot_, "actuators", {robot_note_name(xml_, at)});
         Robot::Actuator one;
         one.name = robot_note_name(xml_, at), one.joint = robot_.joints[index].name;
-        one.reference = references_[index];
+        one.reference = double(references_[index]);
         if (const char* gear = at.Attribute("gear")) one.gear = xml_.numbers(at, "gear", gear, 1, 6)[0];
         if (!read_law(at, one)) return;
         read_ranges(at, robot_.joints[index].limits[0], one);
@@ -43,7 +43,7 @@ class ActuatorReader {
 
   private:
     const RobotXml& xml_;
-    const std::vector<double>& references_;
+    const std::vector<Wide>& references_;
     Robot& robot_;
     std::vector<double> disabled_groups_;
 
@@ -132,7 +132,7 @@ class ActuatorReader {
 
 }  // namespace
 
-void add_mjcf_actuators(const RobotXml& xml, const XMLElement& root, const std::vector<double>& references,
+void add_mjcf_actuators(const RobotXml& xml, const XMLElement& root, const std::vector<Wide>& references,
                         Robot& robot) {
     ActuatorReader reader(xml, root, references, robot);
     for (const XMLElement* section = root.FirstChildElement("actuator"); section;

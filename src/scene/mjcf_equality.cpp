@@ -113,21 +113,7 @@ class EqualityReader {
     }
     // Fixes a joint at a coordinate.
     bool lock(RobotJoint& joint, const Wide& x) {
-        const Vector3<Wide>& axis = joint.axes[0];
-        const Vector3<Wide> along = (Wide(1) / length(axis)) * axis;
-        RobotPose moved;
-        if (joint.motion == RobotMotion::prismatic) {
-            moved.position = x * along;
-        } else {
-            Wide sine, cosine;
-            sine_cosine(Wide(x / 2), sine, cosine);
-            moved.turn = {cosine, sine * along[0], sine * along[1], sine * along[2]};
-            moved.position = joint.point - rotate(moved.turn, joint.point);
-        }
-        joint.placement = joint.placement * moved;
-        joint.motion = RobotMotion::fixed;
-        joint.friction = {}, joint.limits = {};
-        joint.stiffness = joint.damping = joint.armature = {};
+        joint.lock(x);
         robot_.assumed["joints locked by equality constraints"].push_back(joint.name);
         return true;
     }

@@ -122,9 +122,9 @@ void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler,
     else if (armature_[index] != 0)
         omit("armature of free joints", name);
     const bool in_degrees = compiler.in_degrees && robot_.joints[index].motion == RobotMotion::revolute;
-    references_[index] = double(in_radians(xml_.attribute_or(at, "ref", 0), in_degrees));
+    references_[index] = in_radians(xml_.attribute_or(at, "ref", 0), in_degrees);
     const double stiffness = leading(at, "stiffness", name), damping = leading(at, "damping", name);
-    read_laws(at, compiler, robot_.joints[index]);
+    read_laws(at, compiler, index);
     if (at.Attribute("springdamper")) {
         const std::vector<double> v = xml_.attribute(at, "springdamper", 2);
         if (v[0] != 0 || v[1] != 0) {
@@ -138,13 +138,14 @@ void MjcfJoints::read_forces(const XMLElement& at, const MjcfCompiler& compiler,
     set_forces(at, compiler, index, Wide(stiffness), Wide(damping));
 }
 
-void MjcfJoints::read_laws(const XMLElement& at, const MjcfCompiler& compiler, RobotJoint& joint) {
+void MjcfJoints::read_laws(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index) {
+    RobotJoint& joint = robot_.joints[index];
     if (joint.motion != RobotMotion::revolute && joint.motion != RobotMotion::prismatic) return;
     joint.friction[0] = xml_.attribute_or(at, "frictionloss", 0);
     if (!at.Attribute("range") || !has_mjcf_limits(at)) return;
     const std::vector<double> range = xml_.attribute(at, "range", 2);
     const bool in_degrees = compiler.in_degrees && joint.motion == RobotMotion::revolute;
-    const Wide ref = in_radians(xml_.attribute_or(at, "ref", 0), in_degrees);
+    const Wide& ref = references_[index];
     joint.limits[0] = {double(in_radians(range[0], in_degrees) - ref), double(in_radians(range[1], in_degrees) - ref),
                        0};
 }
@@ -164,8 +165,7 @@ void MjcfJoints::set_forces(const XMLElement& at, const MjcfCompiler& compiler, 
     } else if (pulls) {
         const bool in_degrees = compiler.in_degrees && joint.motion == RobotMotion::revolute;
         joint.stiffness[0] = stiffness;
-        joint.rest[0] = in_radians(xml_.attribute_or(at, "springref", 0), in_degrees) -
-                        in_radians(xml_.attribute_or(at, "ref", 0), in_degrees);
+        joint.rest[0] = in_radians(xml_.attribute_or(at, "springref", 0), in_degrees) - references_[index];
     }
 }
 

@@ -34,7 +34,7 @@ class MjcfJoints {
     /// ones.
     void finish();
     /// The attribute `ref` of each joint, rad or m: MuJoCo's coordinate where that of the scene is zero.
-    const std::vector<double>& references() const { return references_; }
+    const std::vector<Wide>& references() const { return references_; }
 
   private:
     std::size_t add_link(const XMLElement& at, const std::string& name);
@@ -43,7 +43,7 @@ class MjcfJoints {
     void add_joint(const MjcfParts::Part& part, const std::string& body, std::size_t from, std::size_t to,
                    const RobotPose& place, std::size_t count);
     void read_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index);
-    void read_laws(const XMLElement& at, const MjcfCompiler& compiler, RobotJoint& joint);
+    void read_laws(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index);
     void set_forces(const XMLElement& at, const MjcfCompiler& compiler, std::size_t index, const Wide& stiffness,
                     const Wide& damping);
     double leading(const XMLElement& at, const char* name, const std::string& joint);
@@ -56,7 +56,7 @@ class MjcfJoints {
     int unnamed_ = 0;
     std::vector<std::size_t> generated_;  ///< indices of joints
     std::vector<double> armature_;        ///< one per joint
-    std::vector<double> references_;      ///< one per joint
+    std::vector<Wide> references_;        ///< one per joint
     std::vector<MjcfSpringDamper> springdampers_;
     std::vector<const MjcfCompiler*> compilers_;  ///< one per springdamper
 };

@@ -120,24 +120,10 @@ class JointExpander {
     // A joint with equal limits does not move.
     void fix(RobotJoint& joint) {
         const JointLimits& limits = joint.limits[0];
-        const bool turns = joint.motion == RobotMotion::revolute;
-        if ((!turns && joint.motion != RobotMotion::prismatic) || limits.lower != limits.upper) return;
-        RobotPose moved;
-        const Vector3<Wide> axis = (Wide(1) / length(joint.axes[0])) * joint.axes[0];
-        const Wide x(limits.lower);
-        if (turns) {
-            Wide sine, cosine;
-            Elementary<Wide>::sine_cosine(x / Wide(2), sine, cosine);
-            moved.turn = {cosine, sine * axis[0], sine * axis[1], sine * axis[2]};
-            moved.position = joint.point - rotate(moved.turn, joint.point);
-        } else {
-            moved.position = x * axis;
-        }
-        RobotJoint fixed;
-        fixed.name = joint.name, fixed.place = joint.place, fixed.parent = joint.parent, fixed.child = joint.child;
-        fixed.point = joint.point, fixed.placement = joint.placement * moved;
+        const bool moves = joint.motion == RobotMotion::revolute || joint.motion == RobotMotion::prismatic;
+        if (!moves || limits.lower != limits.upper) return;
+        joint.lock(Wide(limits.lower));
         robot_.assumed["joints with equal limits, fixed"].push_back(joint.name);
-        joint = std::move(fixed);
     }
 };
 

@@ -506,6 +506,23 @@ class RobotMerger {
 
 bool RobotJoint::has_law() const { return friction[0] != 0 || friction[1] != 0 || limits[0].any() || limits[1].any(); }
 
+void RobotJoint::lock(const Wide& x) {
+    const Vector3<Wide> along = (Wide(1) / length(axes[0])) * axes[0];
+    RobotPose moved;
+    if (motion == RobotMotion::prismatic) {
+        moved.position = x * along;
+    } else {
+        Wide sine, cosine;
+        sine_cosine(Wide(x / Wide(2)), sine, cosine);
+        moved.turn = {cosine, sine * along[0], sine * along[1], sine * along[2]};
+        moved.position = point - rotate(moved.turn, point);
+    }
+    placement = placement * moved;
+    motion = RobotMotion::fixed;
+    friction = {}, limits = {}, start = {};
+    stiffness = damping = armature = {};
+}
+
 void remove_notes(Robot& robot, const std::string& heading, const std::vector<std::string>& names) {
     const auto notes = robot.omitted.find(heading);
     if (notes == robot.omitted.end()) return;

@@ -70,6 +70,8 @@ struct RobotJoint {
 
     /// Whether an axis has limits or friction.
     bool has_law() const;
+    /// Fixes a revolute or prismatic joint at a coordinate, rad or m.
+    void lock(const Wide& x);
 };
 
 /// Constructs of a file: heading -> names, such as "limits of joints" -> the joints that have limits.

@@ -117,11 +117,13 @@ def commit_hash() -> str:
 
 def record(name: str, count: int, unit: str, failures: int, seconds: float, command: str,
            details: dict[str, object] | None = None) -> None:
-    """Writes results/reliability/NAME.json (or in the folder POLHODE_RECORDS) with commit, date and processor."""
-    directory = pathlib.Path(os.environ.get("POLHODE_RECORDS", top / "results" / "reliability"))
-    directory.mkdir(parents=True, exist_ok=True)
-    entry = {"name": name, "count": count, "unit": unit, "failures": failures, "seconds": round(seconds, 1),
-             "command": f"tests/reliability/{command}", "details": {key: str(value) for key, value in (details or {}).items()},
-             "date": time.strftime("%Y-%m-%d", time.gmtime()), "commit": commit_hash(), "cpu": cpu_name(),
-             "cores": os.cpu_count()}
-    replace_file(directory / f"{name}.json", json.dumps(entry, indent=2, ensure_ascii=False) + "\n")
+    """Adds a record with commit, date and processor to results/reliability.json, or to the file POLHODE_RECORDS."""
+    path = pathlib.Path(os.environ.get("POLHODE_RECORDS", top / "results" / "reliability.json"))
+    records = json.loads(path.read_text()) if path.exists() else {}
+    records[name] = {"count": count, "unit": unit, "failures": failures, "seconds": round(seconds, 1),
+                     "command": f"tests/reliability/{command}",
+                     "details": {key: str(value) for key, value in (details or {}).items()},
+                     "date": time.strftime("%Y-%m-%d", time.gmtime()), "commit": commit_hash(), "cpu": cpu_name(),
+                     "cores": os.cpu_count()}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    replace_file(path, json.dumps(dict(sorted(records.items())), indent=2, ensure_ascii=False) + "\n")

@@ -44,23 +44,36 @@ export function videoType(): string {
   return ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"].find((one) => MediaRecorder.isTypeSupported(one)) ?? "";
 }
 
+// a header alone is about 110 bytes
+const leastBytes = 2000;
+
 /** Records a canvas at 30 frames per second. */
 export class Recording {
   readonly canvas = element("canvas", {});
   private recorder: MediaRecorder | null = null;
 
-  /** Starts once the canvas has its size. */
-  start(done: (video: Blob, ending: string) => void): void {
+  /**
+   * Starts once the canvas has its size. Calls `ready` when the encoder has written its first frames: on a slow machine
+   * this takes seconds, and a recording that ends before contains no frame.
+   */
+  start(ready: () => void, done: (video: Blob, ending: string) => void): void {
     const type = videoType();
     const recorder = new MediaRecorder(this.canvas.captureStream(30), { mimeType: type, videoBitsPerSecond: 8e6 });
     const parts: Blob[] = [];
-    recorder.ondataavailable = (event) => parts.push(event.data);
+    let bytes = 0;
+    recorder.ondataavailable = (event) => {
+      parts.push(event.data);
+      const before = bytes;
+      bytes += event.data.size;
+      if (before < leastBytes && bytes >= leastBytes) ready();
+    };
     recorder.onstop = () => done(new Blob(parts, { type: type.split(";")[0] ?? type }), type.includes("mp4") ? "mp4" : "webm");
-    recorder.start();
+    recorder.start(100);
     this.recorder = recorder;
   }
 
   stop(): void {
     this.recorder?.stop();
+    this.recorder = null;
   }
 }

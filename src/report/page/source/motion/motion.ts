@@ -426,13 +426,17 @@ class MotionView implements MotionHandle {
   /** Records until the motion ends or is paused. */
   private record(): void {
     if (this.recording !== null) {
-      this.clock.pause();
+      if (this.clock.playing) this.clock.pause();
+      else this.paused();
       return;
     }
     const recording = new Recording();
     composePanes(this.stage, recording.canvas, Math.min(2, window.devicePixelRatio || 1), this.palette());
+    const ready = (): void => {
+      if (this.recording === recording) this.clock.play();
+    };
     try {
-      recording.start((video, ending) => {
+      recording.start(ready, (video, ending) => {
         download(video, this.fileName(ending));
         this.page.announce("Video saved");
       });
@@ -443,8 +447,14 @@ class MotionView implements MotionHandle {
     this.clock.pause();
     this.recording = recording;
     this.video.textContent = "Stop recording";
-    this.clock.play();
-    this.redraw();
+    this.supplyFrames(recording);
+  }
+
+  /** Draws frames of the motion at rest until the recorder has started. */
+  private supplyFrames(recording: Recording): void {
+    if (this.recording !== recording || this.clock.playing) return;
+    this.draw();
+    requestAnimationFrame(() => this.supplyFrames(recording));
   }
 
   private paused(): void {

@@ -6,6 +6,9 @@
 // if all normal forces press, friction that sticks is in its cone, slips that start grow forward and open contacts do
 // not approach. If several modes are consistent, closed contacts precede open ones and sticking precedes sliding; modes
 // with different accelerations end the run.
+//
+// The directions of slips that start are searched in binary64, in a system from which all other contacts are eliminated
+// (StartingSlips). Modes that are inconsistent in binary64 by more than its error are not solved in P.
 #pragma once
 
 #include <algorithm>
@@ -14,6 +17,8 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "integrators/contact/small_system.h"
@@ -108,6 +113,58 @@ struct ClusterSolution {
     ClusterForces<P> forces;
 };
 
+/// Contacts whose slips start, in a mode whose other contacts are eliminated: forces f on them give the accelerations
+/// c + K f, in binary64.
+class StartingSlips {
+  public:
+    /// `matrix`: K, 3 n by 3 n, row by row
+    StartingSlips(std::vector<Vector3<double>> acceleration, std::vector<double> matrix, std::vector<double> friction)
+        : c_(std::move(acceleration)), K_(std::move(matrix)), friction_(std::move(friction)) {
+        for (std::size_t k = 0; k < count(); ++k) {
+            const double response = K(3 * k + 2, 3 * k + 2);
+            scale_.push_back(response > 0 ? 1 / std::sqrt(response) : 0);
+        }
+    }
+
+    std::size_t count() const { return c_.size(); }
+    /// Normal forces and accelerations if the slips have these directions; nothing if the forces are not unique.
+    struct Motion {
+        std::vector<double> normal_force;
+        std::vector<Vector3<double>> acceleration;
+    };
+    std::optional<Motion> at(const std::vector<Vector3<double>>& directions) const {
+        const std::size_t n = count();
+        const auto force = [&](std::size_t k) { return Vector3<double>(unit_normal() - friction_[k] * directions[k]); };
+        std::vector<double> B(n * n, 0), x;
+        for (std::size_t k = 0; k < n; ++k) {
+            x.push_back(-scale_[k] * c_[k][2]);
+            for (std::size_t l = 0; l < n; ++l) B[k * n + l] = scale_[k] * scale_[l] * change(k, l, force(l))[2];
+        }
+        if (!solve_pivoted(B, x, 1e-9)) return {};
+        Motion motion{{}, c_};
+        for (std::size_t l = 0; l < n; ++l) {
+            motion.normal_force.push_back(scale_[l] * x[l]);
+            for (std::size_t k = 0; k < n; ++k)
+                motion.acceleration[k] = motion.acceleration[k] + motion.normal_force[l] * change(k, l, force(l));
+        }
+        return motion;
+    }
+
+  private:
+    std::vector<Vector3<double>> c_;
+    std::vector<double> K_, friction_, scale_;
+
+    static Vector3<double> unit_normal() { return {0, 0, 1}; }
+    double K(std::size_t row, std::size_t column) const { return K_[row * 3 * count() + column]; }
+    // of the acceleration of contact k by a force at contact l
+    Vector3<double> change(std::size_t k, std::size_t l, const Vector3<double>& f) const {
+        Vector3<double> result;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) result[a] += K(3 * k + a, 3 * l + b) * f[b];
+        return result;
+    }
+};
+
 template <class P>
 class ClusterModes {
   public:
@@ -158,65 +215,117 @@ class ClusterModes {
     bool differs_ = false, is_singular_ = false;
     std::string fault_;
 
+    // A component of the force at a contact, and the component of its acceleration that the force makes zero.
+    template <class S>
+    struct Unknown {
+        std::size_t contact;
+        Vector3<S> force, row;
+    };
+    // Equations and unknowns are scaled by the response of each contact, because masses may differ much. `without`:
+    // contacts whose forces are given.
+    template <class S>
+    static std::vector<Unknown<S>> unknowns_of(const ClusterResponse<S>& at, const std::vector<S>& friction,
+                                               const std::vector<ContactChoice>& choices,
+                                               const std::vector<Vector3<S>>& directions,
+                                               const std::vector<std::size_t>& without) {
+        std::vector<Unknown<S>> unknowns;
+        const Vector3<S> n(S(0), S(0), S(1));
+        for (std::size_t k = 0; k < at.contacts(); ++k) {
+            if (choices[k] == ContactChoice::opens || std::ranges::find(without, k) != without.end()) continue;
+            const S scale = S(1) / square_root(at.K(3 * k + 2, 3 * k + 2));
+            if (choices[k] == ContactChoice::sticks)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    Vector3<S> unit;
+                    unit[c] = scale;
+                    unknowns.push_back({k, unit, unit});
+                }
+            else if (choices[k] == ContactChoice::smooth)
+                unknowns.push_back({k, scale * n, scale * n});
+            else
+                unknowns.push_back({k, scale * Vector3<S>(n - friction[k] * directions[k]), scale * n});
+        }
+        return unknowns;
+    }
+    // change of the acceleration of contact k by a force at contact l
+    template <class S>
+    static Vector3<S> response(const ClusterResponse<S>& at, std::size_t k, std::size_t l, const Vector3<S>& force) {
+        Vector3<S> result;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) result[a] = result[a] + at.K(3 * k + a, 3 * l + b) * force[b];
+        return result;
+    }
+    template <class S>
+    static std::vector<S> matrix_of(const ClusterResponse<S>& at, const std::vector<Unknown<S>>& unknowns) {
+        std::vector<S> B;
+        for (const Unknown<S>& row : unknowns)
+            for (const Unknown<S>& one : unknowns)
+                B.push_back(dot(row.row, response(at, row.contact, one.contact, one.force)));
+        return B;
+    }
+
     template <class S>
     static std::optional<ClusterForces<S>> solve_in(const ClusterResponse<S>& at, const std::vector<S>& friction,
                                                     const std::vector<ContactChoice>& choices,
                                                     const std::vector<Vector3<S>>& directions) {
-        struct Unknown {
-            std::size_t contact;
-            Vector3<S> force, row;
-        };
-        std::vector<Unknown> unknowns;
-        const Vector3<S> n(S(0), S(0), S(1));
-        for (std::size_t k = 0; k < at.contacts(); ++k) {
-            if (choices[k] == ContactChoice::opens) continue;
-            if (choices[k] == ContactChoice::sticks)
-                for (std::size_t c = 0; c < 3; ++c) {
-                    Vector3<S> unit;
-                    unit[c] = S(1);
-                    unknowns.push_back({k, unit, unit});
-                }
-            else
-                unknowns.push_back(
-                    {k, choices[k] == ContactChoice::smooth ? n : Vector3<S>(n - friction[k] * directions[k]), n});
-        }
-        // equations and unknowns are scaled by the response of each contact, because masses may differ much
-        std::vector<S> scale;
-        for (std::size_t k = 0; k < at.contacts(); ++k) scale.push_back(S(1) / square_root(at.K(3 * k + 2, 3 * k + 2)));
-        for (Unknown& one : unknowns)
-            one.force = scale[one.contact] * one.force, one.row = scale[one.contact] * one.row;
-        const std::size_t size = unknowns.size();
-        std::vector<S> B(size * size, S(0)), x;
-        for (std::size_t r = 0; r < size; ++r) {
-            const Unknown& row = unknowns[r];
-            x.push_back(-dot(row.row, at.acceleration[row.contact]));
-            for (std::size_t c = 0; c < size; ++c)
-                for (std::size_t a = 0; a < 3; ++a)
-                    for (std::size_t b = 0; b < 3; ++b) {
-                        S& entry = B[r * size + c];
-                        entry = entry + row.row[a] * at.K(3 * row.contact + a, 3 * unknowns[c].contact + b) *
-                                            unknowns[c].force[b];
-                    }
-        }
+        const std::vector<Unknown<S>> unknowns = unknowns_of(at, friction, choices, directions, {});
+        std::vector<S> B = matrix_of(at, unknowns), x;
+        for (const Unknown<S>& row : unknowns) x.push_back(-dot(row.row, at.acceleration[row.contact]));
         if (!solve_pivoted(B, x, S(1e-9))) return {};
         ClusterForces<S> result;
         result.force.resize(at.contacts());
-        for (std::size_t c = 0; c < size; ++c) {
+        for (std::size_t c = 0; c < unknowns.size(); ++c) {
             Vector3<S>& force = result.force[unknowns[c].contact];
             force = force + x[c] * unknowns[c].force;
         }
         result.acceleration = at.acceleration;
         for (std::size_t k = 0; k < at.contacts(); ++k)
-            for (std::size_t a = 0; a < 3; ++a)
-                for (std::size_t l = 0; l < at.contacts(); ++l)
-                    for (std::size_t b = 0; b < 3; ++b)
-                        result.acceleration[k][a] =
-                            result.acceleration[k][a] + at.K(3 * k + a, 3 * l + b) * result.force[l][b];
+            for (std::size_t l = 0; l < at.contacts(); ++l)
+                if (choices[l] != ContactChoice::opens)
+                    result.acceleration[k] = result.acceleration[k] + response(at, k, l, result.force[l]);
         return result;
+    }
+    // Eliminates the contacts whose slips do not start; nothing if their forces are not unique.
+    std::optional<StartingSlips> starting_slips(const std::vector<ContactChoice>& choices,
+                                                const std::vector<std::size_t>& starting,
+                                                const std::vector<Vector3<P>>& directions) const {
+        const std::size_t n = starting.size();
+        std::vector<Vector3<double>> rounded;
+        for (const Vector3<P>& d : directions) rounded.push_back(cast<double>(d));
+        const auto unknowns = unknowns_of(rounded_, rounded_friction_, choices, rounded, starting);
+        const std::vector<double> B = matrix_of(rounded_, unknowns);
+        bool is_unique = true;
+        // accelerations of the contacts that start if those of the others without the unknown forces are `given`
+        const auto eliminated = [&](const auto& given) {
+            std::vector<double> matrix = B, x;
+            for (const auto& row : unknowns) x.push_back(-dot(row.row, given(row.contact)));
+            is_unique = is_unique && solve_pivoted(matrix, x, 1e-9);
+            std::vector<Vector3<double>> all;
+            for (const std::size_t k : starting) {
+                all.push_back(given(k));
+                for (std::size_t c = 0; c < unknowns.size() && is_unique; ++c)
+                    all.back() = all.back() + x[c] * response(rounded_, k, unknowns[c].contact, unknowns[c].force);
+            }
+            return all;
+        };
+        const std::vector<Vector3<double>> c = eliminated([&](std::size_t k) { return rounded_.acceleration[k]; });
+        std::vector<double> K(9 * n * n), friction;
+        for (std::size_t l = 0; l < n; ++l) {
+            friction.push_back(rounded_friction_[starting[l]]);
+            for (std::size_t b = 0; b < 3; ++b) {
+                Vector3<double> unit;
+                unit[b] = 1;
+                const auto column = eliminated([&](std::size_t k) { return response(rounded_, k, starting[l], unit); });
+                for (std::size_t k = 0; k < n; ++k)
+                    for (std::size_t a = 0; a < 3; ++a) K[(3 * k + a) * 3 * n + 3 * l + b] = column[k][a];
+            }
+        }
+        if (!is_unique) return {};
+        return StartingSlips(c, std::move(K), std::move(friction));
     }
 
     void enumerate(std::vector<ContactChoice> choices) {
         const std::size_t k = choices.size();
+        if (found_ && differs_) return;
         if (k == at_.contacts()) return test(choices);
         const bool rubs = friction_[k] > P(0);
         std::vector<ContactChoice> options;
@@ -241,22 +350,25 @@ class ClusterModes {
             if (choices[k] == ContactChoice::slides) directions[k] = unit_slip(at_.velocity[k]);
         }
         if (starting.empty()) return test_directions(choices, directions);
-        if (starting.size() == 1) return test_one_start(choices, starting.front(), directions);
-        test_starts(choices, starting, directions);
+        const std::optional<StartingSlips> slips = starting_slips(choices, starting, directions);
+        if (!slips) {
+            is_singular_ = true;
+            return;
+        }
+        if (starting.size() == 1) return test_one_start(choices, starting.front(), *slips, directions);
+        test_starts(choices, starting, *slips, directions);
     }
     static Vector3<P> unit_slip(const Vector3<P>& u) {
         const P size = square_root(P(u[0] * u[0] + u[1] * u[1]));
         return {u[0] / size, u[1] / size, P(0)};
     }
-    void test_one_start(const std::vector<ContactChoice>& choices, std::size_t k, std::vector<Vector3<P>>& directions) {
-        std::vector<Vector3<double>> rounded;
-        for (const Vector3<P>& d : directions) rounded.push_back(cast<double>(d));
+    void test_one_start(const std::vector<ContactChoice>& choices, std::size_t k, const StartingSlips& slips,
+                        std::vector<Vector3<P>>& directions) {
         const auto direction = forward_direction<P>(
             [&](const Vector3<double>& d) -> std::optional<Vector3<double>> {
-                rounded[k] = d;
-                const auto forces = solve_in<double>(rounded_, rounded_friction_, choices, rounded);
-                if (!forces || !(forces->force[k][2] >= -force_rounding(k))) return {};
-                return forces->acceleration[k];
+                const auto motion = slips.at({d});
+                if (!motion || !(motion->normal_force[0] >= -force_rounding(k))) return {};
+                return motion->acceleration[0];
             },
             [&](const Vector3<P>& d) -> std::optional<Vector3<P>> {
                 directions[k] = d;
@@ -275,7 +387,7 @@ class ClusterModes {
     /// Several slips start: Newton's iteration for their directions in binary64, from starts on a grid, continued in P
     /// with the same Jacobian.
     void test_starts(const std::vector<ContactChoice>& choices, const std::vector<std::size_t>& starting,
-                     const std::vector<Vector3<P>>& directions) {
+                     const StartingSlips& slips, const std::vector<Vector3<P>>& directions) {
         const std::size_t n = starting.size(), grid = n == 2 ? 12 : 6;
         if (n > 3) return;
         std::size_t all = 1;
@@ -287,7 +399,7 @@ class ClusterModes {
                 angles.push_back(2 * std::numbers::pi * (static_cast<double>(rest % grid) + 0.37) /
                                  static_cast<double>(grid));
             std::vector<double> jacobian;
-            if (!find_angles(choices, starting, directions, angles, jacobian)) continue;
+            if (!find_angles(slips, angles, jacobian)) continue;
             const bool is_known = std::ranges::any_of(known, [&](const std::vector<double>& other) {
                 for (std::size_t i = 0; i < n; ++i)
                     if (std::cos(angles[i] - other[i]) < 1 - 1e-10) return false;
@@ -299,36 +411,25 @@ class ClusterModes {
             if (refine(choices, starting, angles, jacobian, exact)) test_directions(choices, exact);
         }
     }
-    // the accelerations across the directions of the slips that start; nothing if they do not all go forward
-    template <class S>
-    static std::optional<std::vector<S>> across(const ClusterResponse<S>& at, const std::vector<S>& friction,
-                                                const std::vector<ContactChoice>& choices,
-                                                const std::vector<std::size_t>& starting,
-                                                const std::vector<Vector3<S>>& directions, bool& is_forward) {
-        const auto forces = solve_in<S>(at, friction, choices, directions);
-        if (!forces) return {};
-        std::vector<S> result;
-        is_forward = true;
-        for (const std::size_t k : starting) {
-            const Vector3<S>&d = directions[k], &a = forces->acceleration[k];
-            result.push_back(d[0] * a[1] - d[1] * a[0]);
-            is_forward = is_forward && d[0] * a[0] + d[1] * a[1] > S(0);
-        }
-        return result;
-    }
-    bool find_angles(const std::vector<ContactChoice>& choices, const std::vector<std::size_t>& starting,
-                     const std::vector<Vector3<P>>& exact, std::vector<double>& angles,
-                     std::vector<double>& jacobian) const {
+    static bool find_angles(const StartingSlips& slips, std::vector<double>& angles, std::vector<double>& jacobian) {
         constexpr int most_iterations = 40;
         constexpr double shift = 1e-7;
-        const std::size_t n = starting.size();
+        const std::size_t n = slips.count();
         bool is_forward = false;
-        const auto residual = [&](const std::vector<double>& at) {
-            std::vector<Vector3<double>> rounded;
-            for (const Vector3<P>& d : exact) rounded.push_back(cast<double>(d));
-            for (std::size_t i = 0; i < n; ++i)
-                rounded[starting[i]] = Vector3<double>(std::cos(at[i]), std::sin(at[i]), 0);
-            return across<double>(rounded_, rounded_friction_, choices, starting, rounded, is_forward);
+        // the accelerations across the directions
+        const auto residual = [&](const std::vector<double>& at) -> std::optional<std::vector<double>> {
+            std::vector<Vector3<double>> directions;
+            for (const double angle : at) directions.emplace_back(std::cos(angle), std::sin(angle), 0);
+            const auto motion = slips.at(directions);
+            if (!motion) return {};
+            std::vector<double> result;
+            is_forward = true;
+            for (std::size_t i = 0; i < n; ++i) {
+                const Vector3<double>&d = directions[i], &a = motion->acceleration[i];
+                result.push_back(d[0] * a[1] - d[1] * a[0]);
+                is_forward = is_forward && d[0] * a[0] + d[1] * a[1] > 0;
+            }
+            return result;
         };
         for (int iteration = 0; iteration < most_iterations; ++iteration) {
             const auto now = residual(angles);
@@ -366,15 +467,19 @@ class ClusterModes {
                 Elementary<P>::sine_cosine(exact[i], sine, cosine);
                 directions[starting[i]] = Vector3<P>(cosine, sine, P(0));
             }
-            bool is_forward = false;
-            auto step = across<P>(at_, friction_, choices, starting, directions, is_forward);
-            std::vector<P> matrix;
+            const auto forces = solve(choices, directions);
+            if (!forces) return false;
+            std::vector<P> matrix, step;
+            for (const std::size_t k : starting) {
+                const Vector3<P>&d = directions[k], &a = forces->acceleration[k];
+                step.push_back(d[0] * a[1] - d[1] * a[0]);
+            }
             for (const double entry : jacobian) matrix.push_back(P(entry));
-            if (!step || !solve_pivoted(matrix, *step)) return false;
+            if (!solve_pivoted(matrix, step)) return false;
             P largest(0);
             for (std::size_t i = 0; i < starting.size(); ++i) {
-                exact[i] = exact[i] - (*step)[i];
-                largest = std::max(largest, Elementary<P>::magnitude((*step)[i]));
+                exact[i] = exact[i] - step[i];
+                largest = std::max(largest, Elementary<P>::magnitude(step[i]));
             }
             if (!(largest > P(8) * Elementary<P>::epsilon())) break;
         }
@@ -383,13 +488,16 @@ class ClusterModes {
 
     void test_directions(const std::vector<ContactChoice>& choices, const std::vector<Vector3<P>>& directions) {
         if (found_ && differs_) return;
+        if (is_clearly_inconsistent(choices, directions)) return;
         auto forces = solve(choices, directions);
         if (!forces) {
             is_singular_ = true;
             return;
         }
         for (std::size_t k = 0; k < at_.contacts(); ++k)
-            if (!is_consistent(k, choices[k], directions[k], *forces)) return;
+            if (!is_consistent<P>(k, choices[k], directions[k], *forces, at_.K(3 * k + 2, 3 * k + 2), friction_[k],
+                                  rounding_))
+                return;
         if (!found_) {
             found_ = ClusterSolution<P>{choices, directions, std::move(*forces)};
             return;
@@ -399,16 +507,35 @@ class ClusterModes {
             if (static_cast<double>(length(difference)) > 1e-6 * scale_) differs_ = true;
         }
     }
-    bool is_consistent(std::size_t k, ContactChoice choice, const Vector3<P>& d, const ClusterForces<P>& forces) const {
-        const Vector3<P>&f = forces.force[k], &a = forces.acceleration[k];
-        const P small_acceleration(rounding_ * scale_), small = small_acceleration / at_.K(3 * k + 2, 3 * k + 2);
+    // in binary64, by more than its error
+    bool is_clearly_inconsistent(const std::vector<ContactChoice>& choices,
+                                 const std::vector<Vector3<P>>& directions) const {
+        if constexpr (std::is_same_v<P, double>) return false;
+        std::vector<Vector3<double>> rounded;
+        for (const Vector3<P>& d : directions) rounded.push_back(cast<double>(d));
+        const auto forces = solve_in<double>(rounded_, rounded_friction_, choices, rounded);
+        if (!forces) return false;
+        constexpr double error = 1e-4;
+        for (std::size_t k = 0; k < at_.contacts(); ++k)
+            if (!is_consistent<double>(k, choices[k], rounded[k], *forces, rounded_.K(3 * k + 2, 3 * k + 2),
+                                       rounded_friction_[k], std::max(error, 10 * rounding_)))
+                return true;
+        return false;
+    }
+    template <class S>
+    bool is_consistent(std::size_t k, ContactChoice choice, const Vector3<S>& d, const ClusterForces<S>& forces,
+                       const S& response, const S& friction, double rounding) const {
+        const Vector3<S>&f = forces.force[k], &a = forces.acceleration[k];
+        const S small_acceleration(rounding * scale_), small = small_acceleration / response;
         if (choice == ContactChoice::opens) return a[2] >= -small_acceleration;
         if (!(f[2] >= -small)) return false;
         if (choice == ContactChoice::sticks) {
-            const P limit = friction_[k] * f[2] * P(1 + rounding_) + small;
+            const S limit = friction * f[2] * S(1 + rounding) + small;
             return !(f[0] * f[0] + f[1] * f[1] > limit * limit);
         }
-        return choice != ContactChoice::starts || d[0] * a[0] + d[1] * a[1] > small_acceleration;
+        // in binary64, errors may turn a slow start
+        const S least = std::is_same_v<S, P> ? small_acceleration : S(-small_acceleration);
+        return choice != ContactChoice::starts || d[0] * a[0] + d[1] * a[1] > least;
     }
 };
 

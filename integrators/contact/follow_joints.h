@@ -697,8 +697,7 @@ class JointDriver {
     // methods start with, the distance is still a rounding error.
     std::size_t zeros_of_gap(const State& state, AtLimit at, const std::vector<P>& gap) const {
         if (state.left == at && state.limit_zeros > 0) return state.limit_zeros;
-        const P rounding = settings_.steps ? P(error_) : P(P(16) * Elementary<P>::epsilon());
-        return Elementary<P>::magnitude(gap[0]) <= rounding && gap[1] > P(0) ? 1 : 0;
+        return settings_.steps && Elementary<P>::magnitude(gap[0]) <= P(error_) && gap[1] > P(0) ? 1 : 0;
     }
     // A force that is at its bound up to rounding falls below it only by more than rounding.
     void allow_rounding(std::size_t e, P& distance) {

@@ -87,10 +87,11 @@ class ContactFormulas {
     std::optional<FormulaTerms<P>> terms_;
     std::vector<P> held_;  // the values that are held
 
-    // evaluate() expects the values that are held before the variables, but reads them from the state
+    // evaluate() expects the values that are held before the variables, but reads them from the state. Numbers have no
+    // variables.
     template <class S>
     const S* first(const S* variables) const {
-        return variables - terms_->holds();
+        return variables ? variables - terms_->holds() : nullptr;
     }
 };
 

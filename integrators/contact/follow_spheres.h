@@ -76,6 +76,8 @@ class SphereGaps {
         return (P(1) / length(away)) * away;
     }
     const P& size_of(std::size_t k) const { return sizes_[k]; }
+    /// Of a distance, m.
+    P rounding(std::size_t k) const { return P(16) * Elementary<P>::epsilon() * size_of(k); }
     Gap<P> gap(std::size_t k, const Centers& at) const {
         const auto& [i, j, restitution, friction] = pairs_[k];
         const Vector3<P> away = at.position_W[i] - at.position_W[j];
@@ -153,7 +155,13 @@ class SphereDriver {
     Record<P> pairs_record_;
     long stalled_ = 0;  // impacts without progress in time
     P stalled_at_{-1};
-    std::vector<std::size_t> bounced_;                  // pairs with impacts at the last time of impacts
+    // A pair after an impact, while its gap is comparable with a rounding error.
+    struct Bounce {
+        std::size_t pair = 0;
+        P gap{0};               // the integral of its rate, m
+        bool is_known = false;  // whether the end of its flight is found from that integral
+    };
+    std::vector<Bounce> bounced_;
     long cluster_steps_ = 0, cluster_evaluations_ = 0;  // of clusters that have ended
 
     bool fails() const { return !fault_.empty(); }
@@ -233,12 +241,18 @@ class SphereDriver {
         for (std::size_t k = 0; k < pairs_.size(); ++k)
             if (const Touching* cluster = cluster_of(pairs_[k].first); !cluster || !cluster->has(pairs_[k].second))
                 apart.push_back(k);
-        if (const std::optional<P> t = first_approach(apart, *end)) {
-            t_ = *t;
-            resolve({});
+        if (const std::optional<Approach> found = first_approach(apart, *end)) {
+            move_bounces(found->t);
+            if (found->bounce)
+                bounced_.erase(bounced_.begin() + static_cast<std::ptrdiff_t>(*found->bounce));
+            else
+                std::erase_if(bounced_, [](const Bounce& one) { return !one.is_known; });
+            t_ = found->t;
+            resolve({}, false, true);
             return true;
         }
-        if (*end > t_) t_ = *end, bounced_.clear();
+        move_bounces(*end);
+        t_ = std::max(t_, *end);
         for (std::size_t i = 0; i < bodies_.size(); ++i)
             if (!cluster_of(i) && bodies_[i]->has_planned_step() && bodies_[i]->planned_end() == *end)
                 bodies_[i]->take_planned_step();
@@ -252,53 +266,121 @@ class SphereDriver {
         return true;
     }
 
+    // A time at which a gap closes, and the index in bounced_ if the pair is one of them.
+    struct Approach {
+        P t;
+        std::optional<std::size_t> bounce;
+    };
     // The first time up to `end` at which a gap of some pairs closes.
-    std::optional<P> first_approach(std::vector<std::size_t> pairs, P end) const {
+    std::optional<Approach> first_approach(const std::vector<std::size_t>& pairs, P end) {
         if (!(end > t_)) return {};
-        std::optional<P> first;
-        for (const std::size_t k : bounced_)
-            if (const std::optional<P> t = end_of_short_flight(k, end); t && std::erase(pairs, k) > 0)
-                first = t, end = *t;
-        if (pairs.empty()) return first;
+        const std::array<Centers, 3> step{centers(t_), centers((t_ + end) / P(2)), centers(end)};
+        std::optional<Approach> first;
+        const SphereGaps<P> gaps = gaps_of(pairs);
+        std::vector<std::size_t> may_close;
+        for (std::size_t k = 0; k < pairs.size(); ++k)
+            if (!stays_apart(gaps, k, step, P(end - t_))) may_close.push_back(pairs[k]);
+        for (std::size_t i = 0; i < bounced_.size(); ++i) {
+            bounced_[i].is_known = true;
+            if (std::ranges::find(may_close, bounced_[i].pair) == may_close.end()) continue;
+            const BounceEnd found = end_of_bounce(bounced_[i], end);
+            bounced_[i].is_known = found.is_known;
+            if (found.is_known) std::erase(may_close, bounced_[i].pair);
+            if (found.t && *found.t < end) first = Approach{*found.t, i}, end = *found.t;
+        }
+        if (may_close.empty()) return first;
         // the ends of a step bound the speeds within it up to the curvature of the motion
         P bound(speed());
-        for (const Vector3<P>& v : centers(end).velocity_W) bound = std::max(bound, length(v));
-        const std::optional<P> other = search(pairs, t_, end, P(P(4) * bound));
-        return other ? other : first;
+        for (const Vector3<P>& v : (first ? centers(end) : step.back()).velocity_W) bound = std::max(bound, length(v));
+        if (const std::optional<P> t = search(may_close, t_, end, P(P(4) * bound))) return Approach{*t, {}};
+        return first;
+    }
+    // Whether a pair certainly stays apart in a step of this length, given at its start, middle and end: the gap is
+    // large compared with its rate, or it widens at a rate that hardly changes. In short steps after an impact, such as
+    // bounces on a plane, the gap is a rounding error.
+    static bool stays_apart(const SphereGaps<P>& gaps, std::size_t k, const std::array<Centers, 3>& step,
+                            const P& length) {
+        const Gap<P> start = gaps.gap(k, step[0]), end = gaps.gap(k, step[2]);
+        const P middle = gaps.gap(k, step[1]).rate;
+        const P least = std::min({start.rate, middle, end.rate}), most = std::max({start.rate, middle, end.rate});
+        if (std::min(start.distance, end.distance) > P(4) * length * std::max(most, P(-least))) return true;
+        return least > P(0) && most <= P(1.5) * least && start.distance >= -gaps.rounding(k);
     }
     std::optional<P> search(const std::vector<std::size_t>& pairs, const P& begin, const P& end, const P& bound) const {
         const auto at = [&](const P& t) { return centers(t); };
         const SphereGaps<P> gaps = gaps_of(pairs);
         return ContactSearch<P, decltype(at), SphereGaps<P>>(gaps, at, bound).first(begin, end);
     }
-    /// The end of the flight after an impact with the separation speed u at the present time, if it is short compared
-    /// with the steps: it is near 2 u / |c|, where c is the acceleration of the gap. Impacts that accumulate have such
-    /// flights. Their gaps are below rounding, so that Simpson's rule integrates the rate of the gap.
-    std::optional<P> end_of_short_flight(std::size_t k, const P& end) const {
-        constexpr int most_iterations = 12;
-        const SphereGaps<P> gaps = gaps_of({k});
+    struct BounceEnd {
+        bool is_known = false;  // whether the search on gaps is unnecessary
+        std::optional<P> t;     // the gap closes
+    };
+    /// The end of the flight after an impact up to `end`, if the flight is short compared with the steps or its gap is
+    /// comparable with a rounding error. Impacts that accumulate have such flights. Simpson's rule integrates the rate
+    /// of the gap from the impact on.
+    BounceEnd end_of_bounce(const Bounce& bounce, const P& end) const {
+        const SphereGaps<P> gaps = gaps_of({bounce.pair});
         const auto rate_after = [&](const P& time) { return gaps.gap(0, centers(t_ + time)).rate; };
+        const auto change_of_gap = [&](const P& from, const P& to) {
+            return P((to - from) * (rate_after(from) + P(4) * rate_after((from + to) / P(2)) + rate_after(to)) / P(6));
+        };
+        const P length = end - t_;
+        const auto close = [&](const P& from, const P& gap, P flight) {
+            for (int i = 0; i < 12; ++i) {
+                const P change = (gap + change_of_gap(from, flight)) / rate_after(flight);
+                flight = flight - change;
+                if (!(Elementary<P>::magnitude(change) > P(4) * Elementary<P>::epsilon() * flight)) break;
+            }
+            return P(t_ + std::clamp(flight, from, length));
+        };
+        if (const std::optional<P> flight = short_flight(bounce.gap, length, rate_after))
+            return {true, close(P(0), bounce.gap, *flight)};
+        constexpr int panels = 16;
+        P largest(0);
+        for (const P& part : {P(0), P(0.5), P(1)})
+            largest = std::max(largest, Elementary<P>::magnitude(rate_after(part * length)));
+        if (largest * length > P(1e6) * gaps.rounding(0)) return {};
+        P gap = bounce.gap;
+        for (int i = 0; i < panels; ++i) {
+            const P from = length * P(i) / P(panels), to = length * P(i + 1) / P(panels);
+            const P next = gap + change_of_gap(from, to);
+            if (!(next > P(0)) && rate_after(to) < P(0)) return {true, close(from, gap, to)};
+            gap = next;
+        }
+        return {true, {}};
+    }
+    /// An estimate of a flight that is short compared with a step, from the present gap and a function of its rate.
+    template <class Rate>
+    std::optional<P> short_flight(const P& gap, const P& length, const Rate& rate_after) const {
         const P u = rate_after(P(0));
-        // later the spheres may have passed through each other
-        P flight = (end - t_) / P(1000);
-        for (int i = 0; i < most_iterations; ++i) {
-            const P change = u - rate_after(flight);
-            if (!(change > P(0)) || !(u > P(0))) return {};
-            const P next = P(2) * u * flight / change;
+        if (!(gap > P(0)) && !(u > P(0))) return {};
+        // with the mean acceleration -c up to `flight`, the gap g + u t - c t^2 / 2 closes there; later the spheres may
+        // have passed through each other
+        P flight = length / P(1000);
+        for (int i = 0; i < 12; ++i) {
+            const P c = (u - rate_after(flight)) / flight;
+            if (!(c > P(0))) return {};
+            const P next = (u + square_root(P(u * u + P(2) * c * gap))) / c;
             if (i == 0 && next > flight) return {};
             if (next > flight) break;
             flight = next;
         }
         // the error of Simpson's rule
-        const double share = static_cast<double>(P(flight / (end - t_)));
+        const double share = static_cast<double>(P(flight / length));
         if (!(std::pow(share, 4) < std::pow(10.0, -4 - settings_.event_digits))) return {};
-        for (int i = 0; i < most_iterations; ++i) {
-            const P at_end = rate_after(flight);
-            const P change = flight * (u + P(4) * rate_after(flight / P(2)) + at_end) / (P(6) * at_end);
-            flight = flight - change;
-            if (!(Elementary<P>::magnitude(change) > P(4) * Elementary<P>::epsilon() * flight)) break;
-        }
-        return t_ + flight;
+        return flight;
+    }
+    // Integrates the rates of gaps after impacts up to a time in the planned steps. A gap that exceeds its rounding
+    // error by far needs no integral.
+    void move_bounces(const P& t) {
+        if (!(t > t_)) return;
+        const double most = std::sqrt(static_cast<double>(Elementary<P>::epsilon()));
+        std::erase_if(bounced_, [&](Bounce& bounce) {
+            const SphereGaps<P> gaps = gaps_of({bounce.pair});
+            const auto rate_at = [&](const P& time) { return gaps.gap(0, centers(time)).rate; };
+            bounce.gap = bounce.gap + (t - t_) * (rate_at(t_) + P(4) * rate_at((t_ + t) / P(2)) + rate_at(t)) / P(6);
+            return !(bounce.gap < P(most) * gaps.size_of(0));
+        });
     }
 
     /// What happens at one time.
@@ -309,13 +391,14 @@ class SphereDriver {
         std::vector<bool> pushed;           // bodies on which impulses act
         std::vector<bool> collided;         // pairs
         double resting = 0;                 // speeds below it are zero
+        bool closes = false;                // a gap has closed
         bool keeps_modes = false;           // no force changes unless impulses act
         bool changes = false;
     };
 
     /// Applies the impacts at the present time, then selects the modes of all spheres that take part. `bodies`: spheres
-    /// that do in any case. `keeps_modes`: their modes only change by impulses.
-    void resolve(const std::vector<std::size_t>& bodies, bool keeps_modes = false) {
+    /// that do in any case. `keeps_modes`: their modes only change by impulses. `closes`: a gap has closed.
+    void resolve(const std::vector<std::size_t>& bodies, bool keeps_modes = false, bool closes = false) {
         if (!(t_ > stalled_at_)) {
             if (++stalled_ > 1000) {
                 fault_ = "too many impacts " + at_time();
@@ -324,14 +407,17 @@ class SphereDriver {
         } else {
             stalled_ = 0, stalled_at_ = t_;
         }
-        bounced_.clear();
         Resolution now;
-        now.keeps_modes = keeps_modes;
+        now.keeps_modes = keeps_modes, now.closes = closes;
         now.affected.assign(bodies_.size(), false), now.pushed = now.affected;
         now.collided.assign(pairs_.size(), false);
         now.resting =
             speed() *
             (has_started_ ? std::max(std::pow(10.0, 1 - settings_.event_digits), settings_.step_error) : 1e-12);
+        // where a sphere changes its mode, its velocity may change by more; impacts that this repeats at one time end
+        constexpr long few = 4, most_doublings = 20;
+        if (stalled_ > few)
+            now.resting = std::ldexp(now.resting, static_cast<int>(std::min(stalled_ - few, most_doublings)));
         find_touching(now);
         for (const std::size_t i : bodies) take_part(i, now);
         for (int round = 0;; ++round) {
@@ -344,6 +430,15 @@ class SphereDriver {
             if (fails() || !now.changes) break;
         }
         if (!fails()) form_clusters(now);
+        if (!fails()) note_flights(now);
+    }
+    // The gaps of pairs that touch and separate are rounding errors, also if the impact was earlier.
+    void note_flights(const Resolution& now) {
+        for (const std::size_t k : now.touching) {
+            const bool is_noted = std::ranges::any_of(bounced_, [&](const Bounce& one) { return one.pair == k; });
+            const Touching* cluster = cluster_of(pairs_[k].first);
+            if (!is_noted && !(cluster && cluster->has(pairs_[k].second)) && rate(k) > P(0)) bounced_.push_back({k});
+        }
     }
     P rate(std::size_t k) const { return gaps_of({k}).gap(0, centers(t_)).rate; }
     void find_touching(Resolution& now) const {
@@ -351,11 +446,15 @@ class SphereDriver {
         const SphereGaps<P> gaps = gaps_of(all_pairs());
         const Centers at = centers(t_);
         for (std::size_t k = 0; k < pairs_.size(); ++k) {
+            if (is_in_flight(k)) continue;
             const Gap<P> gap = gaps.gap(k, at);
             if (!states_[k].closed && gap.distance > P(tolerance) * gaps.size_of(k)) continue;
             now.touching.push_back(k);
             now.rested.push_back(states_[k].closed || Elementary<P>::magnitude(gap.rate) <= P(now.resting));
         }
+    }
+    bool is_in_flight(std::size_t k) const {
+        return std::ranges::any_of(bounced_, [&](const Bounce& one) { return one.pair == k && one.gap > P(0); });
     }
     // Stops the step of a body, or of the cluster that it is in.
     void take_part(std::size_t body, Resolution& now) {
@@ -397,7 +496,8 @@ class SphereDriver {
         }
         now.changes = now.collided[k] = true;
         now.keeps_modes = false;
-        bounced_.push_back(k);
+        std::erase_if(bounced_, [&](const Bounce& one) { return one.pair == k; });
+        bounced_.push_back({k});
         note_impact(k, impulse, at.normal_W, now.resting);
     }
     // Whether the laws for pairs determine an impact: not if another one at the same time acts through a sphere that
@@ -432,8 +532,9 @@ class SphereDriver {
     void form_clusters(Resolution& now) {
         std::vector<std::size_t> lasting;
         for (const std::size_t k : now.touching) {
-            // at the start, spheres that touch may not have collided
-            const bool takes_part = !has_started_ || now.affected[pairs_[k].first] || now.affected[pairs_[k].second];
+            // spheres that touch at the start, or whose gap closes without speed, may not have collided
+            const bool takes_part = !has_started_ || now.affected[pairs_[k].first] || now.affected[pairs_[k].second] ||
+                                    (now.closes && !states_[k].closed);
             if (!takes_part || rate(k) > P((states_[k].closed ? 1e4 : 1) * now.resting)) continue;
             lasting.push_back(k);
         }

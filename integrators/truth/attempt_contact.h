@@ -27,12 +27,46 @@ struct EventDifference {
     std::vector<P> first_impacts, second_impacts;  ///< times of the matched impacts
 };
 
+/// Events near the limit of infinitely many impacts. Runs differ in the number of impacts before the limit, and so in
+/// the events of other contacts that these impacts cause.
+template <class P>
+struct LimitGroup {
+    std::size_t end;  ///< index after the group
+    bool has_limit = false;
+    static constexpr int many = 5;  ///< this many impacts within the window are near their limit
+
+    /// Of the events within `window` (s) of `begin`, of which those from `next` on are not matched.
+    LimitGroup(const std::vector<contact::Event<P>>& events, std::size_t next, const P& begin, const P& window)
+        : end(next) {
+        while (end < events.size() && events[end].t - begin <= window) ++end;
+        int impacts = 0;
+        for (std::size_t i = end; i-- > 0 && begin - events[i].t <= window;) {
+            impacts += events[i].kind == contact::EventKind::impact;
+            has_limit = has_limit || events[i].kind == contact::EventKind::accumulates || impacts == many;
+        }
+    }
+};
+
 template <class P>
 EventDifference<P> match_events(const contact::Record<P>& a, const contact::Record<P>& b) {
     using Kind = contact::EventKind;
     EventDifference<P> result;
     std::size_t i = 0, j = 0;
-    while (i < a.events.size() && j < b.events.size()) {
+    // skips events near a limit of impacts; returns false if there is none
+    const auto skip_group = [&](const P& begin) {
+        const P window = P(1e-20) * begin;
+        const LimitGroup<P> first(a.events, i, begin, window), second(b.events, j, begin, window);
+        if (!first.has_limit || !second.has_limit) return false;
+        if (first.end > 0 && second.end > 0)
+            result.time = std::max(result.time, P(abs(a.events[first.end - 1].t - b.events[second.end - 1].t)));
+        i = first.end, j = second.end;
+        return true;
+    };
+    while (i < a.events.size() || j < b.events.size()) {
+        if (i == a.events.size() || j == b.events.size()) {
+            if (!skip_group(i < a.events.size() ? a.events[i].t : b.events[j].t)) break;
+            continue;
+        }
         const contact::Event<P>&x = a.events[i], &y = b.events[j];
         // one run may count a few more impacts before their limit
         if (x.kind == Kind::impact && y.kind == Kind::accumulates) {
@@ -43,7 +77,10 @@ EventDifference<P> match_events(const contact::Record<P>& a, const contact::Reco
             ++j;
             continue;
         }
-        if (x.kind != y.kind || x.plane != y.plane) break;
+        if (x.kind != y.kind || x.plane != y.plane) {
+            if (!skip_group(std::min(x.t, y.t))) break;
+            continue;
+        }
         result.time = std::max(result.time, P(abs(x.t - y.t)));
         result.largest_impulse = std::max(result.largest_impulse, x.normal_impulse);
         result.impulse = std::max({result.impulse, P(abs(x.normal_impulse - y.normal_impulse)),

@@ -116,7 +116,8 @@ ContactGeometry<S> contact_geometry(const Scene& scene, const Vector3<S>& center
 }
 
 /// Searches for the first time at which a gap closes. At: a function `at(t)` that returns what the functions gap(k, at)
-/// and distances(at) of the geometry take, like the Placement of one body.
+/// and distances(at) of the geometry take, like the Placement of one body. If the geometry has a function rounding(k),
+/// a gap that widens at both ends of a short interval and is negative by less than that does not close there.
 template <class S, class At, class Geometry = ContactGeometry<S>>
 class ContactSearch {
   public:
@@ -185,6 +186,8 @@ class ContactSearch {
             if (gap(k, low).distance > S(0)) return {};
             return from.distance > S(0) ? closing(k, a.t, low) : a.t;
         }
+        if constexpr (requires { geometry_.rounding(k); })
+            if (from.rate > S(0) && to.rate > S(0) && -to.distance <= geometry_.rounding(k)) return {};
         if (from.distance > S(0)) return closing(k, a.t, b.t);
         if (!(to.rate < S(0))) return {};
         if (!(from.rate > S(0))) return a.t;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "integrators/method.h"
 #include "integrators/truth/reference.h"
 #include "scene/scene_file.h"
 
@@ -81,6 +82,30 @@ TEST(TouchingSpheres, ImpactsAccumulate) {
     const long double apart = static_cast<long double>(0.45) - 0.25L;
     expect_touching_decimal(truth.contact_events.back().t, 3 * std::sqrt(apart / 4));
     expect_touching_decimal(truth.columns[4][touching_place], apart / 2);
+}
+
+// A ball falls on a ball that rests on the floor. Each of their impacts, which accumulate, is followed by impacts on
+// the floor, which accumulate, too.
+TEST(TouchingSpheres, AccumulationsWithinAnAccumulation) {
+    const Scene scene = touching_scene(
+        ball_entry("a", R"("position": [0, 0, 0.125])") + "," +
+            ball_entry("b", R"("position": [0.0625, 0.03125, 0.4375], "angular_velocity": [-1.5, 0.75, 2])"),
+        R"("planes": [{"normal": [0, 0, 1], "offset": 0, "restitution": 0.25, "friction": 0.125}],
+           "contacts": [{"all": true, "restitution": 0.25, "friction": 0.25}])",
+        0.5);
+    const DecimalReference truth = decimal_reference(scene, 2, 22);
+    ASSERT_TRUE(truth.available) << truth.message;
+    EXPECT_LE(truth.bound, 1e-22);
+    EXPECT_GE(truth.contact_events.size(), 100u);
+    Settings settings;
+    settings.samples = 2, settings.tolerance = 1e-10;
+    const Trajectory run = solve(scene, *find_method("taylor"), settings);
+    ASSERT_EQ(run.status, Status::ok) << run.message;
+    for (std::size_t body = 0; body < 2; ++body)
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::string& exact = truth.columns[4 + body][touching_place + static_cast<std::size_t>(axis)];
+            EXPECT_NEAR(run.samples[4 + body].position_W[axis], std::stod(exact), 1e-9);
+        }
 }
 
 }  // namespace

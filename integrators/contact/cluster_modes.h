@@ -156,7 +156,7 @@ class StartingSlips {
 
     static Vector3<double> unit_normal() { return {0, 0, 1}; }
     double K(std::size_t row, std::size_t column) const { return K_[row * 3 * count() + column]; }
-    // of the acceleration of contact k by a force at contact l
+    // change of the acceleration of contact k by a force at contact l
     Vector3<double> change(std::size_t k, std::size_t l, const Vector3<double>& f) const {
         Vector3<double> result;
         for (std::size_t a = 0; a < 3; ++a)

@@ -76,7 +76,7 @@ class SphereGaps {
         return (P(1) / length(away)) * away;
     }
     const P& size_of(std::size_t k) const { return sizes_[k]; }
-    /// Of a distance, m.
+    /// Rounding error of distances, m.
     P rounding(std::size_t k) const { return P(16) * Elementary<P>::epsilon() * size_of(k); }
     Gap<P> gap(std::size_t k, const Centers& at) const {
         const auto& [i, j, restitution, friction] = pairs_[k];

@@ -35,7 +35,7 @@ struct LimitGroup {
     bool has_limit = false;
     static constexpr int many = 5;  ///< this many impacts within the window are near their limit
 
-    /// Of the events within `window` (s) of `begin`, of which those from `next` on are not matched.
+    /// The group contains all events within `window` (s) of `begin`. Those from `next` on are not matched yet.
     LimitGroup(const std::vector<contact::Event<P>>& events, std::size_t next, const P& begin, const P& window)
         : end(next) {
         while (end < events.size() && events[end].t - begin <= window) ++end;

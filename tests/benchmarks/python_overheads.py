@@ -3,7 +3,7 @@
 
     PYTHONPATH=build/python tests/benchmarks/python_overheads.py DIRECTORY
 
-Writes DIRECTORY/python.md, python.csv and an entry in provenance.json. Each time is the shortest of several runs in one
+Writes DIRECTORY/python.md and an entry in provenance.json. Each time is the shortest of several runs in one
 process.
 """
 
@@ -179,8 +179,6 @@ def main() -> None:
     lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in [head, *rows]]
     lines.insert(1, "| " + " | ".join("-" * width for width in widths) + " |")
     (directory / "python.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    (directory / "python.csv").write_text(
-        "\n".join(",".join(f'"{cell}"' for cell in row) for row in [head, *rows]) + "\n", encoding="utf-8")
     record = directory / "provenance.json"
     entries = json.loads(record.read_text(encoding="utf-8")) if record.exists() else {}
     cpu = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()

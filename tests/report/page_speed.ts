@@ -93,16 +93,12 @@ async function measure(browser: Browser, file: string): Promise<Row> {
   return { page: basename(file, ".html"), megabytes: statSync(file).size / 1e6, paint, idle, frames, slider };
 }
 
-function tables(rows: readonly Row[]): { markdown: string; csv: string } {
+function table(rows: readonly Row[]): string {
   const head = ["page", "size (MB)", "first paint (ms)", "idle (ms)", "pictures per second", "slider (ms)"];
   const cells = rows.map((row) => [row.page, row.megabytes.toFixed(2), ...[row.paint, row.idle, row.frames].map((x) => x.toFixed(0)), row.slider === null ? "" : row.slider.toFixed(0)]);
   const widths = head.map((one, i) => Math.max(one.length, ...cells.map((row) => row[i]?.length ?? 0)));
   const line = (row: readonly string[]): string => `| ${row.map((one, i) => one.padEnd(widths[i] ?? 0)).join(" | ")} |`;
-  const names = "page,megabytes,first_paint_ms,idle_ms,pictures_per_second,slider_ms";
-  return {
-    markdown: [line(head), `| ${widths.map((width) => "-".repeat(width)).join(" | ")} |`, ...cells.map(line)].join("\n") + "\n",
-    csv: [names, ...cells.map((row) => row.join(","))].join("\n") + "\n",
-  };
+  return [line(head), `| ${widths.map((width) => "-".repeat(width)).join(" | ")} |`, ...cells.map(line)].join("\n") + "\n";
 }
 
 async function main(): Promise<void> {
@@ -111,9 +107,8 @@ async function main(): Promise<void> {
   try {
     const rows: Row[] = [];
     for (const file of files) rows.push(await measure(browser, resolve(file)));
-    const { markdown, csv } = tables(rows);
+    const markdown = table(rows);
     writeFileSync(join(output, "page_speed.md"), markdown);
-    writeFileSync(join(output, "page_speed.csv"), csv);
     process.stdout.write(markdown);
     const record = join(output, "provenance.json");
     let entries: Record<string, unknown> = {};

@@ -673,6 +673,7 @@ class JointDriver {
             for (int k = 0; k <= order; ++k) x.push_back(expansion.coefficient(place, k));
             if (expansion.is_of_method() && (state.limit_zeros > 0 || state.rate_zeros > 0)) refine(x, place, h);
             for (int k = 0; k < order; ++k) rate.push_back(P(k + 1) * x[static_cast<std::size_t>(k) + 1]);
+            if (expansion.is_of_method()) take_rate(e, expansion, h, rate, x);
             state.largest_rate = std::max(state.largest_rate, std::abs(static_cast<double>(rate[0])));
             if (joint(e).lower.exists) {
                 std::vector<P> gap = x;
@@ -698,6 +699,18 @@ class JointDriver {
     std::size_t zeros_of_gap(const State& state, AtLimit at, const std::vector<P>& gap) const {
         if (state.left == at && state.limit_zeros > 0) return state.limit_zeros;
         return settings_.steps && Elementary<P>::magnitude(gap[0]) <= P(error_) && gap[1] > P(0) ? 1 : 0;
+    }
+    // In short steps of a method the derivative of the coordinate's polynomial is a rounding error, unlike the
+    // polynomial of the rate.
+    void take_rate([[maybe_unused]] std::size_t e, [[maybe_unused]] const StepExpansion<P>& expansion,
+                   [[maybe_unused]] const P& h, [[maybe_unused]] std::vector<P>& rate,
+                   [[maybe_unused]] std::vector<P>& x) const {
+        if constexpr (requires { form_.rate(e); }) {
+            for (std::size_t k = 0; k < rate.size(); ++k)
+                rate[k] = expansion.coefficient(form_.rate(e), static_cast<int>(k));
+            if (states_[e].rate_zeros > 0) refine(rate, form_.rate(e), h);
+            for (std::size_t k = 0; k < rate.size(); ++k) x[k + 1] = rate[k] / P(static_cast<double>(k + 1));
+        }
     }
     // A force that is at its bound up to rounding falls below it only by more than rounding.
     void allow_rounding(std::size_t e, P& distance) {

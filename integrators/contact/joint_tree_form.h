@@ -95,6 +95,8 @@ class JointTreeForm {
     /// Index of a joint's coordinate, of the integral of the k-th force that holds a joint, and of the integral of the
     /// argument of the k-th active switch.
     int coordinate(std::size_t e) const { return link(e).coordinate; }
+    /// Index of the rate of a joint's coordinate.
+    int rate(std::size_t e) const { return link(e).rate; }
     int holding_force(std::size_t k) const { return base_dimension() + static_cast<int>(k); }
     int switch_argument(std::size_t k) const { return holding_force(held_.size() + k); }
     template <class S>

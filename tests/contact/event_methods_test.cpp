@@ -53,8 +53,7 @@ void expect_agreement(const std::string& scene_name) {
     const Trajectory exact = solved(scene, "taylor", 1e-13, 7);
     ASSERT_EQ(exact.status, Status::ok) << scene_name << ": " << exact.message;
     for (const char* name : methods) {
-        // CVODE restarts repeatedly on joints/runner_in_flight at 1e-10, up to the limit of events
-        const Trajectory trajectory = solved(scene, name, is_multistep(name) ? 1e-9 : 1e-10, 7);
+        const Trajectory trajectory = solved(scene, name, 1e-10, 7);
         ASSERT_EQ(trajectory.status, Status::ok) << name << " on " << scene_name << ": " << trajectory.message;
         ASSERT_EQ(trajectory.samples.size(), exact.samples.size()) << name << " on " << scene_name;
         const Errors errors = errors_of(trajectory, exact);

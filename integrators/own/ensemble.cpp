@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -13,9 +14,12 @@
 #include "integrators/own/body_laws.h"
 #include "integrators/own/extrapolated_lanes.h"
 #include "integrators/own/octets.h"
+#include "integrators/run/stiffness.h"
 #include "motion/exact_body.h"
+#include "motion/formula_model.h"
 #include "motion/itinerary.h"
 #include "motion/translation.h"
+#include "scene/scene_formulas.h"
 #include "text/interruption.h"
 #include "text/parallel.h"
 
@@ -45,16 +49,30 @@ struct Piece {
 
 struct Plan {
     std::vector<Piece> pieces;
-    bool is_individual = false;    // bodies are solved individually: planes, a user-defined torque or a formula
+    // bodies are solved individually: planes, user-defined torques, formulas that lanes do not support
+    bool is_individual = false;
     bool has_translation = false;  // the centre of mass moves freely
+    std::optional<FormulaModel> formulas;
 };
 
-Plan make_plan(const Scene& scene) {
+// The equations of the scene's body with formula loads for lanes; nothing if formulas switch or hold values, or if the
+// equations are stiff.
+std::optional<FormulaModel> formulas_in_lanes(const Scene& scene, double tolerance) {
+    constexpr double min_lane_tolerance = 1e-13;
+    if (!has_formula_loads(scene) || tolerance < min_lane_tolerance) return {};
+    const Problem problem = pose(scene);
+    const FormulaModel& model = formula_model_of(problem);
+    if (model.has_switches() || model.body().terms().holds() > 0 || is_stiff(problem)) return {};
+    return model;
+}
+
+Plan make_plan(const Scene& scene, double tolerance) {
     Plan plan;
-    plan.is_individual = !scene.planes.empty();
     plan.has_translation = !scene.pivot;
-    for (const Load& load : scene.loads)
-        plan.is_individual |= std::holds_alternative<UserTorque>(load) || std::holds_alternative<FormulaLoad>(load);
+    plan.is_individual = !scene.planes.empty();
+    for (const Load& load : scene.loads) plan.is_individual |= std::holds_alternative<UserTorque>(load);
+    if (!plan.is_individual) plan.formulas = formulas_in_lanes(scene, tolerance);
+    plan.is_individual |= has_formula_loads(scene) && !plan.formulas;
     const ExactBody<double> body = exact_body<double>(scene);
     for (const Leg& leg : itinerary(scene)) {
         const Forcing<double> f = forcing_at(scene, body, leg.begin, Quaternion<double>{});
@@ -126,6 +144,20 @@ class Block {
     void solve() {
         lane_bodies_.reserve(bodies_.size());
         for (std::size_t i = 0; i < bodies_.size(); ++i) start_body(i);
+        if (plan_.formulas)
+            advance_with_formulas();
+        else
+            advance_pieces();
+        for (const LaneBody& t : lane_bodies_) {
+            if (t.is_individual)
+                rows_[t.row] = solve_individually(scene_, bodies_[t.row], settings_);
+            else if (t.running && !plan_.formulas)
+                write_row(t, scene_.duration);
+        }
+    }
+
+  private:
+    void advance_pieces() {
         for (const Piece& piece : plan_.pieces) {
             if (piece.has_impulses)
                 for (LaneBody& t : lane_bodies_) apply_impulses(piece, t);
@@ -135,15 +167,7 @@ class Block {
             else
                 advance_loaded(piece);
         }
-        for (const LaneBody& t : lane_bodies_) {
-            if (t.is_individual)
-                rows_[t.row] = solve_individually(scene_, bodies_[t.row], settings_);
-            else if (t.running)
-                write_row(t, scene_.duration);
-        }
     }
-
-  private:
     void start_body(std::size_t i) {
         const EnsembleBody& input = bodies_[i];
         rows_[i] = {};
@@ -185,6 +209,9 @@ class Block {
         t.q = is_rotated ? b.q * t.frame.q_BP : b.q;
         t.is_individual =
             !(spread() < lane_moment_ratio) || !in_range(t.w[0]) || !in_range(t.w[1]) || !in_range(t.w[2]);
+        // formulas are compiled for the scene's mass and inertia
+        t.is_individual |=
+            plan_.formulas && (input.mass != scene_.body.mass || !(input.inertia_B == scene_.body.inertia_B));
         t.running = !t.is_individual;
     }
 
@@ -193,6 +220,74 @@ class Block {
         const PrincipalInertia<double> inertia{t.frame.gyroscopic, t.frame.inverse_moments, false};
         for (const auto& impulse : impulses_at(scene_, t.body, piece.begin, t.frame.q_BP))
             apply(impulse, inertia, t.body.mass, t.body.pivoted, t.w, t.q, t.p, t.v);
+    }
+
+    // Advances the bodies under formula loads from event to event.
+    void advance_with_formulas() {
+        FormulaModel model = *plan_.formulas;
+        const std::size_t n = static_cast<std::size_t>(model.dimension());
+        std::vector<LaneBody*> bodies;
+        for (LaneBody& t : lane_bodies_)
+            if (t.running) bodies.push_back(&t);
+        std::vector<double> y(n * bodies.size()), sizes(n * bodies.size());
+        std::vector<LaneMotion> motions;
+        for (std::size_t k = 0; k < bodies.size(); ++k) {
+            BodyState::set_rotation(&y[n * k], bodies[k]->body.angular_velocity_B, bodies[k]->body.q);
+            if (plan_.has_translation) BodyState::set_translation(&y[n * k], bodies[k]->p, bodies[k]->v);
+            motions.push_back({.y = &y[n * k], .sizes = &sizes[n * k]});
+        }
+        for (const Leg& leg : itinerary(scene_)) {
+            if (motions.empty()) return;
+            const double span = leg.end - leg.begin;
+            model.enter(leg.begin, motions[0].y);
+            for (std::size_t k = 1; k < motions.size(); ++k) model.enter_other(leg.begin, motions[k].y);
+            for (LaneMotion& motion : motions) {
+                set_formula_sizes(model, motion.y, span, sizes.data() + (motion.y - y.data()));
+                motion.step = 0;
+            }
+            if (!(span > 0)) continue;
+            ExtrapolatedLanes(record<double>(FormulaRates{&model}, static_cast<int>(n)), formula_units(n),
+                              settings_.tolerance, settings_.max_steps, {.instructions = settings_.instructions})
+                .advance(motions, span);
+            std::size_t active = 0;
+            for (std::size_t k = 0; k < motions.size(); ++k) {
+                if (motions[k].end == LaneMotion::End::reached) {
+                    motions[active] = motions[k], bodies[active++] = bodies[k];
+                    continue;
+                }
+                LaneFailure failure = describe_failure(motions[k], leg.begin, settings_.max_steps);
+                write_formula_row(model, motions[k], leg.begin + motions[k].reached, *bodies[k]);
+                EnsembleRow& row = rows_[bodies[k]->row];
+                row.status = failure.status, row.message = std::move(failure.message);
+            }
+            motions.resize(active), bodies.resize(active);
+        }
+        for (std::size_t k = 0; k < motions.size(); ++k)
+            write_formula_row(model, motions[k], scene_.duration, *bodies[k]);
+    }
+    struct FormulaRates {
+        const FormulaModel* model;
+        void derivative(const Traced<double>* y, Traced<double>* dy) const { model->derivative(y, dy); }
+    };
+    // w, q, p, v; the time and each auxiliary on their own
+    std::vector<int> formula_units(std::size_t n) const {
+        std::vector<int> units{0, 0, 0, 3, 3, 3, 3};
+        if (plan_.has_translation) units.insert(units.end(), {7, 7, 7, 10, 10, 10});
+        while (units.size() < n) units.push_back(static_cast<int>(units.size()));
+        return units;
+    }
+    void set_formula_sizes(const FormulaModel& model, const double* y, double span, double* sizes) const {
+        const std::vector<double> common = model.scales();
+        std::vector<double> rate(common.size());
+        model.derivative(y, rate.data());
+        const std::size_t time = static_cast<std::size_t>(model.body().time_index());
+        set_body_sizes(y, rate.data(), span, plan_.has_translation, sizes);
+        for (std::size_t i = time; i < common.size(); ++i) sizes[i] = std::max(common[i], std::abs(y[i]));
+    }
+    void write_formula_row(const FormulaModel& model, const LaneMotion& motion, double at, LaneBody& t) {
+        EnsembleRow& row = rows_[t.row];
+        row.moved = true, row.end = model.motion(motion.y)[0], row.end.t = at;
+        t.running = false;
     }
 
     // Applies the forces that act on the translation only.
@@ -266,22 +361,25 @@ class Block {
 
     static double largest(const double* x) { return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}); }
 
+    // Error scales of w, q and, with translation, p and v.
+    static void set_body_sizes(const double* y, const double* rate, double span, bool has_translation, double* sizes) {
+        // the larger of w and the rate that w reaches in the time of a rotation by one radian
+        std::fill_n(sizes, 3, std::max({largest(y), std::sqrt(largest(rate)), 1e-100}));
+        std::fill_n(sizes + 3, 4, 1.0);
+        if (!has_translation) return;
+        const double speed = std::max({largest(y + 10), largest(rate + 10) * span, 1e-100});
+        std::fill_n(sizes + 7, 3, std::max({largest(y + 7), speed * span, 1e-100}));
+        std::fill_n(sizes + 10, 3, speed);
+    }
     static void append_body(Batch& batch, BodyLaw<double>& law, double span, const LaneBody& t) {
         double y[BodyState::motion], rate[BodyState::motion]{};
         BodyState::set_rotation(y, t.w, t.q), BodyState::set_translation(y, t.p, t.v);
         law.derivative(y, rate);
-        // the larger of w and the rate that w reaches in the time of a rotation by one radian
-        const double rotation_rate = std::max({largest(y), std::sqrt(largest(rate)), 1e-100});
-        double speed = 1, place = 1;
-        if (law.has_translation) {
-            speed = std::max({largest(y + 10), largest(rate + 10) * span, 1e-100});
-            place = std::max({largest(y + 7), speed * span, 1e-100});
-        }
         const int n = law.variables();
-        for (int i = 0; i < n; ++i) {
-            batch.y.push_back(y[i]);
-            batch.sizes.push_back(i < 3 ? rotation_rate : i < 7 ? 1 : i < 10 ? place : speed);
-        }
+        batch.y.insert(batch.y.end(), y, y + n);
+        double sizes[BodyState::motion];
+        set_body_sizes(y, rate, span, law.has_translation, sizes);
+        batch.sizes.insert(batch.sizes.end(), sizes, sizes + n);
         for (const double number : law.parameters())
             if (number != 0) batch.y.push_back(number), batch.sizes.push_back(1);
     }
@@ -426,7 +524,7 @@ EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& setti
     require_in_range(settings);
     if (is_mechanism(scene)) throw std::invalid_argument("EnsembleSolver supports only scenes of one body");
     validate(scene, scene.name);
-    prepared_.reset(new Prepared{scene, settings, make_plan(scene)});
+    prepared_.reset(new Prepared{scene, settings, make_plan(scene, settings.tolerance)});
 }
 
 EnsembleSolver::~EnsembleSolver() = default;

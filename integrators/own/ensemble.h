@@ -38,8 +38,8 @@ struct EnsembleRow {
 /// gets a row with the reason; the others are not affected. A row depends only on its body, the scene and the
 /// tolerance: the bits are the same for any number of threads, order of bodies and instruction set. Torque-free pieces
 /// are solved in closed form, eight bodies at a time; loads of a scene file by extrapolation, sixteen bodies at a time.
-/// The method `auto` solves bodies individually for planes, user-defined torques, stiff damping and principal moments
-/// with a ratio above 10^8. Memory does not grow with the duration. Throws InputError if the scene is not valid,
+/// The method `auto` solves bodies individually for planes, user-defined torques, stiff damping, principal moments with a
+/// ratio above 10^8, and loads by formulas that switch or hold values, or for a mass or inertia that is not the scene's. Memory does not grow with the duration. Throws InputError if the scene is not valid,
 /// std::invalid_argument for settings out of range.
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
                                         const EnsembleSettings& settings = {});

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,11 +24,13 @@ class FormulaBody : public BodyState {
                 const Matrix3<P>& center_inertia)
         : body_(body),
           inertia_{body_.inertia_B, inverse(body_.inertia_B)},
+          principal_(principal_inertia(body_.inertia_B)),
           terms_(std::move(formulas), scene, body_, center_inertia) {}
     /// The same equations with constants rounded to P.
     template <class From>
     explicit FormulaBody(const FormulaBody<From>& other)
         : inertia_(rounded<P>(other.inertia_)), forcing_(rounded<P>(other.forcing_)), terms_(other.terms_) {
+        if (other.principal_) principal_ = rounded<P>(*other.principal_);
         const ExactBody<From>& b = other.body_;
         body_.mass = P(b.mass), body_.inertia_B = cast<P>(b.inertia_B), body_.pivoted = b.pivoted;
         body_.center = cast<P>(b.center), body_.origin = cast<P>(b.origin), body_.arm = cast<P>(b.arm);
@@ -80,15 +83,14 @@ class FormulaBody : public BodyState {
     /// dy/dt with the branches of the current signs if `by_signs` is set.
     template <class S>
     void derivative_by(const S* y, S* dy, bool by_signs) const {
-        if (body_.pivoted)
-            LoadedEquations<P, FullInertia<P>, false>{inertia_, &forcing_}.derivative(0, y, dy);
-        else
-            LoadedEquations<P, FullInertia<P>, true>{inertia_, &forcing_}.derivative(0, y, dy);
         const FormulaState<S> state = formula_state(y);
         const int time = time_index();
         const formula::Evaluation<S, P> values = terms_.template evaluate<S>(state, y + time + 1, by_signs);
         const FormulaWrench<S> wrench = terms_.wrench(state, values);
-        put(dy, 0, vector_at(dy, 0) + inertia_.response(wrench.torque_B));
+        if (principal_)
+            body_rates(*principal_, y, dy, wrench.torque_B);
+        else
+            body_rates(inertia_, y, dy, wrench.torque_B);
         if (!body_.pivoted) put(dy, 10, vector_at(dy, 10) + (P(1) / body_.mass) * wrench.force_W);
         dy[time] = S(1);
         for (int k = 0; k < terms_.holds(); ++k) dy[time + 1 + k] = S(0);
@@ -136,8 +138,26 @@ class FormulaBody : public BodyState {
 
     ExactBody<P> body_;
     FullInertia<P> inertia_;
+    std::optional<PrincipalInertia<P>> principal_;  ///< if the axes are principal axes
     Forcing<P> forcing_;
     FormulaTerms<P> terms_;
+
+    template <class S, class Inertia>
+    void body_rates(const Inertia& inertia, const S* y, S* dy, const Vector3<S>& torque_B) const {
+        if (body_.pivoted)
+            LoadedEquations<P, Inertia, false>{inertia, &forcing_}.derivative(0, y, dy);
+        else
+            LoadedEquations<P, Inertia, true>{inertia, &forcing_}.derivative(0, y, dy);
+        put(dy, 0, vector_at(dy, 0) + inertia.response(torque_B));
+    }
+    static std::optional<PrincipalInertia<P>> principal_inertia(const Matrix3<P>& tensor) {
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (i != j && !(tensor[i][j] == P(0))) return {};
+        const P &a = tensor[0][0], &b = tensor[1][1], &c = tensor[2][2];
+        return PrincipalInertia<P>{
+            {(b - c) / a, (c - a) / b, (a - b) / c}, {P(1) / a, P(1) / b, P(1) / c}, a == b && b == c};
+    }
 };
 
 }  // namespace polhode

@@ -59,7 +59,7 @@ class FormulaSystem {
     static constexpr int dimension = run_time;
     static constexpr bool about_axis = false, has_translation = false;
 
-    explicit FormulaSystem(const Problem& problem) : model_(model_of(problem)) {}
+    explicit FormulaSystem(const Problem& problem) : model_(model_of(problem)), reactions_(problem.reactions) {}
 
     int size() const {
         return std::visit([](const auto& model) { return model.dimension(); }, model_);
@@ -78,6 +78,12 @@ class FormulaSystem {
     Moment motion(double t, const double* y) const {
         Moment moment{std::visit([&](const auto& model) { return model.motion(y); }, model_), {}};
         for (Sample& body : moment.samples) body.t = t;
+        if (reactions_)
+            std::visit(
+                [&](const auto& model) {
+                    if constexpr (requires { model.reactions(y); }) moment.reactions = model.reactions(y);
+                },
+                model_);
         return moment;
     }
     bool projects() const {
@@ -125,6 +131,8 @@ class FormulaSystem {
     }
 
   private:
+    bool reactions_;
+
     static Model model_of(const Problem& problem) {
         if (is_mechanism(problem.scene)) return formula_mechanism_of(problem);
         return formula_model_of(problem);

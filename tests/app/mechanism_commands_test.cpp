@@ -149,6 +149,32 @@ TEST_F(Mechanisms, ReactionsAccountForTheMomentum) {
         for (const char* f : {"fx", "fz", "ty"}) EXPECT_NEAR(number(solved[k], f), number(reactions[k], f), 1e-8);
 }
 
+// A motor by a formula gives the reactions of the same motor with a constant torque.
+TEST_F(Mechanisms, ReactionsIncludeFormulas) {
+    const auto with_motor = [&](const std::string& name, const std::string& law) {
+        std::string text = chain_with(R"(, "initial": {"angle": 1.25, "rate": 0.5})", "");
+        const std::size_t place = text.find(R"("loads": [)") + 10;
+        return write(name, text.insert(place, R"({"type": "motor", "joint": "elbow", )" + law + "},"));
+    };
+    const std::string constant = with_motor("constant.json", R"("torque": 2)"),
+                      formula = with_motor("formula.json", R"json("formula": "2*(sin(t)^2 + cos(t)^2)")json");
+    const auto reactions = [&](const std::string& scene, const char* method) {
+        const Outcome outcome = run({"solve", scene, "--method", method, "--tolerance", "1e-11", "--samples", "8",
+                                     "--reactions", "r.csv", "--output", "t.csv"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return rows_of(written("r.csv"));
+    };
+    const std::vector<CsvRow> expected = reactions(constant, "taylor");
+    ASSERT_EQ(expected.size(), 18u);
+    for (const char* method : {"taylor", "dop853", "cvode_bdf"}) {
+        const std::vector<CsvRow> rows = reactions(formula, method);
+        ASSERT_EQ(rows.size(), expected.size()) << method;
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            for (const char* f : {"fx", "fz", "ty"})
+                EXPECT_NEAR(number(rows[k], f), number(expected[k], f), 1e-7) << method << " " << k << " " << f;
+    }
+}
+
 // The positions of the bars, computed from the angles, are those of the trajectory.
 TEST_F(Mechanisms, JointCoordinatesDetermineTheMotion) {
     for (const char* command : {"solve", "truth"}) {

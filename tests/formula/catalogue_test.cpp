@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "formula/formula_scene.h"
 
@@ -53,6 +54,39 @@ TEST(FormulaCatalogue, LibratesWithThePeriodOfThePendulum) {
         const double pitch = std::remainder(attitude - place, 2 * std::numbers::pi);
         // the satellite returns to its largest angle after each period; the orbit is circular to 1e-9
         EXPECT_NEAR(pitch, amplitude, 1e-8) << sample.t;
+    }
+}
+
+// Librations of a thin rod on a circular orbit in and across the orbital plane. JEOD, RUN_10C, prints the periods
+// 3257.94 s and 2821.46 s, which are T / sqrt 3 and T / 2 of an orbit of T = 5642.92 s.
+TEST(FormulaCatalogue, LibratesWithThePeriodsOfJeod) {
+    constexpr double amplitude = 1e-3, mu = 3.986004418e14;
+    const double n = 2 * std::numbers::pi / 5642.92, r = std::cbrt(mu / (n * n));
+    for (const bool in_plane : {true, false}) {
+        Scene scene = find_scene("formulas/gravity_gradient");
+        scene.body.inertia_B = diagonal(Vector3<double>(1e-7, 1, 1));
+        scene.initial.position_W = {r, 0, 0};
+        scene.initial.velocity_W = {0, n * r, 0};
+        const double c = std::cos(amplitude / 2), s = std::sin(amplitude / 2);
+        scene.initial.orientation = in_plane ? Quaternion<double>{c, 0, 0, s} : Quaternion<double>{c, 0, s, 0};
+        scene.initial.angular_velocity = {0, 0, n};
+        scene.initial.angular_velocity_frame = Frame::world;
+        scene.duration = 3000;
+        const Trajectory motion = test::solve_with(scene, "taylor", 1e-14, 3000);
+        ASSERT_EQ(motion.status, Status::ok) << motion.message;
+        std::vector<double> zeros;
+        double before = amplitude;
+        for (const Sample& sample : motion.samples) {
+            const Vector3<double> axis = rotate(sample.q, Vector3<double>(1, 0, 0));
+            const double place = std::atan2(sample.position_W[1], sample.position_W[0]);
+            const double angle =
+                in_plane ? std::remainder(std::atan2(axis[1], axis[0]) - place, 2 * std::numbers::pi) : -axis[2];
+            const double step = scene.duration / 3000;
+            if ((angle > 0) != (before > 0)) zeros.push_back(sample.t - step * angle / (angle - before));
+            before = angle;
+        }
+        ASSERT_EQ(zeros.size(), 2u);
+        EXPECT_NEAR(2 * (zeros[1] - zeros[0]), in_plane ? 3257.94 : 2821.46, 0.005) << in_plane;
     }
 }
 

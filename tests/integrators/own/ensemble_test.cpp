@@ -11,6 +11,7 @@
 #include "integrators/own/ensemble_scenes.h"
 #include "integrators/scenes.h"
 #include "integrators/truth/reference.h"
+#include "scene/scene_file.h"
 
 namespace polhode {
 namespace {
@@ -247,6 +248,45 @@ TEST(Ensemble, LoadsThatMoveTheBodyInFlight) {
     }
 }
 
+Scene formula_scene(const std::string& start, const std::string& loads) {
+    return parse_scene(
+        R"({"name": "formulas", "duration": 4, )" + start + R"("parameters": {"k": 0.3}, "loads": [)" + loads + "]}",
+        "formulas.json");
+}
+// formulas that vanish in part of the run, with an impulse, transcendental functions and products of inertia
+std::vector<Scene> formula_scenes() {
+    const std::string body = R"("body": {"mass": 2, "inertia": [[1, 0.1, 0], [0.1, 2, -0.2], [0, -0.2, 2.5]]}, )";
+    return {formula_scene(body, R"json(
+                {"type": "torque", "frame": "body", "formula": "-k*w*norm(w) + to_body([0, 0, sin(2*t)])"},
+                {"type": "force", "frame": "world", "formula": "-p - 0.1*v", "until": 3},
+                {"type": "impulse", "vector": [0.5, 0, 1], "frame": "world", "point": [0, 0.1, 0], "at": 1.5},
+                {"type": "drag", "rotational": [0.1, 0, 0], "translational": 0.2})json"),
+            formula_scene(
+                body, R"json({"type": "torque", "frame": "body", "formula": "-k*[tanh(w.x), w.y*exp(-t), 0]"})json"),
+            formula_scene(body + R"("pivot": [0, 0, 0.5], )", R"json(
+                {"type": "gravity", "acceleration": [0, 0, -9]},
+                {"type": "potential", "formula": "k*to_world([1, 0, 0]).z^2"})json")};
+}
+
+TEST(Ensemble, FormulasAgreeWithBodiesOneByOne) {
+    for (const Scene& scene : formula_scenes()) {
+        std::vector<EnsembleBody> bodies = free_bodies(few_bodies, 31);
+        Draw draw(32);
+        for (EnsembleBody& b : bodies) {
+            b.mass = scene.body.mass, b.inertia_B = scene.body.inertia_B;
+            if (!scene.pivot) b.position_W = draw.vector(1), b.velocity_W = draw.vector(1);
+        }
+        // a body of another mass is solved alone
+        bodies[3].mass = 3;
+        const auto rows = solve_ensemble(scene, bodies);
+        const Worst worst = worst_against("dop853", scene, bodies, rows, 1e-13);
+        EXPECT_LT(worst.attitude, 1e-8);
+        EXPECT_LT(worst.w, 1e-8);
+        EXPECT_LT(worst.p, 1e-8);
+        EXPECT_GT(worst.attitude, 0) << "the same computation twice";
+    }
+}
+
 TEST(Ensemble, EveryLoadOfASceneFile) {
     const Scene scene = testing::everything(1);
     auto bodies = free_bodies(3, 12);
@@ -271,7 +311,13 @@ std::vector<std::pair<Scene, std::vector<EnsembleBody>>> mixed() {
     auto heavy = tops(14, true, 14);
     for (const EnsembleBody& b : tops(9, false, 15)) heavy.push_back(b);
     heavy[4].angular_velocity = {0, 0, 0};
-    return {{free_scene(10), free}, {top_scene(optimised_build ? 10 : 0.5), heavy}, {scene_of_lane_loads(false), free}};
+    auto formula = free_bodies(23, 16);
+    for (EnsembleBody& b : formula)
+        b.mass = formula_scenes()[0].body.mass, b.inertia_B = formula_scenes()[0].body.inertia_B;
+    return {{free_scene(10), free},
+            {top_scene(optimised_build ? 10 : 0.5), heavy},
+            {scene_of_lane_loads(false), free},
+            {formula_scenes()[0], formula}};
 }
 
 TEST(Ensemble, SameBitsInAnyOrder) {

@@ -175,7 +175,7 @@ test("axes, ellipsoid and path of a chosen point are drawn and removed", async (
   await page.close();
 });
 
-test("saves a PNG of the panes and a video", async () => {
+test("saves a PNG of the panes, a GIF and a video", async () => {
   const { page, faults } = await open(`${address}#lesson.motion_speed=10`);
   const session = await page.createCDPSession();
   await session.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: folder });
@@ -191,6 +191,10 @@ test("saves a PNG of the panes and a video", async () => {
   const picture = await saved("PNG", /^free_asymmetric.*\.png$/);
   assert.equal(picture.subarray(1, 4).toString(), "PNG");
   writeFileSync(join(screenshots, "lesson_saved.png"), picture);
+  const animation = await saved("GIF", /^free_asymmetric.*\.gif$/);
+  assert.equal(animation.subarray(0, 6).toString(), "GIF89a");
+  assert.ok(animation.length > 20000, `${animation.length} bytes`);
+  writeFileSync(join(screenshots, "lesson_saved.gif"), animation);
   const video = await saved("Video", /^free_asymmetric.*\.(webm|mp4)$/);
   // EBML header of WebM, or the box "ftyp" of MP4
   assert.ok(video.readUInt32BE(0) === 0x1a45dfa3 || video.subarray(4, 8).toString() === "ftyp");

@@ -1,6 +1,6 @@
 // Bundles script and style and inserts both into the page:  node bundle.mjs SOURCE NODE_MODULES > OUTPUT
 // The result is one file that makes no requests and contains the licences of its packages.
-import { readFileSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
@@ -41,7 +41,8 @@ const bundle = (file) => {
 /** The licence of a package as a comment. The page redistributes the package. */
 const licence = (name) => {
   const about = JSON.parse(readFileSync(join(modules, name, "package.json"), "utf8"));
-  const text = readFileSync(join(modules, name, "LICENSE"), "utf8").trim().replaceAll("*/", "* /");
+  const file = ["LICENSE", "LICENSE.md"].map((one) => join(modules, name, one)).find(existsSync);
+  const text = readFileSync(file, "utf8").trim().replaceAll("*/", "* /");
   return `/*!\n${about.name} ${about.version}\n\n${text}\n*/\n`;
 };
 
@@ -51,7 +52,7 @@ if (/<\/style/i.test(style)) fail("style.css: contains the end of a style elemen
 // Sequences that the HTML parser reads as the end of the script element or the start of a comment are replaced by
 // equivalent ones inside JavaScript strings.
 const loader =
-  ["plotly.js-basic-dist-min", "three"].map(licence).join("").replaceAll(/<(?=[!/])/g, "< ") +
+  ["plotly.js-basic-dist-min", "three", "gifenc"].map(licence).join("").replaceAll(/<(?=[!/])/g, "< ") +
   bundle("loader.ts")
     .replaceAll(/<\/script/gi, (found) => `<\\/${found.slice(2)}`)
     .replaceAll("<!--", "\\x3c!--");

@@ -1,6 +1,7 @@
 // Pictures and videos of the panes: one canvas with all panes, their captions and labels.
 
 import { element } from "../dom.ts";
+import { applyPalette, GIFEncoder, quantize } from "gifenc";
 
 /** Draws the panes of a stage as they are on the screen. */
 export function composePanes(stage: HTMLElement, into: HTMLCanvasElement, ratio: number, colors: { ground: string; ink: string }): void {
@@ -76,4 +77,25 @@ export class Recording {
     this.recorder?.stop();
     this.recorder = null;
   }
+}
+
+/**
+ * Encodes frames as a GIF that repeats. `draw(i)` draws frame i to the canvas; `delay`: ms between frames. `goes()` is
+ * called before each frame; null if it returns false.
+ */
+export async function encodeGif(canvas: HTMLCanvasElement, frames: number, delay: number, draw: (frame: number) => void, goes: () => boolean): Promise<Blob | null> {
+  const encoder = GIFEncoder();
+  for (let i = 0; i < frames; ++i) {
+    if (!goes()) return null;
+    draw(i);
+    const context = canvas.getContext("2d", { willReadFrequently: true });
+    if (context === null) return null;
+    const { data, width, height } = context.getImageData(0, 0, canvas.width, canvas.height);
+    const palette = quantize(data, 256);
+    encoder.writeFrame(applyPalette(data, palette), width, height, { palette, delay });
+    // keeps the page responsive
+    await new Promise((resolve) => setTimeout(resolve, 0));
+  }
+  encoder.finish();
+  return new Blob([encoder.bytes().slice()], { type: "image/gif" });
 }

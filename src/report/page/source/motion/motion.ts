@@ -20,7 +20,7 @@ import { Clock, rateOf } from "./clock.ts";
 import { ContactPlots } from "./contacts.ts";
 import { CoordinatePlots } from "./coordinate_plot.ts";
 import { errorAxes, errorCurves, errorTitle } from "./error_plot.ts";
-import { composePanes, download, Recording, videoType } from "./export.ts";
+import { composePanes, download, encodeGif, Recording, videoType } from "./export.ts";
 import style from "./motion.css" with { type: "text" };
 import { ModeStrip, modesText } from "./mode_strip.ts";
 import { Orbit } from "./orbit.ts";
@@ -31,6 +31,10 @@ import { TimePlot } from "./time_plot.ts";
 const speeds = ["0.1", "0.25", "0.5", "1", "2", "5", "10"];
 /** What is shown at first, as the key motion_show. */
 const atFirst = (motion: Motion): string => motion.contacts.length > 0 ? "angular_velocity,contacts" : "angular_velocity,momentum";
+// GIF: delay between frames, ms; frames; width, pixels
+const gifDelay = 80;
+const mostFrames = 250;
+const gifWidth = 640;
 // delay of texts for screen readers, ms
 const quiet = 1500;
 
@@ -77,6 +81,7 @@ class MotionView implements MotionHandle {
   private readonly speed: Choice;
   private readonly pointChoice: Choice;
   private recording: Recording | null = null;
+  private makesGif = false;
   private readonly toggles: [string, HTMLButtonElement][];
   private readonly stage = element("div", { class: "motion-panes" });
   private readonly fault = element("p", { class: "fault", role: "alert", hidden: true });
@@ -84,6 +89,7 @@ class MotionView implements MotionHandle {
   private readonly play = element("button", { type: "button", class: "play" }, "Play");
   private readonly png = element("button", { type: "button", title: "Save the bodies as PNG", onclick: () => this.savePicture() }, "PNG");
   private readonly video = element("button", { type: "button", title: "Record the motion from now to its end as a video", hidden: videoType() === "", onclick: () => this.record() }, "Video");
+  private readonly gif = element("button", { type: "button", title: "Save the motion from now to its end as an animated GIF", onclick: () => void this.saveGif() }, "GIF");
   private readonly slider = element("input", { type: "range", min: 0, step: "any", "aria-label": "Time" });
   private readonly clockText = element("output", {});
   private readonly now = element("p", { class: "motion-now" });
@@ -134,7 +140,7 @@ class MotionView implements MotionHandle {
     fill(root,
       element("div", { class: "motion-controls" }, this.which.root, ...this.methodChoices.map((choice) => choice.root), this.layout.root, this.bodyChoice.root,
         element("div", { class: "motion-toggles", role: "group", "aria-label": "Arrows and traces" }, ...this.toggles.map(([, button]) => button)), this.pointChoice.root,
-        element("div", { class: "motion-toggles", role: "group", "aria-label": "Export" }, this.png, this.video)),
+        element("div", { class: "motion-toggles", role: "group", "aria-label": "Export" }, this.png, this.gif, this.video)),
       this.substitute, this.fault,
       element("div", { class: "motion-stage" }, this.stage, this.orbit.buttons("bodies")),
       element("div", { class: "motion-time" }, this.play, step(-1, "‹", "One step back (key ,)"), step(1, "›", "One step forward (key .)"), this.slider, ...this.eventSteps, this.clockText, this.speed.root),
@@ -421,6 +427,39 @@ class MotionView implements MotionHandle {
         this.page.announce("PNG saved");
       }
     });
+  }
+
+  /** Saves the motion from the present time to its end at the present speed; a second call cancels it. */
+  private async saveGif(): Promise<void> {
+    if (this.makesGif) {
+      this.makesGif = false;
+      return;
+    }
+    this.clock.pause();
+    const { duration } = this.clock;
+    const start = this.clock.time < duration ? this.clock.time : 0;
+    const seconds = (duration - start) / (this.clock.speed * rateOf(duration));
+    const frames = Math.max(2, Math.min(mostFrames, Math.round((seconds * 1000) / gifDelay)));
+    const canvas = element("canvas", {});
+    const ratio = Math.min(1, gifWidth / Math.max(1, this.stage.getBoundingClientRect().width));
+    this.makesGif = true;
+    this.gif.textContent = "Cancel GIF";
+    const draw = (frame: number): void => {
+      this.clock.go(start + ((duration - start) * frame) / (frames - 1));
+      this.draw();
+      composePanes(this.stage, canvas, ratio, this.palette());
+    };
+    const picture = await encodeGif(canvas, frames, gifDelay, draw, () => this.makesGif && this.root.isConnected);
+    this.makesGif = false;
+    this.gif.textContent = "GIF";
+    this.clock.go(start);
+    this.redraw();
+    if (picture === null) {
+      this.page.announce("No GIF saved");
+      return;
+    }
+    download(picture, this.fileName("gif"));
+    this.page.announce("GIF saved");
   }
 
   /** Records until the motion ends or is paused. */

@@ -12,7 +12,7 @@ test_packages=(libgtest-dev librapidcheck-dev pkgconf libbullet-dev libode-dev p
 # the Python module, its optional dependencies for figures and tables
 python_packages=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pandas python3-mpmath)
 # to build the pages of src/documentation
-documentation_packages=(python3-sphinx python3-myst-parser python3-numpydoc furo libjs-katex doxygen)
+documentation_packages=(python3-sphinx python3-sympy python3-myst-parser python3-numpydoc furo libjs-katex doxygen)
 python_test_packages=(python3-scipy python3-pytest python3-hypothesis mypy)
 # to build and check packages
 package_packages=(file lintian python3-pip python3-setuptools python3-wheel)

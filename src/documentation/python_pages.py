@@ -64,10 +64,11 @@ def python_page(pages: Pages) -> None:
 def comparison_outputs(pages: Pages, folder: Path, work: Path, program: Path) -> None:
     """Writes the output of the comparison's scripts; runs a script only if it or the program has changed."""
     work.mkdir(parents=True, exist_ok=True)
-    for name in ("scipy", "polhode"):
+    for name in ("scipy", "polhode", "sympy", "polhode_load"):
         script, cached = folder / f"comparison_{name}.py", work / f"{name}.txt"
-        if _python("-c", f"import {name}").returncode != 0:
-            pages.write(f"comparison_{name}.txt", f"not run: `import {name}` failed when these pages were built\n")
+        module = name.split("_")[0]
+        if _python("-c", f"import {module}").returncode != 0:
+            pages.write(f"comparison_{name}.txt", f"not run: `import {module}` failed when these pages were built\n")
             continue
         if not cached.is_file() or cached.stat().st_mtime < max(one.stat().st_mtime for one in (script, program)):
             done = _python(str(script), folder=folder)

@@ -55,24 +55,29 @@ struct Plan {
     std::optional<FormulaModel> formulas;
 };
 
-// The equations of the scene's body with formula loads for lanes; nothing if formulas switch or hold values, or if the
-// equations are stiff.
-std::optional<FormulaModel> formulas_in_lanes(const Scene& scene, double tolerance) {
-    constexpr double min_lane_tolerance = 1e-13;
-    if (!has_formula_loads(scene) || tolerance < min_lane_tolerance) return {};
-    const Problem problem = pose(scene);
+// why formulas are not solved in lanes; empty if they are
+std::string obstacle_of_formulas(const Problem& problem) {
     const FormulaModel& model = formula_model_of(problem);
-    if (model.has_switches() || model.body().terms().holds() > 0 || is_stiff(problem)) return {};
-    return model;
+    if (model.has_switches()) return "formulas with switching points";
+    if (model.body().terms().holds() > 0) return "formulas that hold values";
+    return is_stiff(problem) ? "stiff equations with formulas" : "";
+}
+std::string obstacle_of_loads(const Scene& scene) {
+    if (!scene.planes.empty()) return "planes";
+    const auto is_user = [](const Load& load) { return std::holds_alternative<UserTorque>(load); };
+    return std::ranges::any_of(scene.loads, is_user) ? "user-defined torques" : "";
 }
 
 Plan make_plan(const Scene& scene, double tolerance) {
+    constexpr double min_formula_tolerance = 1e-13;
     Plan plan;
     plan.has_translation = !scene.pivot;
-    plan.is_individual = !scene.planes.empty();
-    for (const Load& load : scene.loads) plan.is_individual |= std::holds_alternative<UserTorque>(load);
-    if (!plan.is_individual) plan.formulas = formulas_in_lanes(scene, tolerance);
-    plan.is_individual |= has_formula_loads(scene) && !plan.formulas;
+    plan.is_individual = !obstacle_of_loads(scene).empty();
+    if (!plan.is_individual && has_formula_loads(scene)) {
+        const Problem problem = pose(scene);
+        plan.is_individual = tolerance < min_formula_tolerance || !obstacle_of_formulas(problem).empty();
+        if (!plan.is_individual) plan.formulas = formula_model_of(problem);
+    }
     const ExactBody<double> body = exact_body<double>(scene);
     for (const Leg& leg : itinerary(scene)) {
         const Forcing<double> f = forcing_at(scene, body, leg.begin, Quaternion<double>{});
@@ -525,6 +530,11 @@ EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& setti
     if (is_mechanism(scene)) throw std::invalid_argument("EnsembleSolver supports only scenes of one body");
     validate(scene, scene.name);
     prepared_.reset(new Prepared{scene, settings, make_plan(scene, settings.tolerance)});
+}
+
+std::string why_one_by_one(const Problem& problem) {
+    const std::string obstacle = obstacle_of_loads(problem.scene);
+    return obstacle.empty() && has_formula_loads(problem.scene) ? obstacle_of_formulas(problem) : obstacle;
 }
 
 EnsembleSolver::~EnsembleSolver() = default;

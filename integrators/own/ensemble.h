@@ -8,6 +8,7 @@
 
 #include "integrators/lanes/lanes.h"
 #include "motion/ensemble_table.h"
+#include "motion/problem.h"
 #include "motion/trajectory.h"
 
 namespace polhode {
@@ -26,6 +27,9 @@ struct EnsembleSettings {
 /// Throws std::invalid_argument for settings out of range.
 void require_in_range(const EnsembleSettings& settings);
 
+/// Why the rows of all ensembles of a scene of one body are solved one by one; empty if they are not.
+std::string why_one_by_one(const Problem& problem);
+
 /// The result for one body.
 struct EnsembleRow {
     Status status = Status::ok;  ///< how its run ended
@@ -38,9 +42,10 @@ struct EnsembleRow {
 /// gets a row with the reason; the others are not affected. A row depends only on its body, the scene and the
 /// tolerance: the bits are the same for any number of threads, order of bodies and instruction set. Torque-free pieces
 /// are solved in closed form, eight bodies at a time; loads of a scene file by extrapolation, sixteen bodies at a time.
-/// The method `auto` solves bodies individually for planes, user-defined torques, stiff damping, principal moments with a
-/// ratio above 10^8, and loads by formulas that switch or hold values, or for a mass or inertia that is not the scene's. Memory does not grow with the duration. Throws InputError if the scene is not valid,
-/// std::invalid_argument for settings out of range.
+/// The method `auto` solves bodies individually for planes, user-defined torques, stiff damping, principal moments with
+/// a ratio above 10^8, and loads by formulas that switch or hold values, or for a mass or inertia that is not the
+/// scene's. Memory does not grow with the duration. Throws InputError if the scene is not valid, std::invalid_argument
+/// for settings out of range.
 std::vector<EnsembleRow> solve_ensemble(const Scene& scene, std::span<const EnsembleBody> bodies,
                                         const EnsembleSettings& settings = {});
 

@@ -39,6 +39,14 @@ MechanismRow solve_row(const Scene& scene, long samples, const EnsembleSettings&
     return row;
 }
 
+// what lanes do not support; empty if nothing
+std::string obstacle_of(const Scene& scene) {
+    if (!scene.loops.empty() || !scene.couplings.empty()) return "loops or couplings";
+    if (contact::has_joint_events(scene)) return "limits, friction or prescribed motions of joints";
+    if (has_formula_loads(scene)) return "formulas in a scene of several bodies";
+    return has_sphere_contacts(scene) ? "contacts" : "";
+}
+
 // Motions of one mechanism, a lane each.
 class MechanismLanes {
   public:
@@ -144,12 +152,14 @@ MechanismEnsembleSolver::MechanismEnsembleSolver(const Scene& scene, bool only_s
     require_in_range(settings);
     if (samples < 1) throw std::invalid_argument("samples must be at least 1");
     constexpr double min_lane_tolerance = 1e-13;
-    if (!scene.loops.empty() || !scene.couplings.empty() || contact::has_joint_events(scene) ||
-        has_formula_loads(scene) || has_sphere_contacts(scene) || !only_starts ||
-        settings.tolerance < min_lane_tolerance)
-        return;
+    if (!obstacle_of(scene).empty() || !only_starts || settings.tolerance < min_lane_tolerance) return;
     common_problem_ = pose(scene);
     if (is_stiff(*common_problem_)) common_problem_.reset();
+}
+
+std::string why_mechanisms_one_by_one(const Problem& problem) {
+    const std::string obstacle = obstacle_of(problem.scene);
+    return obstacle.empty() && is_stiff(problem) ? "stiff equations" : obstacle;
 }
 
 void MechanismEnsembleSolver::solve(const MechanismTable& table, std::span<MechanismRow> rows) const {

@@ -46,6 +46,9 @@ class MechanismEnsembleSolver {
     std::optional<Problem> common_problem_;  // the common right-hand side of all rows, if there is one
 };
 
+/// Why the rows of all ensembles of a scene of several bodies are solved one by one; empty if they are not.
+std::string why_mechanisms_one_by_one(const Problem& problem);
+
 /// Solves all rows of a table with a MechanismEnsembleSolver.
 std::vector<MechanismRow> solve_mechanism_ensemble(const Scene& scene, const MechanismTable& table, long samples,
                                                    const EnsembleSettings& settings = {});

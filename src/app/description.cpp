@@ -8,6 +8,7 @@
 #include "check/limits.h"
 #include "integrators/analysis/conditioning.h"
 #include "integrators/method.h"
+#include "integrators/own/mechanism_ensemble.h"
 #include "integrators/run/stiffness.h"
 #include "motion/conserved.h"
 #include "scene/scene_formulas.h"
@@ -89,6 +90,8 @@ void description::choice(Report& report, const Problem& problem) {
         report.line(found.stiff() ? "stiff" : "not stiff",
                     fmt::format("{:.3g} time constants of the fastest decay, {:.3g} rad of rotation", found.decay_times,
                                 found.rotation));
+    const std::string why = is_mechanism(problem.scene) ? why_mechanisms_one_by_one(problem) : why_one_by_one(problem);
+    report.line("ensembles", why.empty() ? "rows are solved side by side" : "rows are solved one by one: " + why);
 }
 
 // Names, values and switches of formulas.

@@ -346,6 +346,21 @@ TEST_F(Program, DescribesEverySceneAndMethod) {
     }
 }
 
+TEST_F(Program, DescribesHowEnsemblesAreSolved) {
+    const std::vector<std::pair<const char*, const char*>> expected{
+        {"free_asymmetric", "rows are solved side by side"},
+        {"formulas/quadratic_drag", "rows are solved side by side"},
+        {"mechanisms/double_pendulum", "rows are solved side by side"},
+        {"formulas/saturated_regulator", "rows are solved one by one: formulas with switching points"},
+        {"bouncing_ball", "rows are solved one by one: planes"},
+        {"joints/coulomb_pendulum", "rows are solved one by one: limits, friction or prescribed motions of joints"},
+        {"mechanisms/andrews_squeezer", "rows are solved one by one: loops or couplings"}};
+    for (const auto& [scene, line] : expected) {
+        const Outcome outcome = run({"describe", scene});
+        EXPECT_NE(outcome.out.find(line), std::string::npos) << scene << ": " << outcome.out;
+    }
+}
+
 TEST_F(Program, ReportsWhyAMethodIsOmitted) {
     const std::string list = run({"list", "methods", "--format", "markdown"}).out;
     ASSERT_FALSE(omitted_methods().empty());

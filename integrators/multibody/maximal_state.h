@@ -118,6 +118,8 @@ class MaximalState {
     }
 
     std::vector<MovingBody<S>> bodies_;  ///< in the scene's order, then the world
+    /// One entry per pair; updated for joints with a spring, and by the method for others.
+    std::vector<std::array<S, 2>> coordinates_;
     long steps_ = 0;
 
   private:
@@ -129,7 +131,6 @@ class MaximalState {
     };
     std::shared_ptr<const Shared> shared_;
     ActiveLoads<S> active_loads_;
-    std::vector<std::array<S, 2>> coordinates_;  // one entry per pair; updated for joints with a spring
     std::vector<WorldWrench<S>> wrenches_;
 };
 

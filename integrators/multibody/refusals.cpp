@@ -10,7 +10,9 @@
 
 namespace polhode::multibody {
 
-std::string mechanism_refusal(const Problem& problem) {
+namespace {
+
+std::string system_refusal(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return "";
     if (is_mechanism(problem.scene)) return "this method does not support loads given by formulas";
     return std::holds_alternative<UserSystem>(problem.system)
@@ -18,8 +20,22 @@ std::string mechanism_refusal(const Problem& problem) {
                : "this method supports only scenes of several bodies with joints";
 }
 
+}  // namespace
+
+std::string mechanism_refusal(const Problem& problem) {
+    for (const Joint& joint : problem.scene.joints)
+        if (joint.friction != 0 || joint.limits.any())
+            return "this method does not support friction and limits of joints";
+    return system_refusal(problem);
+}
+
 std::string inertia_refusal(const Problem& problem) {
     const std::string why = mechanism_refusal(problem);
+    return why.empty() ? impulse_refusal(problem) : why;
+}
+
+std::string impulse_refusal(const Problem& problem) {
+    const std::string why = system_refusal(problem);
     if (!why.empty()) return why;
     if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
     for (const Joint& joint : problem.scene.joints)
@@ -31,7 +47,7 @@ std::string inertia_refusal(const Problem& problem) {
 
 std::string mechanism_binary32_refusal(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system)) return "";
-    if (std::string why = inertia_refusal(problem); !why.empty()) return why;
+    if (std::string why = impulse_refusal(problem); !why.empty()) return why;
     constexpr double largest = std::numeric_limits<float>::max(), smallest = std::numeric_limits<float>::min();
     const auto holds = [&](double x) { return std::abs(x) <= largest; };
     const auto holds_well = [&](double x) { return holds(x) && holds(1 / x) && std::abs(x) >= smallest; };

@@ -7,11 +7,14 @@
 
 namespace polhode::multibody {
 
-/// For all of them: the scene must have several bodies.
+/// For all of them: the scene must have several bodies. Joints must have neither friction nor limits.
 std::string mechanism_refusal(const Problem& problem);
 
 /// For methods that use the inverse of each body's mass and tensor: every body must have both, and no joint armature.
 std::string inertia_refusal(const Problem& problem);
+
+/// The same for methods that support friction and limits of joints.
+std::string impulse_refusal(const Problem& problem);
 
 /// Why binary32 cannot represent a mechanism: a mass, moment or scale out of range, or a body without inertia. Empty if
 /// it can, and for problems that are not mechanisms.

@@ -26,7 +26,9 @@ constexpr Method sequential_impulses_variants[] = {
          "semi-implicit Euler, and 10 iterations of projected Gauss-Seidel over the scalar rows of all joints, "
          "starting from the impulses of the previous step (warm starting). Position errors are corrected at the rate "
          "beta/h, beta = 0.2 (Baumgarte). The gyroscopic term takes one Newton step. Springs, dampers and motors of "
-         "joints are forces at the start of the step. An external impulse acts only on its body; the next step "
+         "joints are forces at the start of the step. Friction F of a joint is an impulse of at most F h against its "
+         "rate. Limits without restitution stop the joint at the end of the step in which it arrives; with restitution "
+         "it bounces in the next step. An external impulse acts only on its body; the next step "
          "propagates it to the others. The residual of the iteration remains in the velocities and decreases with the "
          "step: order 1 wherever the iteration is stable. Warm starting combined with Baumgarte's term can be "
          "unstable: if the iterations leave more than about 0.83 of an error in the impulses (a weld, a slender link, "
@@ -71,7 +73,7 @@ constexpr auto sequential_impulses_binary64_family = apply_defaults(
      .general_systems = true,
      .order = 1,
      .family = Family::engine_update,
-     .refusal = multibody::inertia_refusal},
+     .refusal = multibody::impulse_refusal},
     sequential_impulses_variants);
 
 constexpr auto sequential_impulses_family = multibody::with_binary32_variants<

@@ -33,6 +33,15 @@ S coupling(const VelocityRow<S>& one, const VelocityRow<S>& other, const MovingB
            dot(one.from, a.inverse_I_W * other.from);
 }
 
+/// The row whose J v is the rate of the coordinate of a revolute or prismatic joint.
+template <class S>
+VelocityRow<S> coordinate_row(const PairView<S>& at) {
+    const Vector3<S> axis = at.first_axis();
+    if (at.pair.kind != maximal::Kind::prismatic) return {{}, axis, -axis, S(0)};
+    // the force on both bodies acts at the child's point
+    return {axis, cross(at.arm_to(), axis), cross(axis, at.arm_from() + at.gap()), S(0)};
+}
+
 /// The rows of a pair: first those that constrain points, then those that constrain axes.
 template <class S>
 struct PairRows {

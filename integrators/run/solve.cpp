@@ -83,11 +83,12 @@ std::string special_contact_law(const Scene& scene) {
 }  // namespace
 
 // Why a method cannot follow joints with friction, limits or prescribed motions; empty if it can. Engines have their
-// own list of the laws of joints that they support.
+// own list of the laws of joints that they support, and so have the refusals of updates of games for several bodies.
 static std::string joint_law_refusal(const Method& method, const Scene& scene) {
+    const bool is_joint_solver = method.family == Family::engine_update && method.general_systems;
     if (!follows_events(method) && method.family != Family::reference && method.family != Family::engine)
         for (const Joint& joint : scene.joints) {
-            if (joint.friction != 0 || joint.limits.any())
+            if ((joint.friction != 0 || joint.limits.any()) && !is_joint_solver)
                 return fmt::format("{} does not support friction and limits of joints", method.name);
             if (!joint.motion.empty())
                 return fmt::format("{} does not support prescribed motions of joints", method.name);

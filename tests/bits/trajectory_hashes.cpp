@@ -141,7 +141,8 @@ std::vector<ToldMethod> told_methods(const Asked& asked) {
 std::vector<Kind> trajectories(const Asked& asked) {
     const std::vector<ToldMethod> told = told_methods(asked);
     std::vector<std::string> scenes = builtin_scene_names();
-    // formulas call functions of the C library in every step, so that every method would depart without FMA
+    // formula_scenes() hashes these: formulas call functions of the C library, so that every method would depart
+    // without FMA
     std::erase_if(scenes, [](const std::string& name) { return name.starts_with("formulas/"); });
     // joint_scenes() hashes these
     std::erase_if(scenes, [](const std::string& name) { return name.starts_with("joints/"); });
@@ -261,6 +262,26 @@ Kind joint_scenes() {
     return kind;
 }
 
+/// Methods that record or compile formulas, on the scenes with formulas.
+Kind formula_scenes() {
+    Kind kind{"formula_scenes", {}};
+    for (const std::string& name : builtin_scene_names()) {
+        if (!name.starts_with("formulas/")) continue;
+        const Problem problem = pose(find_scene(name));
+        Bytes bytes;
+        for (const char* method : {"taylor", "extrapolation", "dop853", "radau", "cvode_bdf", "odeint_rk4"}) {
+            Settings settings = bounded_settings(problem);
+            if (takes_step(*find_method(method)))
+                settings.step = problem.scene.duration / 200;
+            else
+                settings.tolerance = 1e-6;
+            bytes.add(solve(problem, *find_method(method), settings));
+        }
+        kind.hash_of_scene.emplace_back(name, bytes.hash());
+    }
+    return kind;
+}
+
 /// Values at random arguments of the C library functions that polhode calls in binary64.
 Kind libm() {
     using Function = double (*)(double);
@@ -348,7 +369,7 @@ int run(const Asked& asked) {
     if (asked.only_scene.empty() && asked.only_method.empty())
         kinds.push_back(ensembles(asked)), kinds.push_back(mechanism_ensembles(asked));
     if (asked.only_scene.empty() && (asked.only_method.empty() || asked.only_method == "joint_scenes"))
-        kinds.push_back(joint_scenes());
+        kinds.push_back(joint_scenes()), kinds.push_back(formula_scenes());
     if (asked.expected.empty()) {
         print(kinds, asked);
         fmt::print("libm 1 {}\n", libm().hash());

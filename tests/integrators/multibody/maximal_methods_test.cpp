@@ -198,6 +198,55 @@ TEST(MaximalMethods, RestartAtEvents) {
     }
 }
 
+// the largest error of a position at eight samples, m
+double position_error(const Problem& problem, const std::string& method, double step) {
+    Settings settings;
+    settings.tolerance = 1e-11, settings.samples = 8;
+    const Trajectory exact = solve(problem, *find_method("dop853"), settings), run = stepped(problem, method, step, 8);
+    EXPECT_EQ(exact.status, Status::ok) << exact.message;
+    EXPECT_EQ(run.status, Status::ok) << method << ": " << run.message;
+    double largest = 0;
+    for (std::size_t i = 0; i < std::min(run.samples.size(), exact.samples.size()); ++i)
+        largest = std::max(largest, length(run.samples[i].position_W - exact.samples[i].position_W));
+    return largest;
+}
+
+// Friction and limits as bounded impulses, against the motion followed from event to event. Order 1: dry friction, a
+// limit with restitution 1/2 and impacts that accumulate, sticking at the end.
+TEST(MaximalMethods, FrictionAndLimitsHaveOrderOne) {
+    for (const char* name : {"joints/coulomb_oscillator", "joints/bouncing_slider", "joints/coulomb_pendulum"}) {
+        const Problem problem = pose(find_scene(name));
+        for (std::string method : impulses) {
+            const double coarse = position_error(problem, method, problem.scene.duration / 1000),
+                         fine = position_error(problem, method, problem.scene.duration / 4000);
+            EXPECT_LT(coarse, 0.02) << method << " on " << name;
+            EXPECT_NEAR(std::log(coarse / fine) / std::log(4), 1, 0.25) << method << " on " << name;
+        }
+    }
+}
+// Impacts at times between the steps: the error decreases with the step, without a smooth order.
+TEST(MaximalMethods, BounceBetweenStops) {
+    const Problem problem = pose(find_scene("joints/pendulum_with_stops"));
+    for (std::string method : impulses) {
+        EXPECT_LT(position_error(problem, method, problem.scene.duration / 8000), 2e-3) << method;
+        const Trajectory run = stepped(problem, method, problem.scene.duration / 2000, 2000);
+        for (const Sample& sample : run.samples) {
+            const double angle = 2 * std::atan2(sample.q.y, sample.q.w);
+            EXPECT_LT(angle, 0.5 + 0.02);
+            EXPECT_GT(angle, -0.25 - 0.02);
+        }
+    }
+}
+TEST(MaximalMethods, RefuseFrictionAndLimitsIfTheyHaveNone) {
+    const Problem problem = pose(find_scene("joints/pendulum_with_stops"));
+    for (const char* method :
+         {"soft_step_4", "xpbd_joints_10", "variational_tree", "reduced_semi_implicit_euler", "xpbd_joints_10_float32"})
+        EXPECT_NE(refusal(*find_method(method), problem).find("does not support friction and limits"),
+                  std::string::npos)
+            << method;
+    EXPECT_EQ(refusal(*find_method("sequential_impulses_10_float32"), problem), "");
+}
+
 TEST(MaximalMethods, RefuseWhatIsNoMechanism) {
     const Problem alone = pose(find_scene("symmetric"));
     for (const char* method : {"sequential_impulses_10", "soft_step_4_float32", "xpbd_joints_10", "variational_tree",

@@ -1,0 +1,101 @@
+// Limits and friction of a revolute or prismatic joint for sequential impulses: bounded impulses along its coordinate
+// x.
+//
+//   friction  |lambda| <= F h, for a rate of zero: the motor of game engines at speed zero
+//   limits    lambda >= 0 on the side of the limit, at the gap g:
+//             without restitution  rate >= -g / h  (g > 0: the joint reaches the limit at the end of the step)
+//             with restitution     rate >= -e rate_0  once g <= 0
+//             g < 0                rate >= -b g, b = beta / h, or separate correction velocities (split impulses)
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "integrators/multibody/velocity_rows.h"
+#include "scene/scene.h"
+
+namespace polhode::multibody {
+
+template <class S>
+class JointRow {
+  public:
+    std::size_t pair = 0;  ///< index of the pair
+
+    JointRow(const Joint& joint, std::size_t pair_index)
+        : pair(pair_index),
+          friction_(S(joint.friction)),
+          restitution_(S(joint.limits.restitution)),
+          sides_{Side{S(1), S(joint.limits.lower)}, Side{S(-1), S(-joint.limits.upper)}} {}
+    bool has_any() const {
+        return friction_ > S(0) ||
+               std::ranges::any_of(sides_, [](const Side& side) { return std::isfinite(side.limit); });
+    }
+    /// Discards the impulses of the previous step.
+    void forget() {
+        friction_impulse_ = S(0);
+        for (Side& side : sides_) side.impulse = S(0);
+    }
+    /// At the start of a step of length h, before accelerations. `correction_rate`: of penetrations, 1/s.
+    void start_step(const PairView<S>& at, S coordinate, S h, S correction_rate) {
+        row_ = coordinate_row(at);
+        mass_ = 1 / coupling(row_, row_, at.from, at.to);
+        friction_bound_ = friction_ * h;
+        const S rate = row_.velocity(at.from, at.to);
+        for (Side& side : sides_) {
+            side.gap = side.sign * coordinate - side.limit;
+            const S approach = side.sign * rate;
+            side.is_active = std::isfinite(side.limit) && (restitution_ == S(0) || side.gap <= S(0));
+            side.rate = side.gap > S(0) ? -side.gap / h : -correction_rate * side.gap;
+            if (side.gap <= S(0) && approach < S(0)) side.rate = std::max(side.rate, -restitution_ * approach);
+        }
+    }
+    /// Starts from the impulses of the previous step times `ratio`.
+    void warm_start(S ratio, MovingBody<S>& a, MovingBody<S>& b) {
+        friction_impulse_ = std::clamp(ratio * friction_impulse_, -friction_bound_, friction_bound_);
+        row_.apply_impulse(friction_impulse_, a, b);
+        for (Side& side : sides_) {
+            side.impulse = side.is_active ? ratio * side.impulse : S(0);
+            row_.apply_impulse(side.sign * side.impulse, a, b);
+        }
+    }
+    void solve(MovingBody<S>& a, MovingBody<S>& b) {
+        if (friction_ > S(0)) {
+            const S before = friction_impulse_;
+            friction_impulse_ = std::clamp(before - mass_ * row_.velocity(a, b), -friction_bound_, friction_bound_);
+            row_.apply_impulse(friction_impulse_ - before, a, b);
+        }
+        for (Side& side : sides_)
+            if (side.is_active) press(side, side.rate, side.impulse, a, b);
+    }
+    /// For separate correction velocities, which start at zero.
+    void start_correction(S correction_rate) {
+        for (Side& side : sides_) side.correction = S(0), side.rate = -correction_rate * side.gap;
+    }
+    void correct(MovingBody<S>& a, MovingBody<S>& b) {
+        for (Side& side : sides_)
+            if (side.is_active && side.gap < S(0)) press(side, side.rate, side.correction, a, b);
+    }
+
+  private:
+    struct Side {
+        S sign;   // of the rate away from the limit
+        S limit;  // times sign
+        S gap = S(0), rate = S(0), impulse = S(0), correction = S(0);
+        bool is_active = false;
+    };
+    S friction_, restitution_;
+    std::array<Side, 2> sides_;
+    VelocityRow<S> row_;
+    S mass_ = S(0), friction_bound_ = S(0), friction_impulse_ = S(0);
+
+    // Raises the rate away from the limit to `rate` by an impulse that does not pull.
+    void press(const Side& side, S rate, S& impulse, MovingBody<S>& a, MovingBody<S>& b) const {
+        const S before = impulse;
+        impulse = std::max(S(0), before - mass_ * (side.sign * row_.velocity(a, b) - rate));
+        row_.apply_impulse(side.sign * (impulse - before), a, b);
+    }
+};
+
+}  // namespace polhode::multibody

@@ -80,7 +80,7 @@ class JointRow {
 
   private:
     struct Side {
-        S sign;   // of the rate away from the limit
+        S sign;   // 1 or -1: the sign of a rate away from the limit
         S limit;  // times sign
         S gap = S(0), rate = S(0), impulse = S(0), correction = S(0);
         bool is_active = false;

@@ -13,7 +13,7 @@ std::string mechanism_refusal(const Problem& problem);
 /// For methods that use the inverse of each body's mass and tensor: every body must have both, and no joint armature.
 std::string inertia_refusal(const Problem& problem);
 
-/// The same for methods that support friction and limits of joints.
+/// inertia_refusal() for methods that support friction and limits of joints.
 std::string impulse_refusal(const Problem& problem);
 
 /// Why binary32 cannot represent a mechanism: a mass, moment or scale out of range, or a body without inertia. Empty if

@@ -30,7 +30,7 @@ std::string mechanism_refusal(const Problem& problem) {
 }
 
 std::string inertia_refusal(const Problem& problem) {
-    const std::string why = mechanism_refusal(problem);
+    std::string why = mechanism_refusal(problem);
     return why.empty() ? impulse_refusal(problem) : why;
 }
 

@@ -5,13 +5,15 @@
 //   limits    lambda >= 0 on the side of the limit, at the gap g:
 //             without restitution  rate >= -g / h  (g > 0: the joint reaches the limit at the end of the step)
 //             with restitution     rate >= -e rate_0  once g <= 0
-//             g < 0                rate >= -b g, b = beta / h, or separate correction velocities (split impulses)
+//             g < 0                rate >= -b g, b = beta / h or that of a soft constraint, or separate correction
+//                                  velocities (split impulses)
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "integrators/multibody/velocity_rows.h"
 #include "scene/scene.h"
@@ -39,16 +41,26 @@ class JointRow {
     }
     /// At the start of a step of length h, before accelerations. `correction_rate`: of penetrations, 1/s.
     void start_step(const PairView<S>& at, S coordinate, S h, S correction_rate) {
-        row_ = coordinate_row(at);
-        mass_ = 1 / coupling(row_, row_, at.from, at.to);
         friction_bound_ = friction_ * h;
+        row_ = coordinate_row(at);
         const S rate = row_.velocity(at.from, at.to);
         for (Side& side : sides_) {
+            const S gap = side.sign * coordinate - side.limit;
+            // the impulse of an impact does not act again
+            if (side.bounce > S(0)) side.impulse = S(0);
+            side.is_active = std::isfinite(side.limit) && (restitution_ == S(0) || gap <= S(0));
+            side.bounce = gap <= S(0) ? -restitution_ * std::min(side.sign * rate, S(0)) : S(0);
+        }
+        update(at, coordinate, h, correction_rate);
+    }
+    /// At another position in the same step.
+    void update(const PairView<S>& at, S coordinate, S h, S correction_rate) {
+        row_ = coordinate_row(at);
+        mass_ = 1 / coupling(row_, row_, at.from, at.to);
+        for (Side& side : sides_) {
             side.gap = side.sign * coordinate - side.limit;
-            const S approach = side.sign * rate;
-            side.is_active = std::isfinite(side.limit) && (restitution_ == S(0) || side.gap <= S(0));
             side.rate = side.gap > S(0) ? -side.gap / h : -correction_rate * side.gap;
-            if (side.gap <= S(0) && approach < S(0)) side.rate = std::max(side.rate, -restitution_ * approach);
+            if (side.bounce > S(0)) side.rate = std::max(side.rate, side.bounce);
         }
     }
     /// Starts from the impulses of the previous step times `ratio`.
@@ -60,14 +72,17 @@ class JointRow {
             row_.apply_impulse(side.sign * side.impulse, a, b);
         }
     }
-    void solve(MovingBody<S>& a, MovingBody<S>& b) {
+    /// `softness`: of a limit that is passed.
+    void solve(MovingBody<S>& a, MovingBody<S>& b, const Softness<S>& softness = {}) {
         if (friction_ > S(0)) {
             const S before = friction_impulse_;
             friction_impulse_ = std::clamp(before - mass_ * row_.velocity(a, b), -friction_bound_, friction_bound_);
             row_.apply_impulse(friction_impulse_ - before, a, b);
         }
         for (Side& side : sides_)
-            if (side.is_active) press(side, side.rate, side.impulse, a, b);
+            if (side.is_active)
+                press(side, side.rate, side.impulse, a, b,
+                      side.gap < S(0) && side.bounce == S(0) ? softness : Softness<S>{});
     }
     /// For separate correction velocities, which start at zero.
     void start_correction(S correction_rate) {
@@ -82,7 +97,7 @@ class JointRow {
     struct Side {
         S sign;   // 1 or -1: the sign of a rate away from the limit
         S limit;  // times sign
-        S gap = S(0), rate = S(0), impulse = S(0), correction = S(0);
+        S gap = S(0), bounce = S(0), rate = S(0), impulse = S(0), correction = S(0);
         bool is_active = false;
     };
     S friction_, restitution_;
@@ -91,11 +106,24 @@ class JointRow {
     S mass_ = S(0), friction_bound_ = S(0), friction_impulse_ = S(0);
 
     // Raises the rate away from the limit to `rate` by an impulse that does not pull.
-    void press(const Side& side, S rate, S& impulse, MovingBody<S>& a, MovingBody<S>& b) const {
-        const S before = impulse;
-        impulse = std::max(S(0), before - mass_ * (side.sign * row_.velocity(a, b) - rate));
+    void press(const Side& side, S rate, S& impulse, MovingBody<S>& a, MovingBody<S>& b,
+               const Softness<S>& softness = {}) const {
+        const S before = impulse, missing = side.sign * row_.velocity(a, b) - rate;
+        impulse = std::max(S(0), before - softness.mass_scale * mass_ * missing - softness.impulse_scale * before);
         row_.apply_impulse(side.sign * (impulse - before), a, b);
     }
 };
+
+/// The rows of the joints of a scene that have friction or limits. `pairs`: with links numbered by joints, then by
+/// loops.
+template <class S>
+std::vector<JointRow<S>> joint_rows(const Scene& scene, const std::vector<JointPair<S>>& pairs) {
+    std::vector<JointRow<S>> rows;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        if (pairs[k].link >= scene.joints.size()) continue;
+        if (JointRow<S> row(scene.joints[pairs[k].link], k); row.has_any()) rows.push_back(row);
+    }
+    return rows;
+}
 
 }  // namespace polhode::multibody

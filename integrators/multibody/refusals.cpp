@@ -45,6 +45,14 @@ std::string impulse_refusal(const Problem& problem) {
     return body_without_inertia(problem.scene);
 }
 
+std::string soft_limit_refusal(const Problem& problem) {
+    for (const Joint& joint : problem.scene.joints)
+        if (joint.limits.any() && joint.limits.restitution > 0)
+            return fmt::format("the limits of joint \"{}\" have a restitution, which the method does not support",
+                               one_line(joint.name, 60));
+    return impulse_refusal(problem);
+}
+
 std::string mechanism_binary32_refusal(const Problem& problem) {
     if (!std::holds_alternative<MechanismSystem>(problem.system)) return "";
     if (std::string why = impulse_refusal(problem); !why.empty()) return why;

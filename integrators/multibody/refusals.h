@@ -16,6 +16,9 @@ std::string inertia_refusal(const Problem& problem);
 /// inertia_refusal() for methods that support friction and limits of joints.
 std::string impulse_refusal(const Problem& problem);
 
+/// impulse_refusal() for methods that do not support restitution at limits.
+std::string soft_limit_refusal(const Problem& problem);
+
 /// Why binary32 cannot represent a mechanism: a mass, moment or scale out of range, or a body without inertia. Empty if
 /// it can, and for problems that are not mechanisms.
 std::string mechanism_binary32_refusal(const Problem& problem);

@@ -35,12 +35,7 @@ class SequentialImpulses : public MaximalState<S> {
   public:
     explicit SequentialImpulses(const Problem& problem) : Base(problem) {
         impulses_.resize(this->pairs().size());
-        for (std::size_t k = 0; k < this->pairs().size(); ++k) {
-            // links are numbered by joints, then by loops
-            const std::size_t link = this->pairs()[k].link;
-            if (link >= problem.scene.joints.size()) continue;
-            if (JointRow<S> row(problem.scene.joints[link], k); row.has_any()) joint_rows_.push_back(row);
-        }
+        joint_rows_ = joint_rows(problem.scene, this->pairs());
     }
     void restart() {
         Base::restart();

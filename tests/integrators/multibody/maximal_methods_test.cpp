@@ -216,7 +216,10 @@ double position_error(const Problem& problem, const std::string& method, double 
 TEST(MaximalMethods, FrictionAndLimitsHaveOrderOne) {
     for (const char* name : {"joints/coulomb_oscillator", "joints/bouncing_slider", "joints/coulomb_pendulum"}) {
         const Problem problem = pose(find_scene(name));
-        for (std::string method : impulses) {
+        std::vector<std::string> methods = impulses;
+        // does not support restitution
+        if (problem.scene.joints[0].limits.restitution == 0) methods.push_back("soft_step_4");
+        for (const std::string& method : methods) {
             const double coarse = position_error(problem, method, problem.scene.duration / 1000),
                          fine = position_error(problem, method, problem.scene.duration / 4000);
             EXPECT_LT(coarse, 0.02) << method << " on " << name;
@@ -227,7 +230,7 @@ TEST(MaximalMethods, FrictionAndLimitsHaveOrderOne) {
 // Impacts at times between the steps: the error decreases with the step, without a smooth order.
 TEST(MaximalMethods, BounceBetweenStops) {
     const Problem problem = pose(find_scene("joints/pendulum_with_stops"));
-    for (std::string method : impulses) {
+    for (const std::string& method : impulses) {
         EXPECT_LT(position_error(problem, method, problem.scene.duration / 8000), 2e-3) << method;
         const Trajectory run = stepped(problem, method, problem.scene.duration / 2000, 2000);
         for (const Sample& sample : run.samples) {
@@ -240,11 +243,20 @@ TEST(MaximalMethods, BounceBetweenStops) {
 TEST(MaximalMethods, RefuseFrictionAndLimitsIfTheyHaveNone) {
     const Problem problem = pose(find_scene("joints/pendulum_with_stops"));
     for (const char* method :
-         {"soft_step_4", "xpbd_joints_10", "variational_tree", "reduced_semi_implicit_euler", "xpbd_joints_10_float32"})
+         {"xpbd_joints_10", "variational_tree", "reduced_semi_implicit_euler", "xpbd_joints_10_float32"})
         EXPECT_NE(refusal(*find_method(method), problem).find("does not support friction and limits"),
                   std::string::npos)
             << method;
     EXPECT_EQ(refusal(*find_method("sequential_impulses_10_float32"), problem), "");
+    EXPECT_NE(refusal(*find_method("soft_step_4"), problem).find("\"hinge\" have a restitution"), std::string::npos);
+}
+// Limits without restitution: the joint stops there, within the opening of soft joints.
+TEST(MaximalMethods, StopAtLimits) {
+    Scene scene = find_scene("joints/pendulum_with_stops");
+    scene.joints[0].limits.restitution = 0;
+    const Problem problem = pose(scene);
+    for (const char* method : {"sequential_impulses_10", "soft_step_4", "soft_step_16", "soft_step_4_float32"})
+        EXPECT_LT(position_error(problem, method, scene.duration / 8000), 1e-3) << method;
 }
 
 TEST(MaximalMethods, RefuseWhatIsNoMechanism) {

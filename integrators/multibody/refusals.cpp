@@ -35,8 +35,7 @@ std::string inertia_refusal(const Problem& problem) {
 }
 
 std::string impulse_refusal(const Problem& problem) {
-    const std::string why = system_refusal(problem);
-    if (!why.empty()) return why;
+    if (std::string why = system_refusal(problem); !why.empty()) return why;
     if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
     for (const Joint& joint : problem.scene.joints)
         if (joint.armature != std::array<double, 2>{})

@@ -26,8 +26,8 @@ class FormulaModelBase {
         form_ = FormOf<double>(exact);
         form_.apply_event(*scene_, t, y);
     }
-    /// Applies the impulses at t to the state of another motion, and sets its time and auxiliaries. The loads are those of
-    /// enter().
+    /// Applies the impulses at t to the state of another motion, and sets its time and auxiliaries. The loads are those
+    /// of enter().
     void enter_other(double t, double* y) { form_.apply_event(*scene_, t, y); }
     /// Whether there are auxiliary variables. They are read by recorded equations only. refresh() sets them to their
     /// values.

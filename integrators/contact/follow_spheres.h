@@ -414,7 +414,8 @@ class SphereDriver {
         now.resting =
             speed() *
             (has_started_ ? std::max(std::pow(10.0, 1 - settings_.event_digits), settings_.step_error) : 1e-12);
-        // where a sphere changes its mode, its velocity may change by more; impacts that this repeats at one time end
+        // A change of mode may change a velocity by more than this. Impacts that repeat at one time for this reason
+        // end.
         constexpr long few = 4, most_doublings = 20;
         if (stalled_ > few)
             now.resting = std::ldexp(now.resting, static_cast<int>(std::min(stalled_ - few, most_doublings)));

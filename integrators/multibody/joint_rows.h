@@ -1,5 +1,5 @@
-// Limits and friction of a revolute or prismatic joint for sequential impulses: bounded impulses along its coordinate
-// x.
+// Limits and friction of a revolute or prismatic joint for sequential impulses and soft steps: impulses along its
+// coordinate with bounds.
 //
 //   friction  |lambda| <= F h, for a rate of zero: the motor of game engines at speed zero
 //   limits    lambda >= 0 on the side of the limit, at the gap g:
@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "integrators/multibody/velocity_rows.h"
@@ -42,7 +41,7 @@ class JointRow {
     /// At the start of a step of length h, before accelerations. `correction_rate`: of penetrations, 1/s.
     void start_step(const PairView<S>& at, S coordinate, S h, S correction_rate) {
         friction_bound_ = friction_ * h;
-        row_ = coordinate_row(at);
+        set_row(at);
         const S rate = row_.velocity(at.from, at.to);
         for (Side& side : sides_) {
             const S gap = side.sign * coordinate - side.limit;
@@ -51,17 +50,12 @@ class JointRow {
             side.is_active = std::isfinite(side.limit) && (restitution_ == S(0) || gap <= S(0));
             side.bounce = gap <= S(0) ? -restitution_ * std::min(side.sign * rate, S(0)) : S(0);
         }
-        update(at, coordinate, h, correction_rate);
+        set_rates(coordinate, h, correction_rate);
     }
     /// At another position in the same step.
     void update(const PairView<S>& at, S coordinate, S h, S correction_rate) {
-        row_ = coordinate_row(at);
-        mass_ = 1 / coupling(row_, row_, at.from, at.to);
-        for (Side& side : sides_) {
-            side.gap = side.sign * coordinate - side.limit;
-            side.rate = side.gap > S(0) ? -side.gap / h : -correction_rate * side.gap;
-            if (side.bounce > S(0)) side.rate = std::max(side.rate, side.bounce);
-        }
+        set_row(at);
+        set_rates(coordinate, h, correction_rate);
     }
     /// Starts from the impulses of the previous step times `ratio`.
     void warm_start(S ratio, MovingBody<S>& a, MovingBody<S>& b) {
@@ -105,6 +99,17 @@ class JointRow {
     VelocityRow<S> row_;
     S mass_ = S(0), friction_bound_ = S(0), friction_impulse_ = S(0);
 
+    void set_row(const PairView<S>& at) {
+        row_ = coordinate_row(at);
+        mass_ = 1 / coupling(row_, row_, at.from, at.to);
+    }
+    void set_rates(S coordinate, S h, S correction_rate) {
+        for (Side& side : sides_) {
+            side.gap = side.sign * coordinate - side.limit;
+            side.rate = side.gap > S(0) ? -side.gap / h : -correction_rate * side.gap;
+            if (side.bounce > S(0)) side.rate = std::max(side.rate, side.bounce);
+        }
+    }
     // Raises the rate away from the limit to `rate` by an impulse that does not pull.
     void press(const Side& side, S rate, S& impulse, MovingBody<S>& a, MovingBody<S>& b,
                const Softness<S>& softness = {}) const {

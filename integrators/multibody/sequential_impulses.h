@@ -1,7 +1,6 @@
 // Sequential impulses: E. Catto 2005, Iterative Dynamics with Temporal Coherence, Game Developers Conference.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <type_traits>
 #include <vector>

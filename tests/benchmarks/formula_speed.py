@@ -10,10 +10,6 @@ column "preparation" is what a formula adds to a run besides.
 
 from __future__ import annotations
 
-import datetime
-import json
-import os
-import platform
 import sys
 import time
 from pathlib import Path
@@ -22,6 +18,7 @@ from typing import Any
 import numpy as np
 
 import polhode
+import recorded_table
 
 Loads = list[dict[str, Any]]
 
@@ -82,23 +79,7 @@ def main() -> None:
             row.append(f"{1e6 * (formula[0] - built_in[0]):.0f} us more")
         plain, written = ensemble_times(pair)
         rows.append([*row, f"{written / plain:.2f} times"])
-    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
-    lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in [head, *rows]]
-    lines.insert(1, "| " + " | ".join("-" * width for width in widths) + " |")
-    (directory / "formula_speed.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    record = directory / "provenance.json"
-    entries = json.loads(record.read_text(encoding="utf-8")) if record.exists() else {}
-    cpu = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
-                if line.startswith("model name")), platform.machine())
-    entries["formula_speed"] = {
-        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
-        "command_line": "tests/benchmarks/formula_speed.py",
-        "versions": {"polhode": polhode.__version__, "Python": platform.python_version()},
-        "cpu": cpu,
-        "cores": os.cpu_count(),
-    }
-    record.write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
-    print("\n".join(lines))
+    recorded_table.write(directory, "formula_speed", head, rows, {})
 
 
 if __name__ == "__main__":

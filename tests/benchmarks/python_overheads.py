@@ -9,10 +9,7 @@ process.
 
 from __future__ import annotations
 
-import datetime
-import json
 import os
-import platform
 import subprocess
 import sys
 import time
@@ -23,6 +20,7 @@ from typing import Any
 import numpy as np
 
 import polhode
+import recorded_table
 from polhode import _polhode
 
 
@@ -172,26 +170,9 @@ def starting() -> list[list[str]]:
 def main() -> None:
     """Measures, and writes the tables."""
     directory = Path(sys.argv[1])
-    directory.mkdir(parents=True, exist_ok=True)
     head = ["what", "C++", "Python", "difference", "target, at most"]
     rows = [*starting(), *call_overhead(), *survey(), *accesses(), *ensembles(), *memory(), *callables()]
-    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
-    lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in [head, *rows]]
-    lines.insert(1, "| " + " | ".join("-" * width for width in widths) + " |")
-    (directory / "python.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    record = directory / "provenance.json"
-    entries = json.loads(record.read_text(encoding="utf-8")) if record.exists() else {}
-    cpu = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
-                if line.startswith("model name")), platform.machine())
-    entries["python"] = {
-        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
-        "command_line": "tests/benchmarks/python_overheads.py",
-        "versions": {"polhode": polhode.__version__, "Python": platform.python_version(), "numpy": np.__version__},
-        "cpu": cpu,
-        "cores": os.cpu_count(),
-    }
-    record.write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
-    print("\n".join(lines))
+    recorded_table.write(directory, "python", head, rows, {"numpy": np.__version__})
 
 
 if __name__ == "__main__":

@@ -1,12 +1,21 @@
-// Limits and friction of a revolute or prismatic joint for sequential impulses and soft steps: impulses along its
+// Limits and friction of a revolute or prismatic joint for methods in maximal coordinates: impulses along its
 // coordinate with bounds.
 //
+// Sequential impulses and soft steps:
 //   friction  |lambda| <= F h, for a rate of zero: the motor of game engines at speed zero
 //   limits    lambda >= 0 on the side of the limit, at the gap g:
 //             without restitution  rate >= -g / h  (g > 0: the joint reaches the limit at the end of the step)
 //             with restitution     rate >= -e rate_0  once g <= 0
 //             g < 0                rate >= -b g, b = beta / h or that of a soft constraint, or separate correction
 //                                  velocities (split impulses)
+//
+// Extended position-based dynamics (Mueller et al. 2020, sections 3.3.2 and 3.6; contact friction of section 3.5
+// applied to a coordinate x), in a substep of length h:
+//   positions   limits    g < 0: x changes by -g, without compliance
+//               friction  x returns to its value at the start of the substep if this takes |lambda| < F h^2
+//   velocities  friction  |lambda| <= F h, less what acted on positions, for a rate of zero
+//               limits    a limit that acted on positions: rate = -e rate_0, rate_0 < 0 at the start of the substep; 0
+//                         if |rate_0| <= 2 |a| h (rest)
 #pragma once
 
 #include <algorithm>
@@ -37,6 +46,7 @@ class JointRow {
     void forget() {
         friction_impulse_ = S(0);
         for (Side& side : sides_) side.impulse = S(0);
+        has_rate_ = false;
     }
     /// At the start of a step of length h, before accelerations. `correction_rate`: of penetrations, 1/s.
     void start_step(const PairView<S>& at, S coordinate, S h, S correction_rate) {
@@ -68,11 +78,7 @@ class JointRow {
     }
     /// `softness`: of a limit that is passed.
     void solve(MovingBody<S>& a, MovingBody<S>& b, const Softness<S>& softness = {}) {
-        if (friction_ > S(0)) {
-            const S before = friction_impulse_;
-            friction_impulse_ = std::clamp(before - mass_ * row_.velocity(a, b), -friction_bound_, friction_bound_);
-            row_.apply_impulse(friction_impulse_ - before, a, b);
-        }
+        solve_friction(a, b);
         for (Side& side : sides_)
             if (side.is_active)
                 press(side, side.rate, side.impulse, a, b,
@@ -87,18 +93,93 @@ class JointRow {
             if (side.is_active && side.gap < S(0)) press(side, side.rate, side.correction, a, b);
     }
 
+    /// For corrections of positions, at the start of a substep of length h, before accelerations.
+    void start_positions(const PairView<S>& at, S coordinate, S h) {
+        set_row(at);
+        const S rate = row_.velocity(at.from, at.to);
+        // |a| h: change of the rate in the previous substep, if no limit acted in it
+        if (!has_rate_)
+            gained_ = S(0);
+        else if (!is_pressed())
+            gained_ = std::abs(rate - rate_);
+        rate_ = rate, has_rate_ = true;
+        start_ = coordinate, friction_bound_ = friction_ * h, friction_impulse_ = S(0);
+        for (Side& side : sides_) {
+            side.impulse = S(0);
+            side.approach = side.sign * rate < S(-2) * gained_ ? -side.sign * rate : S(0);
+        }
+    }
+    /// Moves the bodies back to a limit that is passed. Returns the correction relative to the displacement of an
+    /// impact.
+    S correct_limits(const PairView<S>& at, S coordinate, S h, MovingBody<S>& a, MovingBody<S>& b) {
+        set_row(at);
+        S largest = S(0);
+        for (Side& side : sides_) {
+            const S gap = side.sign * coordinate - side.limit;
+            if (!(gap < S(0))) continue;
+            side.impulse -= gap * mass_ / h;
+            row_.displace(-side.sign * gap * mass_, a, b);
+            if (side.approach > S(0)) largest = std::max(largest, -gap / (side.approach * h));
+        }
+        return largest;
+    }
+    bool has_friction() const { return friction_ > S(0); }
+    /// Static friction: moves the bodies back to the coordinate at the start of the substep if friction can hold it.
+    void hold(const PairView<S>& at, S coordinate, S h, MovingBody<S>& a, MovingBody<S>& b) {
+        set_row(at);
+        const S multiplier = (start_ - coordinate) * mass_, impulse = friction_impulse_ + multiplier / h;
+        if (!(std::abs(impulse) < friction_bound_)) return;
+        friction_impulse_ = impulse;
+        row_.displace(multiplier, a, b);
+    }
+    /// Dynamic friction and the rates at limits that acted on positions, at the end of a substep.
+    void solve_velocities(const PairView<S>& at, MovingBody<S>& a, MovingBody<S>& b) {
+        set_row(at);
+        solve_friction(a, b);
+        set_limit_rate(a, b);
+    }
+    /// Sets the rate at a limit that acted on positions. Returns its largest change relative to the speed of an impact.
+    S set_limit_rate(MovingBody<S>& a, MovingBody<S>& b) const {
+        S largest = S(0);
+        for (const Side& side : sides_) {
+            if (!(side.impulse > S(0))) continue;
+            const S missing = restitution_ * side.approach - side.sign * row_.velocity(a, b);
+            row_.apply_impulse(side.sign * mass_ * missing, a, b);
+            if (side.approach > S(0)) largest = std::max(largest, std::abs(missing) / side.approach);
+        }
+        return largest;
+    }
+    /// Whether a limit acted on positions in an impact: not at rest.
+    bool has_impact() const {
+        return std::ranges::any_of(sides_,
+                                   [](const Side& side) { return side.impulse > S(0) && side.approach > S(0); });
+    }
+
   private:
     struct Side {
         S sign;   // 1 or -1: the sign of a rate away from the limit
         S limit;  // times sign
         S gap = S(0), bounce = S(0), rate = S(0), impulse = S(0), correction = S(0);
+        S approach = S(0);  // corrections of positions: speed of an impact
         bool is_active = false;
     };
     S friction_, restitution_;
     std::array<Side, 2> sides_;
     VelocityRow<S> row_;
     S mass_ = S(0), friction_bound_ = S(0), friction_impulse_ = S(0);
+    // corrections of positions: coordinate and rate at the start of the substep, change of the rate by loads
+    S start_ = S(0), rate_ = S(0), gained_ = S(0);
+    bool has_rate_ = false;
 
+    bool is_pressed() const {
+        return std::ranges::any_of(sides_, [](const Side& side) { return side.impulse > S(0); });
+    }
+    void solve_friction(MovingBody<S>& a, MovingBody<S>& b) {
+        if (!has_friction()) return;
+        const S before = friction_impulse_;
+        friction_impulse_ = std::clamp(before - mass_ * row_.velocity(a, b), -friction_bound_, friction_bound_);
+        row_.apply_impulse(friction_impulse_ - before, a, b);
+    }
     void set_row(const PairView<S>& at) {
         row_ = coordinate_row(at);
         mass_ = 1 / coupling(row_, row_, at.from, at.to);

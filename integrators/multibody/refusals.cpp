@@ -29,11 +29,6 @@ std::string mechanism_refusal(const Problem& problem) {
     return system_refusal(problem);
 }
 
-std::string inertia_refusal(const Problem& problem) {
-    std::string why = mechanism_refusal(problem);
-    return why.empty() ? impulse_refusal(problem) : why;
-}
-
 std::string impulse_refusal(const Problem& problem) {
     if (std::string why = system_refusal(problem); !why.empty()) return why;
     if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";

@@ -10,10 +10,8 @@ namespace polhode::multibody {
 /// For all of them: the scene must have several bodies. Joints must have neither friction nor limits.
 std::string mechanism_refusal(const Problem& problem);
 
-/// For methods that use the inverse of each body's mass and tensor: every body must have both, and no joint armature.
-std::string inertia_refusal(const Problem& problem);
-
-/// inertia_refusal() for methods that support friction and limits of joints.
+/// For methods that use the inverse of each body's mass and tensor and support friction and limits of joints: every
+/// body must have both, and no joint an armature.
 std::string impulse_refusal(const Problem& problem);
 
 /// impulse_refusal() for methods that do not support restitution at limits.

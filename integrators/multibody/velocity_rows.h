@@ -24,6 +24,17 @@ struct VelocityRow {
         b.v = b.v + (impulse * b.inverse_mass) * force;
         b.w = b.w + impulse * (b.inverse_I_W * to);
     }
+    /// Moves both bodies along the row; rotations to first order.
+    void displace(S multiplier, MovingBody<S>& a, MovingBody<S>& b) const {
+        const auto move = [](MovingBody<S>& body, const Vector3<S>& change, const Vector3<S>& rotation_W) {
+            if (!body.movable) return;
+            body.x = body.x + change;
+            body.rotate_first_order(rotation_W);
+            body.update_rotation();
+        };
+        move(a, -(multiplier * a.inverse_mass) * force, multiplier * (a.inverse_I_W * from));
+        move(b, (multiplier * b.inverse_mass) * force, multiplier * (b.inverse_I_W * to));
+    }
 };
 
 /// J M^-1 J^T of two rows of one pair.

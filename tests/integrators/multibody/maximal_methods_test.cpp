@@ -211,6 +211,14 @@ double position_error(const Problem& problem, const std::string& method, double 
     return largest;
 }
 
+// The order from steps of duration / steps and a quarter of it.
+double position_order(const Problem& problem, const std::string& method, double steps, double allowed) {
+    const double coarse = position_error(problem, method, problem.scene.duration / steps),
+                 fine = position_error(problem, method, problem.scene.duration / (4 * steps));
+    EXPECT_LT(coarse, allowed) << method << " on " << problem.scene.name;
+    return std::log(coarse / fine) / std::log(4);
+}
+
 // Friction and limits as bounded impulses, against the motion followed from event to event. Order 1: dry friction, a
 // limit with restitution 1/2 and impacts that accumulate, sticking at the end.
 TEST(MaximalMethods, FrictionAndLimitsHaveOrderOne) {
@@ -219,18 +227,28 @@ TEST(MaximalMethods, FrictionAndLimitsHaveOrderOne) {
         std::vector<std::string> methods = impulses;
         // does not support restitution
         if (problem.scene.joints[0].limits.restitution == 0) methods.push_back("soft_step_4");
-        for (const std::string& method : methods) {
-            const double coarse = position_error(problem, method, problem.scene.duration / 1000),
-                         fine = position_error(problem, method, problem.scene.duration / 4000);
-            EXPECT_LT(coarse, 0.02) << method << " on " << name;
-            EXPECT_NEAR(std::log(coarse / fine) / std::log(4), 1, 0.25) << method << " on " << name;
-        }
+        for (const std::string& method : methods)
+            EXPECT_NEAR(position_order(problem, method, 1000, 0.02), 1, 0.25) << method << " on " << name;
+        // measured 1.00, 1.00, 1.01; at longer steps static friction still pulls the pendulum's point off
+        EXPECT_NEAR(position_order(problem, "xpbd_joints_10", 4000, 0.005), 1, 0.1) << name;
     }
+}
+// An arm of six axes, without the armature that these methods do not support: joints hit their limits and stick. An
+// inelastic impact at a limit acts on all joints. Measured orders 0.93 and 1.07; the iteration of sequential impulses
+// does not converge in 50 passes.
+TEST(MaximalMethods, PositionCorrectionsStopAnArmAtItsLimits) {
+    Scene scene = find_scene("joints/arm6_limits_friction");
+    for (Joint& joint : scene.joints) joint.armature = {};
+    const Problem problem = pose(scene);
+    EXPECT_NEAR(position_order(problem, "xpbd_joints_1", 2000, 5e-3), 1, 0.2);
+    EXPECT_NEAR(position_order(problem, "xpbd_joints_10", 1000, 1e-3), 1, 0.2);
 }
 // Impacts at times between the steps: the error decreases with the step, without a smooth order.
 TEST(MaximalMethods, BounceBetweenStops) {
     const Problem problem = pose(find_scene("joints/pendulum_with_stops"));
-    for (const std::string& method : impulses) {
+    std::vector<std::string> methods = impulses;
+    methods.push_back("xpbd_joints_10");
+    for (const std::string& method : methods) {
         EXPECT_LT(position_error(problem, method, problem.scene.duration / 8000), 2e-3) << method;
         const Trajectory run = stepped(problem, method, problem.scene.duration / 2000, 2000);
         for (const Sample& sample : run.samples) {
@@ -242,12 +260,12 @@ TEST(MaximalMethods, BounceBetweenStops) {
 }
 TEST(MaximalMethods, RefuseFrictionAndLimitsIfTheyHaveNone) {
     const Problem problem = pose(find_scene("joints/pendulum_with_stops"));
-    for (const char* method :
-         {"xpbd_joints_10", "variational_tree", "reduced_semi_implicit_euler", "xpbd_joints_10_float32"})
+    for (const char* method : {"variational_tree", "reduced_semi_implicit_euler", "reduced_implicit_damping"})
         EXPECT_NE(refusal(*find_method(method), problem).find("does not support friction and limits"),
                   std::string::npos)
             << method;
-    EXPECT_EQ(refusal(*find_method("sequential_impulses_10_float32"), problem), "");
+    for (const char* method : {"sequential_impulses_10_float32", "xpbd_joints_1", "xpbd_joints_10_float32"})
+        EXPECT_EQ(refusal(*find_method(method), problem), "") << method;
     EXPECT_NE(refusal(*find_method("soft_step_4"), problem).find("\"hinge\" have a restitution"), std::string::npos);
 }
 // Limits without restitution: the joint stops there, within the opening of soft joints.
@@ -255,8 +273,29 @@ TEST(MaximalMethods, StopAtLimits) {
     Scene scene = find_scene("joints/pendulum_with_stops");
     scene.joints[0].limits.restitution = 0;
     const Problem problem = pose(scene);
-    for (const char* method : {"sequential_impulses_10", "soft_step_4", "soft_step_16", "soft_step_4_float32"})
+    for (const char* method :
+         {"sequential_impulses_10", "soft_step_4", "soft_step_16", "soft_step_4_float32", "xpbd_joints_1"})
         EXPECT_LT(position_error(problem, method, scene.duration / 8000), 1e-3) << method;
+}
+
+// A swing without gravity between stops: an inelastic stop leaves no motion, an elastic one keeps the rate of 4 rad/s
+// to the order of the step. Measured: 0.19, 0.040 and 0.013 rad/s lost. A second run has the same bits.
+TEST(MaximalMethods, PositionCorrectionsKeepTheRateOfImpacts) {
+    Scene scene = find_scene("joints/pendulum_with_stops");
+    scene.loads.clear();
+    for (const double restitution : {0.0, 1.0})
+        for (const double step : {1e-2, 3e-3, 1e-3}) {
+            scene.joints[0].limits.restitution = restitution;
+            const Problem problem = pose(scene);
+            Settings settings;
+            settings.step = step, settings.samples = 10;
+            const Trajectory run = solve(problem, *find_method("xpbd_joints_1"), settings);
+            ASSERT_EQ(run.status, Status::ok) << run.message;
+            const double rate = length(run.samples.back().angular_velocity_B);
+            EXPECT_NEAR(rate, 4 * restitution, restitution == 0 ? 1e-9 : 25 * step) << step;
+            settings.repetitions = 2;
+            EXPECT_EQ(solve(problem, *find_method("xpbd_joints_1"), settings).samples.back().q, run.samples.back().q);
+        }
 }
 
 TEST(MaximalMethods, RefuseWhatIsNoMechanism) {

@@ -15,6 +15,7 @@
 #include <span>
 
 #include "integrators/contact_stepping/contact_state.h"
+#include "integrators/game/soft_constraint.h"
 #include "integrators/run/amplification.h"
 #include "integrators/run/binary32.h"
 
@@ -138,10 +139,8 @@ class MujocoContacts : public contact_stepping::ContactState<S> {
     };
 
     void set_row(const Constraint& c, const S& h) {
-        constexpr S least = S(0.9), most = S(0.95), width = S(0.001);
-        const S time = std::max(S(0.02), S(2) * h), depth = std::min(S(1), -c.gap / width);
-        const S shape = depth < S(0.5) ? S(2) * depth * depth : S(1) - S(2) * (S(1) - depth) * (S(1) - depth);
-        const S d = least + shape * (most - least), b = S(2) / (most * time), k = S(1) / (most * time * most * time);
+        const SoftConstraint<S> soft{.step = h};
+        const S d = soft.impedance(-c.gap), b = soft.damping(), k = soft.stiffness();
         Row row;
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t j = 0; j < 3; ++j) row.J[i][j] = c.axis_W[i][j], row.J[i][j + 3] = c.moment_W[i][j];

@@ -23,6 +23,7 @@
 #include <cmath>
 #include <vector>
 
+#include "integrators/multibody/joint_limits.h"
 #include "integrators/multibody/velocity_rows.h"
 #include "scene/scene.h"
 
@@ -37,10 +38,9 @@ class JointRow {
         : pair(pair_index),
           friction_(S(joint.friction)),
           restitution_(S(joint.limits.restitution)),
-          sides_{Side{S(1), S(joint.limits.lower)}, Side{S(-1), S(-joint.limits.upper)}} {}
+          sides_{Side{limits_of<S>(joint)[0]}, Side{limits_of<S>(joint)[1]}} {}
     bool has_any() const {
-        return friction_ > S(0) ||
-               std::ranges::any_of(sides_, [](const Side& side) { return std::isfinite(side.limit); });
+        return friction_ > S(0) || std::ranges::any_of(sides_, [](const Side& side) { return side.exists(); });
     }
     /// Discards the impulses of the previous step.
     void forget() {
@@ -54,10 +54,10 @@ class JointRow {
         set_row(at);
         const S rate = row_.velocity(at.from, at.to);
         for (Side& side : sides_) {
-            const S gap = side.sign * coordinate - side.limit;
+            const S gap = side.gap_at(coordinate);
             // the impulse of an impact does not act again
             if (side.bounce > S(0)) side.impulse = S(0);
-            side.is_active = std::isfinite(side.limit) && (restitution_ == S(0) || gap <= S(0));
+            side.is_active = side.exists() && (restitution_ == S(0) || gap <= S(0));
             side.bounce = gap <= S(0) ? -restitution_ * std::min(side.sign * rate, S(0)) : S(0);
         }
         set_rates(coordinate, h, correction_rate);
@@ -115,7 +115,7 @@ class JointRow {
         set_row(at);
         S largest = S(0);
         for (Side& side : sides_) {
-            const S gap = side.sign * coordinate - side.limit;
+            const S gap = side.gap_at(coordinate);
             if (!(gap < S(0))) continue;
             side.impulse -= gap * mass_ / h;
             row_.displace(-side.sign * gap * mass_, a, b);
@@ -156,9 +156,7 @@ class JointRow {
     }
 
   private:
-    struct Side {
-        S sign;   // 1 or -1: the sign of a rate away from the limit
-        S limit;  // times sign
+    struct Side : JointLimit<S> {
         S gap = S(0), bounce = S(0), rate = S(0), impulse = S(0), correction = S(0);
         S approach = S(0);  // corrections of positions: speed of an impact
         bool is_active = false;
@@ -186,7 +184,7 @@ class JointRow {
     }
     void set_rates(S coordinate, S h, S correction_rate) {
         for (Side& side : sides_) {
-            side.gap = side.sign * coordinate - side.limit;
+            side.gap = side.gap_at(coordinate);
             side.rate = side.gap > S(0) ? -side.gap / h : -correction_rate * side.gap;
             if (side.bounce > S(0)) side.rate = std::max(side.rate, side.bounce);
         }

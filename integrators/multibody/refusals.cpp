@@ -20,6 +20,14 @@ std::string system_refusal(const Problem& problem) {
                : "this method supports only scenes of several bodies with joints";
 }
 
+std::string restitution_refusal(const Scene& scene) {
+    for (const Joint& joint : scene.joints)
+        if (joint.limits.any() && joint.limits.restitution > 0)
+            return fmt::format("the limits of joint \"{}\" have a restitution, which the method does not support",
+                               one_line(joint.name, 60));
+    return "";
+}
+
 }  // namespace
 
 std::string mechanism_refusal(const Problem& problem) {
@@ -40,11 +48,15 @@ std::string impulse_refusal(const Problem& problem) {
 }
 
 std::string soft_limit_refusal(const Problem& problem) {
-    for (const Joint& joint : problem.scene.joints)
-        if (joint.limits.any() && joint.limits.restitution > 0)
-            return fmt::format("the limits of joint \"{}\" have a restitution, which the method does not support",
-                               one_line(joint.name, 60));
-    return impulse_refusal(problem);
+    std::string why = restitution_refusal(problem.scene);
+    return why.empty() ? impulse_refusal(problem) : why;
+}
+
+std::string reduced_limit_refusal(const Problem& problem) {
+    if (std::string why = system_refusal(problem); !why.empty()) return why;
+    if (!problem.scene.loops.empty()) return "this method does not support loops";
+    if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
+    return restitution_refusal(problem.scene);
 }
 
 std::string mechanism_binary32_refusal(const Problem& problem) {

@@ -198,27 +198,6 @@ TEST(MaximalMethods, RestartAtEvents) {
     }
 }
 
-// the largest error of a position at eight samples, m
-double position_error(const Problem& problem, const std::string& method, double step) {
-    Settings settings;
-    settings.tolerance = 1e-11, settings.samples = 8;
-    const Trajectory exact = solve(problem, *find_method("dop853"), settings), run = stepped(problem, method, step, 8);
-    EXPECT_EQ(exact.status, Status::ok) << exact.message;
-    EXPECT_EQ(run.status, Status::ok) << method << ": " << run.message;
-    double largest = 0;
-    for (std::size_t i = 0; i < std::min(run.samples.size(), exact.samples.size()); ++i)
-        largest = std::max(largest, length(run.samples[i].position_W - exact.samples[i].position_W));
-    return largest;
-}
-
-// The order from steps of duration / steps and a quarter of it.
-double position_order(const Problem& problem, const std::string& method, double steps, double allowed) {
-    const double coarse = position_error(problem, method, problem.scene.duration / steps),
-                 fine = position_error(problem, method, problem.scene.duration / (4 * steps));
-    EXPECT_LT(coarse, allowed) << method << " on " << problem.scene.name;
-    return std::log(coarse / fine) / std::log(4);
-}
-
 // Friction and limits as bounded impulses, against the motion followed from event to event. Order 1: dry friction, a
 // limit with restitution 1/2 and impacts that accumulate, sticking at the end.
 TEST(MaximalMethods, FrictionAndLimitsHaveOrderOne) {

@@ -33,6 +33,27 @@ inline std::vector<BodyMotion<double>> motions_of(const Bodies& bodies) {
     return motions;
 }
 
+/// The largest error of a position at eight samples, m, of a scene whose events dop853 locates.
+inline double position_error(const Problem& problem, const std::string& method, double step) {
+    Settings settings;
+    settings.tolerance = 1e-11, settings.samples = 8;
+    const Trajectory exact = solve(problem, *find_method("dop853"), settings), run = stepped(problem, method, step, 8);
+    EXPECT_EQ(exact.status, Status::ok) << exact.message;
+    EXPECT_EQ(run.status, Status::ok) << method << ": " << run.message;
+    double largest = 0;
+    for (std::size_t i = 0; i < std::min(run.samples.size(), exact.samples.size()); ++i)
+        largest = std::max(largest, length(run.samples[i].position_W - exact.samples[i].position_W));
+    return largest;
+}
+
+/// The order of position_error() from steps of duration / steps and a quarter of it. `allowed`: of the longer step.
+inline double position_order(const Problem& problem, const std::string& method, double steps, double allowed) {
+    const double coarse = position_error(problem, method, problem.scene.duration / steps),
+                 fine = position_error(problem, method, problem.scene.duration / (4 * steps));
+    EXPECT_LT(coarse, allowed) << method << " on " << problem.scene.name;
+    return std::log(coarse / fine) / std::log(4);
+}
+
 /// The largest errors over all bodies and samples.
 struct Off {
     double attitude = 0;  ///< rad

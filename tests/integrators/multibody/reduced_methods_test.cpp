@@ -109,6 +109,126 @@ TEST(ReducedMethods, ImplicitDampersDoNotBlowUp) {
               it.run("reduced_semi_implicit_euler", 1e-3).samples.back().q);
 }
 
+Scene without_restitution(const std::string& name) {
+    Scene scene = find_scene(name);
+    for (Joint& joint : scene.joints) joint.limits.restitution = 0;
+    return scene;
+}
+
+// Positions of the bodies at the end from MuJoCo 2.2.2 (libmujoco, integrator Euler, solver Newton with tolerance 0)
+// for this arm as MJCF with coordinate zero as reference, 750 steps; stiff: solref 2 h and solimp 0.9999. Both differ
+// by at most 3e-14 m.
+TEST(MujocoJoints, MatchMujoco) {
+    const Problem problem = pose(find_scene("joints/arm6_limits_friction"));
+    const std::map<std::string, std::vector<Vector3<double>>> published{
+        {"mujoco_joints",
+         {{0, 0, 0.125},
+          {0.166008199346385, 0.18313742011423, 0.298770130240495},
+          {0.283620654205547, 0.35941559199185, 0.283183077181938},
+          {0.282630297880639, 0.311792934347635, 0.0357812498377333},
+          {0.252977196378271, 0.272762657683626, -0.0854071836403795},
+          {0.176457188554339, 0.212916454161957, -0.067275848149898}}},
+        {"mujoco_joints_stiff",
+         {{0, 0, 0.125},
+          {0.165871786209341, 0.183097968467794, 0.299378608553595},
+          {0.286318585404975, 0.362599070930063, 0.283773523274791},
+          {0.291476099959116, 0.321746591021062, 0.0352156076315586},
+          {0.262062960252419, 0.288175527440193, -0.0879287963906101},
+          {0.186599982051187, 0.230725631640737, -0.0601713938890792}}},
+    };
+    for (const auto& [method, positions] : published) {
+        const Bodies end = stepped(problem, method, 1e-3, 1).at(1);
+        ASSERT_EQ(end.size(), positions.size());
+        for (std::size_t b = 0; b < end.size(); ++b)
+            EXPECT_LT(length(end[b].position_W - positions[b]), 1e-12) << method << " " << b;
+    }
+}
+
+// A block that a force f < F pulls: at a constant rate a = 0 = a_ref - R f, hence x' = R f / b with R = (1 - d) / (d
+// m).
+TEST(MujocoJoints, CreepUnderFriction) {
+    Scene scene = find_scene("joints/coulomb_oscillator");
+    constexpr double f = 0.25, b = 2 / (0.95 * 0.02), R = (1 - 0.9) / (0.9 * 2);
+    scene.joints[0].stiffness[0] = 0, scene.joints[0].coordinate[0] = 0;
+    scene.loads.push_back(Motor{scene.joints[0].name, f, {}});
+    for (const double step : {4e-3, 1e-3})
+        EXPECT_NEAR(stepped(pose(scene), "mujoco_joints", step).samples.back().velocity_W[0], R * f / b, 1e-12);
+    // T = 2 h, d = 0.9999
+    const double stiff = stepped(pose(scene), "mujoco_joints_stiff", 1e-3).samples.back().velocity_W[0];
+    EXPECT_NEAR(stiff, (1 - 0.9999) / (0.9999 * 2) * f * 0.9999 * 1e-3, 1e-14);
+}
+
+// At rest on a limit: k d(r) r = (1 - d(r)) / d(r) g.
+TEST(MujocoJoints, PassTheLimitAtRest) {
+    const Problem problem = pose(without_restitution("joints/bouncing_slider"));
+    constexpr double T = 0.95 * 0.02;
+    const auto excess = [&](double r) {
+        const double d = 0.9 + 0.05 * 2 * (r / 0.001) * (r / 0.001);
+        return d * r / (T * T) - (1 - d) / d * 2;
+    };
+    double low = 0, high = 5e-4;
+    for (int i = 0; i < 60; ++i) (excess((low + high) / 2) < 0 ? low : high) = (low + high) / 2;
+    for (const double step : {4e-3, 1e-3}) {
+        const double z = stepped(problem, "mujoco_joints", step).samples.back().position_W[2];
+        EXPECT_NEAR(z, 0.25 - low, 1e-12) << step;
+    }
+    EXPECT_GT(low, 8e-5);
+}
+
+// A limit is a critically damped spring, x = v t exp(-t / T), until the force changes sign at t = 2 T: the block leaves
+// with the rate v exp(-2), whatever the time constant. Deviation at 64 m/s: 1e-4, from the impedance within 1 mm.
+TEST(MujocoJoints, LeaveALimitWithAPartOfTheSpeed) {
+    Scene scene = without_restitution("joints/bouncing_slider");
+    scene.loads.clear(), scene.duration = 0.25;
+    scene.joints[0].rate[0] = -64;
+    const Trajectory run = stepped(pose(scene), "mujoco_joints", 1e-5);
+    EXPECT_NEAR(run.samples.back().velocity_W[2], 64 * std::exp(-2), 64 * 1e-3);
+    // with a time constant of two steps the part depends on the time of arrival within the step
+    double least = 1, most = 0;
+    for (int i = 0; i < 16; ++i) {
+        scene.joints[0].coordinate[0] = 1.25 + i / 256.0;
+        const double part = stepped(pose(scene), "mujoco_joints_stiff", 1e-3).samples.back().velocity_W[2] / 64;
+        least = std::min(least, part), most = std::max(most, part);
+    }
+    EXPECT_LT(least, 0.02);
+    EXPECT_GT(most, 0.2);
+    EXPECT_LT(most, 0.25);
+}
+
+// The soft model converges to its own motion; the time constant of two steps to dry friction and rest on a limit.
+// Measured orders: 1.00 and 1.01 of the former, 1.00 and 1.00 of the latter.
+TEST(MujocoJoints, HaveOrderOne) {
+    for (const char* name : {"joints/coulomb_oscillator", "joints/arm6_limits_friction"}) {
+        const Problem problem = pose(find_scene(name));
+        // the largest change of a position when the step is halved
+        const auto change = [&](double steps) {
+            const Trajectory one = stepped(problem, "mujoco_joints", problem.scene.duration / steps, 8),
+                             other = stepped(problem, "mujoco_joints", problem.scene.duration / (2 * steps), 8);
+            double largest = 0;
+            for (std::size_t i = 0; i < one.samples.size(); ++i)
+                largest = std::max(largest, length(one.samples[i].position_W - other.samples[i].position_W));
+            return largest;
+        };
+        const double coarse = change(1000), fine = change(8000);
+        EXPECT_NEAR(std::log2(coarse / fine) / 3, 1, 0.1) << name;
+        EXPECT_GT(position_error(problem, "mujoco_joints", problem.scene.duration / 8000), 5 * fine) << name;
+    }
+    for (const char* name : {"joints/coulomb_oscillator", "joints/bouncing_slider"})
+        EXPECT_NEAR(position_order(pose(without_restitution(name)), "mujoco_joints_stiff", 1000, 5e-3), 1, 0.1) << name;
+}
+
+TEST(MujocoJoints, RefuseWhatTheyDoNotRepresent) {
+    const auto why = [](const std::string& scene) {
+        return refusal(*find_method("mujoco_joints"), pose(find_scene(scene)));
+    };
+    EXPECT_NE(why("joints/pendulum_with_stops").find("\"hinge\" have a restitution"), std::string::npos);
+    EXPECT_NE(why("mechanisms/four_bar").find("does not support loops"), std::string::npos);
+    EXPECT_NE(why("joints/rack_and_pinion").find("does not support couplings"), std::string::npos);
+    EXPECT_NE(why("joints/screw_jack").find("does not support couplings"), std::string::npos);
+    EXPECT_NE(why("joints/kapitza_cart").find("prescribed motions"), std::string::npos);
+    EXPECT_EQ(why("joints/arm6_limits_friction"), "");
+}
+
 double largest_energy_error(const Case& it, const Trajectory& run, std::size_t from, std::size_t to) {
     const double start = it.invariants(run.at(0)).energy;
     double largest = 0;

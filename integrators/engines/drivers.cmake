@@ -4,7 +4,7 @@ find_package(PkgConfig QUIET)
 set(drivers ${PROJECT_SOURCE_DIR}/integrators/engines/drivers)
 set(POLHODE_ENGINES_DIRECTORY ${PROJECT_BINARY_DIR}/engines)
 
-add_library(polhode_engine_driver STATIC ${drivers}/serve.cpp)
+add_library(polhode_engine_driver STATIC ${drivers}/serve.cpp ${drivers}/formula_loads.cpp)
 target_link_libraries(polhode_engine_driver PUBLIC polhode polhode_flags nlohmann_json::nlohmann_json Eigen3::Eigen)
 target_include_directories(polhode_engine_driver PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src)
 set(found "")

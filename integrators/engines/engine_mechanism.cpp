@@ -16,6 +16,7 @@
 #include "body/orientation.h"
 #include "integrators/engines/engine_json.h"
 #include "integrators/run/watch.h"
+#include "motion/formula_mechanism.h"
 #include "motion/mechanism.h"
 #include "scene/joint_file.h"
 #include "scene/sphere_contacts.h"
@@ -38,10 +39,12 @@ Vector3<double> gravity_of(const Scene& scene) {
         } else if (const Impulse* impulse = std::get_if<Impulse>(&load)) {
             if (impulse->at > 0)
                 throw std::invalid_argument("the engine protocol supports impulses on mechanisms only at t = 0");
-        } else if (const Spring* spring = std::get_if<Spring>(&load);
-                   !std::holds_alternative<Motor>(load) && (!spring || spring->stiffness != 0)) {
+        } else if (const Spring* spring = std::get_if<Spring>(&load); !std::holds_alternative<Motor>(load) &&
+                                                                      !std::holds_alternative<FormulaLoad>(load) &&
+                                                                      (!spring || spring->stiffness != 0)) {
             throw std::invalid_argument(
-                "the engine protocol supports only gravity, motors and impulses at t = 0 as loads on mechanisms");
+                "the engine protocol supports only gravity, motors, formulas and impulses at t = 0 as loads on "
+                "mechanisms");
         }
     }
     return gravity;
@@ -189,6 +192,14 @@ void convert_joint_loads(const Scene& scene, EngineMechanism& mechanism) {
                                        joint_index(mechanism.joints, coupling.second), coupling.ratio});
 }
 
+// The motion of all bodies at t = 0, after the impulses at that time.
+template <class Model>
+std::vector<Sample> find_start(Model model) {
+    std::vector<double> y(static_cast<std::size_t>(model.dimension()));
+    model.initial(y.data()), model.enter(0, y.data());
+    return model.motion(y.data());
+}
+
 // Every pair of balls collides, with the same coefficients.
 EngineBalls convert_balls(const Scene& scene, const std::vector<EngineBody>& bodies) {
     EngineBalls balls;
@@ -303,10 +314,8 @@ EngineMechanism engine_mechanism(const Problem& problem) {
     const Scene& scene = problem.scene;
     EngineMechanism result;
     result.gravity = gravity_of(scene);
-    MechanismModel model = mechanism_of(problem);
-    std::vector<double> y(static_cast<std::size_t>(model.dimension()));
-    model.initial(y.data()), model.enter(0, y.data());
-    const std::vector<Sample> start = model.motion(y.data());
+    const std::vector<Sample> start =
+        has_formula_loads(scene) ? find_start(formula_mechanism_of(problem)) : find_start(mechanism_of(problem));
     const std::vector<MassProperties<double>> properties = bodies_mass_properties<double>(scene);
     for (std::size_t b = 0; b < properties.size(); ++b) {
         EngineBody body;
@@ -324,6 +333,7 @@ EngineMechanism engine_mechanism(const Problem& problem) {
     sort_joints(result.joints);
     convert_joint_loads(scene, result);
     for (const Loop& loop : scene.loops) result.loops.push_back(convert_loop(loop, initial));
+    result.formulas = mechanism_formulas(scene, result);
     return result;
 }
 
@@ -347,6 +357,7 @@ std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& 
         return std::ranges::find(types, type) != types.end();
     };
     if (mechanism.balls && !hello.contacts) return "its driver does not support contacts of several balls";
+    if (mechanism.formulas && !hello.formulas) return no_formulas;
     if (hello.joints.empty() && !mechanism.balls) return "its driver does not support joints";
     for (const EngineJoint& joint : mechanism.joints)
         if (!knows(hello.joints, joint.type)) return fmt::format("it does not support {} joints", joint.type);
@@ -379,6 +390,7 @@ std::string mechanism_request(const EngineMechanism& mechanism, const std::strin
                  {"joints", write_joints(mechanism.joints)},
                  {"loops", write_joints(mechanism.loops)}};
     write_joint_loads(mechanism, request);
+    if (mechanism.formulas) request["formulas"] = write_formulas(*mechanism.formulas);
     if (const auto& balls = mechanism.balls) {
         request["balls"] = balls->radii, request["planes"] = engine_json::write_planes(balls->planes);
         request["contact"] = {{"restitution", balls->restitution}, {"friction", balls->friction}};

@@ -76,19 +76,20 @@ struct EngineMechanism {
     std::optional<EngineBalls> balls{};  ///< for scenes with contacts
     std::vector<EngineMotor> motors{};
     std::vector<EngineCoupling> couplings{};
+    std::optional<EngineFormulas> formulas{};  ///< loads given by formulas
 };
 
 /// Converts the scene of a problem with several bodies. Throws std::invalid_argument with a short reason if this is not
 /// possible: springs, dampers and armature of spherical and universal joints, prescribed motions, loads other than
-/// constant gravity, motors and impulses at t = 0, and pairs of balls with different coefficients.
+/// constant gravity, motors, formulas and impulses at t = 0, and pairs of balls with different coefficients.
 EngineMechanism engine_mechanism(const Problem& problem);
 
 /// The laws of joints that the mechanism has, in the words of an engine's hello: limits, restitution, friction,
 /// armature, springs, motors, couplings.
 std::vector<std::string> joint_laws(const EngineMechanism& mechanism);
 
-/// Why an engine does not support the mechanism: contacts of balls, or the first joint type, loop type or law of joints
-/// that its hello lacks. Empty if none.
+/// Why an engine does not support the mechanism: contacts of balls, formulas, or the first joint type, loop type or law
+/// of joints that its hello lacks. Empty if none.
 std::string joints_refusal(const EngineMechanism& mechanism, const EngineHello& hello);
 
 /// The request as one line of JSON. `setting`: name of the engine's setting.

@@ -38,13 +38,13 @@ struct EngineEntry {
 
 // The scene in the engines' terms. Throws std::invalid_argument if an engine cannot represent it.
 std::variant<EngineScene, EngineMechanism> engine_bodies(const Problem& problem) {
-    if (std::holds_alternative<MechanismSystem>(problem.system)) return engine_mechanism(problem);
+    if (is_mechanism(problem.scene)) return engine_mechanism(problem);
     return engine_scene(problem);
 }
 
 std::string engine_refusal(const Problem& problem) {
-    if (has_formula_loads(problem.scene)) return "engines do not support loads given by formulas";
-    if (std::holds_alternative<UserSystem>(problem.system)) return "engines do not support user-defined systems";
+    if (std::holds_alternative<UserSystem>(problem.system) && !has_formula_loads(problem.scene))
+        return "engines do not support user-defined systems";
     if (std::string why = body_without_inertia(problem.scene); !why.empty()) return why;
     try {
         engine_bodies(problem);
@@ -85,9 +85,12 @@ struct EngineContext {
     void solve_bodies(const EngineScene& scene, const Problem& problem, const Settings& settings, long steps,
                       EngineAnswer& result) const {
         EngineHello hello;
-        if (!scene.planes.empty()) {
+        if (!scene.planes.empty() || scene.formulas) {
             if (!check_answer(session->request_hello(hello), hello, result.trajectory)) return;
-            if (const std::string why = shapes_refusal(scene.shapes, hello.shapes); !why.empty()) {
+            const std::string why = scene.formulas && !hello.formulas ? no_formulas
+                                    : scene.planes.empty()            ? ""
+                                                                      : shapes_refusal(scene.shapes, hello.shapes);
+            if (!why.empty()) {
                 result.trajectory = unsupported(fmt::format("{}: {}", entry.name, why));
                 return;
             }

@@ -1,8 +1,8 @@
 // Requests to engines for one body, and their answers (README.md has the protocol).
 //
 // engine_scene() converts the scene to the body's principal frame (LoadConverter rotates the loads, engine_shapes()
-// adds the shapes). engine_request() writes it as JSON, with the loads as one piece per interval between events
-// (PieceWriter). read_answer() reads samples and readback into the scene's body axes.
+// adds the shapes, body_formulas() the formulas). engine_request() writes it as JSON, with the loads as one piece per
+// interval between events (PieceWriter). read_answer() reads samples and readback into the scene's body axes.
 #include "integrators/engines/engine_request.h"
 
 #include <fmt/format.h>
@@ -61,9 +61,8 @@ struct LoadConverter {
     Load operator()(const UserTorque&) const {
         throw std::invalid_argument("a user-defined torque cannot be passed to another process");
     }
-    Load operator()(const FormulaLoad&) const {
-        throw std::invalid_argument("a formula cannot be passed to another process");
-    }
+    // formulas are sent as a list of operations; see engine_formulas.h
+    Load operator()(const FormulaLoad& load) const { return load; }
     Load operator()(const Motor&) const { throw std::invalid_argument(several_bodies); }
     Load operator()(const PointSpring&) const { throw std::invalid_argument(several_bodies); }
 
@@ -112,16 +111,44 @@ struct PieceWriter {
     }
 };
 
-json write_pieces(const Scene& scene) {
+// The boundary between two steps that differs from t only by rounding, or t.
+double snap_to_step(double t, double duration, const Settings& settings, long steps_per_sample) {
+    const double interval = duration / static_cast<double>(settings.samples);
+    const long k = std::clamp(std::lround(std::floor(t / interval)), 0L, settings.samples - 1);
+    const double begin = sample_time(duration, k, settings.samples),
+                 end = sample_time(duration, k + 1, settings.samples),
+                 h = (end - begin) / static_cast<double>(steps_per_sample);
+    const long i = std::clamp(std::lround((t - begin) / h), 0L, steps_per_sample);
+    const double boundary = i == steps_per_sample ? end : begin + static_cast<double>(i) * h;
+    return std::abs(boundary - t) < 1e-6 * h ? boundary : t;
+}
+
+// Writes the loads from each event to the next. Formulas only add events.
+json write_pieces(const EngineScene& scene, const Settings& settings, long steps_per_sample) {
+    std::vector<double> begins;
+    for (const Leg& leg : itinerary(scene.free)) begins.push_back(leg.begin);
+    for (const double t : scene.formula_times) {
+        const double begin = snap_to_step(t, scene.free.duration, settings, steps_per_sample);
+        const auto place = std::ranges::lower_bound(begins, begin);
+        if (place == begins.end() || *place != begin) begins.insert(place, begin);
+    }
     json pieces = json::array();
-    for (const Leg& leg : itinerary(scene)) {
-        json piece{{"begin", leg.begin}};
-        for (const Load& load : scene.loads)
-            if (std::holds_alternative<Impulse>(load) || acts(window_of(load), leg.begin))
-                std::visit(PieceWriter{leg.begin, piece}, load);
+    for (const double begin : begins) {
+        json piece{{"begin", begin}};
+        for (const Load& load : scene.free.loads)
+            if (std::holds_alternative<Impulse>(load) || acts(window_of(load), begin))
+                std::visit(PieceWriter{begin, piece}, load);
         pieces.push_back(std::move(piece));
     }
     return pieces;
+}
+
+// The times inside the run at which a formula begins, ends or is sampled.
+std::vector<double> find_formula_times(Scene scene) {
+    std::erase_if(scene.loads, [](const Load& load) { return !std::holds_alternative<FormulaLoad>(load); });
+    std::vector<double> times = event_times(scene);
+    std::erase_if(times, [&](double t) { return !(t > 0 && t < scene.duration); });
+    return times;
 }
 
 json write_shape(const EngineShape& shape) {
@@ -196,7 +223,13 @@ EngineScene engine_scene(const Problem& problem) {
                                      : pose(free, Formulation::full_principal).body.principal;
     result.moments = frame.moments, result.q_BP = frame.q_BP;
     const Vector3<double>& center = scene.body.center_of_mass;
-    for (const Load& load : scene.loads) free.loads.push_back(std::visit(LoadConverter{result.q_BP, center}, load));
+    for (const Load& load : scene.loads)
+        if (Load converted = std::visit(LoadConverter{result.q_BP, center}, load);
+            !std::holds_alternative<FormulaLoad>(converted))
+            free.loads.push_back(std::move(converted));
+    free.parameters.clear(), free.tables.clear(), free.let.clear();
+    result.formulas = body_formulas(scene, body, result.q_BP, center);
+    if (result.formulas) result.formula_times = find_formula_times(scene);
     result.planes = engine_planes(scene);
     if (!result.planes.empty()) result.shapes = engine_shapes(scene.body, center, result.q_BP);
     free.body = {scene.body.mass, diagonal(result.moments), {}, nullptr};
@@ -243,13 +276,14 @@ std::string engine_request(const EngineScene& scene, const std::string& setting,
                  {"p", array(free.initial.position_W)},
                  {"v", array(free.initial.velocity_W)},
                  {"pivot", scene.pivot ? array(*scene.pivot) : json()},
-                 {"pieces", write_pieces(free)},
+                 {"pieces", write_pieces(scene, settings, steps_per_sample)},
                  {"planes", engine_json::write_planes(scene.planes)},
                  {"hull", hull},
                  {"shapes", shapes},
                  {"scene", json::parse(write_scene(free), nullptr, true, true)}};
     if (scene.shapes.size() == 1 && scene.shapes.front().is_centered_ball())
         request["ball"] = scene.shapes.front().radius;
+    if (scene.formulas) request["formulas"] = write_formulas(*scene.formulas);
     return request.dump();
 }
 
@@ -260,7 +294,7 @@ EngineHello read_hello(std::string_view line) {
     try {
         result.version = one_line(hello.value("version", ""), 80);
         result.missing = one_line(hello.value("missing", ""), 300);
-        result.contacts = hello.value("contacts", false);
+        result.contacts = hello.value("contacts", false), result.formulas = hello.value("formulas", false);
         if (const auto settings = hello.find("settings"); settings != hello.end())
             for (const auto& [name, what] : settings->items())
                 result.settings.emplace_back(one_line(name, 80), one_line(what.get<std::string>(), 300));

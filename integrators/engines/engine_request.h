@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "integrators/engines/engine_formulas.h"
 #include "integrators/engines/engine_shapes.h"
 #include "integrators/method.h"
 
@@ -14,12 +15,14 @@ namespace polhode {
 /// A scene in the terms that every engine supports: a free body whose origin is its centre of mass and whose axes are
 /// its principal axes, with an optional pivot and planes.
 struct EngineScene {
-    Scene free;                            ///< without pivot, planes and shape; starts as the scene does
-    Vector3<double> moments;               ///< kg m^2
-    Quaternion<double> q_BP;               ///< its axes to those of the scene's body
-    std::optional<Vector3<double>> pivot;  ///< fixed at the world's origin: from the centre of mass, in its axes, m
-    std::vector<Plane> planes;             ///< unit normals
-    std::vector<EngineShape> shapes;       ///< shapes of the body if there are planes
+    Scene free;                                ///< without pivot, planes, shape and formulas; starts as the scene does
+    Vector3<double> moments;                   ///< kg m^2
+    Quaternion<double> q_BP;                   ///< its axes to those of the scene's body
+    std::optional<Vector3<double>> pivot;      ///< fixed at the world's origin: from the centre of mass, in its axes, m
+    std::vector<Plane> planes;                 ///< unit normals
+    std::vector<EngineShape> shapes;           ///< shapes of the body if there are planes
+    std::optional<EngineFormulas> formulas{};  ///< loads given by formulas
+    std::vector<double> formula_times{};       ///< times at which such a load begins, ends or is sampled, s
 };
 
 /// Converts the scene of a problem. A tensor that is already diagonal keeps its axes. Throws std::invalid_argument with
@@ -58,6 +61,7 @@ struct EngineHello {
     std::vector<std::string> shapes{};                            ///< shapes that it supports on planes; see README.md
     bool contacts = false;                                        ///< supports balls that touch each other and planes
     std::vector<std::string> laws{};                              ///< laws of joints that it supports; see README.md
+    bool formulas = false;                                        ///< evaluates loads given by formulas
 };
 
 /// Parses the hello. Throws std::invalid_argument with the fault if the line is not a valid hello.

@@ -60,16 +60,16 @@ class BulletMechanism {
         }
         return all;
     }
+    void apply(int index, const Vector3<double>& force, const Vector3<double>& torque) {
+        btRigidBody& loaded = body(index);
+        loaded.activate(true);
+        loaded.applyCentralForce(bullet(force)), loaded.applyTorque(bullet(torque));
+    }
     void step(double h) {
         for (const auto& [hinge, friction] : hinges_with_friction_) hinge->setMaxMotorImpulse(btScalar(friction * h));
         forces_.enter_step(h);
         if (!forces_.joints().empty())
-            add_joint_forces(forces_, *mechanism_, motions(),
-                             [&](int index, const Vector3<double>& force, const Vector3<double>& torque) {
-                                 btRigidBody& loaded = body(index);
-                                 loaded.activate(true);
-                                 loaded.applyCentralForce(bullet(force)), loaded.applyTorque(bullet(torque));
-                             });
+            add_joint_forces(forces_, *mechanism_, motions(), [&](auto... load) { apply(load...); });
         world_.stepSimulation(btScalar(h), 0);
     }
 

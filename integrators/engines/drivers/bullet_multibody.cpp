@@ -138,6 +138,15 @@ class MultibodyMechanism {
         }
         return all;
     }
+    void apply(int index, const Vector3<double>& force, const Vector3<double>& torque) {
+        const LinkPlace& place = places_[std::size_t(index)];
+        btMultiBody& tree = *trees_[place.tree];
+        if (place.link < 0) {
+            tree.addBaseForce(bullet(force)), tree.addBaseTorque(bullet(torque));
+        } else {
+            tree.addLinkForce(place.link, bullet(force)), tree.addLinkTorque(place.link, bullet(torque));
+        }
+    }
     void step(double h) {
         for (const auto& [motor, friction] : friction_) motor->setMaxAppliedImpulse(friction * h);
         forces_.enter_step(h);

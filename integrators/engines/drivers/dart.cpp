@@ -130,6 +130,11 @@ class DartMechanism {
         for (const dd::BodyNode* node : nodes_) all.push_back(motion_of(*node));
         return all;
     }
+    void apply(int index, const Vector3<double>& force, const Vector3<double>& torque) {
+        dd::BodyNode& node = *nodes_[std::size_t(index)];
+        node.addExtForce(eigen(force), Eigen::Vector3d::Zero(), false, true);
+        node.addExtTorque(eigen(torque), false);
+    }
     void step(double h) {
         forces_.enter_step(h);
         // DART resets the forces after each step

@@ -1,21 +1,18 @@
-// Several bodies and joints as a driver receives them, and the loop over their steps.
+// Several bodies and joints as a driver receives them.
 //
-// A driver provides a MechanismWorld: the engine with all bodies and joints, created for each run. JointForces sums the
-// motors, springs and dampers of joints at the start of a step, as in a game's code; add_joint_forces() applies them to
-// the bodies of engines that have no generalized forces.
+// JointForces sums the motors, springs and dampers of joints at the start of a step, as in a game's code;
+// add_joint_forces() applies them to the bodies of engines that have no generalized forces. mechanism_run.h is the loop
+// over the steps.
 #pragma once
 
-#include <concepts>
-#include <functional>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "body/mass_properties.h"
-#include "integrators/run/watch.h"
+#include "integrators/engines/engine_formulas.h"
 #include "scene/scene.h"
 
 namespace polhode::engines {
@@ -83,6 +80,7 @@ struct Mechanism {
     std::optional<Balls> balls;
     std::vector<JointMotor> motors;
     std::vector<JointCoupling> couplings;
+    std::optional<EngineFormulas> formulas;
 
     const LinkBody& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
     /// The attitude of a body, or of the world, at the start.
@@ -176,6 +174,23 @@ inline std::pair<double, double> joint_coordinate(const LinkJoint& joint, const 
     return {dot(axis_W, at_child - at_parent), dot(axis_W, child.v + cross(child.w, arm) - v_parent)};
 }
 
+/// Passes a generalized force on a joint to `apply(body, force, torque)` as opposite loads on its bodies: at the centre
+/// of mass, in world axes.
+template <class Apply>
+void add_joint_force(const LinkJoint& joint, double force, const std::vector<Motion>& motions, const Apply& apply) {
+    const Motion& child = motions[static_cast<std::size_t>(joint.child)];
+    const Vector3<double> along = force * rotate(normalized(child.q), joint.child_axes[0]);
+    if (joint.type == "revolute") {
+        apply(joint.child, Vector3<double>(), along);
+        if (joint.parent >= 0) apply(joint.parent, Vector3<double>(), -along);
+    } else {
+        apply(joint.child, along, Vector3<double>());
+        if (joint.parent < 0) return;
+        const Vector3<double> arm = child.p - motions[static_cast<std::size_t>(joint.parent)].p;
+        apply(joint.parent, -along, cross(arm, -along));
+    }
+}
+
 /// Passes the forces on the joints to `apply(body, force, torque)`: at the centre of mass, in world axes.
 template <class Apply>
 void add_joint_forces(const JointForces& forces, const Mechanism& mechanism, const std::vector<Motion>& motions,
@@ -183,60 +198,8 @@ void add_joint_forces(const JointForces& forces, const Mechanism& mechanism, con
     for (const std::size_t index : forces.joints()) {
         const LinkJoint& joint = mechanism.joints[index];
         const auto [x, rate] = joint_coordinate(joint, mechanism, motions);
-        const Motion& child = motions[static_cast<std::size_t>(joint.child)];
-        const Vector3<double> along = forces.force(index, x, rate) * rotate(normalized(child.q), joint.child_axes[0]);
-        if (joint.type == "revolute") {
-            apply(joint.child, Vector3<double>(), along);
-            if (joint.parent >= 0) apply(joint.parent, Vector3<double>(), -along);
-        } else {
-            apply(joint.child, along, Vector3<double>());
-            if (joint.parent < 0) continue;
-            const Vector3<double> arm = child.p - motions[static_cast<std::size_t>(joint.parent)].p;
-            apply(joint.parent, -along, cross(arm, -along));
-        }
+        add_joint_force(joint, forces.force(index, x, rate), motions, apply);
     }
-}
-
-/// An engine with several bodies.
-template <class World>
-concept MechanismWorld = std::constructible_from<World, const Mechanism&> && requires(World world, double h) {
-    { world.motions() } -> std::same_as<std::vector<Motion>>;  // motions of all bodies, in their order
-    world.step(h);
-};
-
-/// A request for several bodies.
-struct MechanismRequest {
-    Mechanism mechanism;
-    double duration = 0;
-    long samples = 0, steps_per_sample = 0, repetitions = 0;
-};
-
-/// The result of a request.
-struct MechanismRun {
-    std::vector<std::vector<Motion>> moments;
-    double seconds = 0;
-    long steps = 0;
-};
-
-/// Runs a world through a request.
-template <MechanismWorld World>
-MechanismRun march_mechanism(const MechanismRequest& request) {
-    MechanismRun run;
-    for (long repetition = 0; repetition < request.repetitions; ++repetition) {
-        const auto world = std::make_unique<World>(request.mechanism);
-        run.moments.assign(1, world->motions());
-        run.steps = 0;
-        const Stopwatch stopwatch;
-        for (long k = 1; k <= request.samples; ++k) {
-            const double begin = sample_time(request.duration, k - 1, request.samples),
-                         end = sample_time(request.duration, k, request.samples);
-            const double h = (end - begin) / static_cast<double>(request.steps_per_sample);
-            for (long i = 0; i < request.steps_per_sample; ++i) world->step(h), ++run.steps;
-            run.moments.push_back(world->motions());
-        }
-        run.seconds += stopwatch.seconds() / static_cast<double>(request.repetitions);
-    }
-    return run;
 }
 
 }  // namespace polhode::engines

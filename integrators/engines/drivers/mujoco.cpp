@@ -284,6 +284,10 @@ class MujocoMechanism {
         }
         return all;
     }
+    void apply(int index, const Vector3<double>& force, const Vector3<double>& torque) {
+        mjtNum* const to = data_->xfrc_applied + 6 * ids_[std::size_t(index)];
+        std::copy_n(&force[0], 3, to), std::copy_n(&torque[0], 3, to + 3);
+    }
     void step(double h) {
         if (is_stiff_) stiffen(model_, h);
         forces_.enter_step(h);

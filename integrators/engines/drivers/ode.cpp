@@ -198,16 +198,16 @@ class OdeMechanism {
         }
         return all;
     }
+    void apply(int index, const Vector3<double>& force, const Vector3<double>& torque) {
+        const dBodyID body = bodies_[std::size_t(index)];
+        dBodyAddForce(body, dReal(force[0]), dReal(force[1]), dReal(force[2]));
+        dBodyAddTorque(body, dReal(torque[0]), dReal(torque[1]), dReal(torque[2]));
+    }
     void step(double h) {
         if (balls_) dSpaceCollide(space_, this, add_contacts);
         forces_.enter_step(h);
         if (!forces_.joints().empty())
-            add_joint_forces(forces_, *mechanism_, motions(),
-                             [&](int index, const Vector3<double>& force, const Vector3<double>& torque) {
-                                 const dBodyID body = bodies_[std::size_t(index)];
-                                 dBodyAddForce(body, dReal(force[0]), dReal(force[1]), dReal(force[2]));
-                                 dBodyAddTorque(body, dReal(torque[0]), dReal(torque[1]), dReal(torque[2]));
-                             });
+            add_joint_forces(forces_, *mechanism_, motions(), [&](auto... load) { apply(load...); });
         dWorldStep(world_, dReal(h));
         dJointGroupEmpty(contacts_);
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -50,6 +51,22 @@ EngineShape read_shape(const json& shape) {
     return result;
 }
 
+// Adds the events of formulas, which the scene of the request does not have: each begins a segment with the loads of
+// the segment before it.
+void add_events(const json& pieces, Problem& problem) {
+    std::vector<Segment>& segments = problem.segments;
+    for (const json& piece : pieces) {
+        const double begin = piece.at("begin");
+        const auto after = std::ranges::upper_bound(segments, begin, {}, &Segment::begin);
+        if (after == segments.begin() || std::prev(after)->begin == begin) continue;
+        Segment added = *std::prev(after);
+        added.begin = begin, added.impulses.clear();
+        std::prev(after)->end = begin, std::prev(after)->last = false;
+        segments.insert(after, std::move(added));
+    }
+    for (std::size_t i = 0; i < segments.size(); ++i) segments[i].index = i;
+}
+
 Request read_request(const json& request) {
     const Scene scene = parse_scene(request.at("scene").dump(), "the request");
     Request result{pose(scene, Formulation::full), {}, {}};
@@ -67,6 +84,10 @@ Request read_request(const json& request) {
     body.planes = read_planes(request);
     for (const json& shape : request.at("shapes")) body.shapes.push_back(read_shape(shape));
     body.setting = request.at("setting");
+    if (request.contains("formulas")) {
+        body.formulas = read_formulas(request.at("formulas"));
+        add_events(request.at("pieces"), result.problem);
+    }
     return result;
 }
 
@@ -125,6 +146,7 @@ MechanismRequest read_mechanism(const json& request) {
     }
     all.joints = read_joints(request.at("joints")), all.loops = read_joints(request.at("loops"));
     read_joint_loads(request, all);
+    if (request.contains("formulas")) all.formulas = read_formulas(request.at("formulas"));
     if (request.contains("balls")) {
         const json& contact = request.at("contact");
         all.balls = {request.at("balls").get<std::vector<double>>(), contact.at("restitution"), contact.at("friction"),
@@ -192,6 +214,7 @@ int serve(const Driver& driver, const std::function<Run(const Request&)>& run,
     for (const auto& [name, what] : driver.settings) hello["settings"][name] = what;
     if (run_mechanism) hello["joints"] = driver.joints, hello["loops"] = driver.loops;
     hello["shapes"] = driver.shapes, hello["contacts"] = driver.contacts, hello["laws"] = driver.laws;
+    hello["formulas"] = true;
     try {
         write_line(hello);
         for (std::string line; std::getline(std::cin, line);) write_line(make_answer(line, driver, run, run_mechanism));

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "integrators/engines/drivers/mechanism.h"
+#include "integrators/engines/drivers/mechanism_run.h"
 #include "integrators/engines/engine_request.h"
 #include "integrators/run/march.h"
 #include "motion/world_loads.h"
@@ -23,15 +23,16 @@ namespace polhode::engines {
 
 /// A body to be created in an engine. Its origin is its centre of mass and its axes are its principal axes.
 struct Body {
-    double mass;                           ///< kg
-    Vector3<double> moments;               ///< kg m^2
-    Quaternion<double> q;                  ///< body to world
-    Vector3<double> w, p, v;               ///< world axes, rad/s, m, m/s
-    Vector3<double> gravity;               ///< world axes, at t = 0, m/s^2
-    std::optional<Vector3<double>> pivot;  ///< point fixed at the world's origin by a ball joint, body axes, m
-    std::vector<Plane> planes;             ///< unit normals
-    std::vector<EngineShape> shapes;       ///< shapes that touch the planes, body axes
-    std::string setting;                   ///< one of Driver::settings
+    double mass;                               ///< kg
+    Vector3<double> moments;                   ///< kg m^2
+    Quaternion<double> q;                      ///< body to world
+    Vector3<double> w, p, v;                   ///< world axes, rad/s, m, m/s
+    Vector3<double> gravity;                   ///< world axes, at t = 0, m/s^2
+    std::optional<Vector3<double>> pivot;      ///< point fixed at the world's origin by a ball joint, body axes, m
+    std::vector<Plane> planes;                 ///< unit normals
+    std::vector<EngineShape> shapes;           ///< shapes that touch the planes, body axes
+    std::string setting;                       ///< one of Driver::settings
+    std::optional<EngineFormulas> formulas{};  ///< loads given by formulas
 };
 
 /// Half the thickness of the cylinder that represents a disc, m.
@@ -95,6 +96,7 @@ class WorldStepper {
         Body body = *body_;
         body.gravity = gravity_;
         world_ = std::make_unique<World>(body);
+        if (body_->formulas) formulas_.emplace(*body_->formulas, no_joints_);
         const Motion initial = world_->motion();
         *readback_ = {world_->mass(), world_->moments(), initial.q, initial.w, initial.p, initial.v};
         steps_ = 0, ++worlds_, setup_seconds_ += stopwatch.seconds();
@@ -113,13 +115,21 @@ class WorldStepper {
         world_->set_velocities(at.w + R * change_of_w, v);
     }
     void step(double t, double h) {
-        if (has_loads_) {
+        if (has_loads_ || formulas_) {
             const Motion at = world_->motion();
-            const Quaternion<double> q = normalized(at.q);
-            const Matrix3<double> R = rotation_matrix(q);
-            const Vector3<double> force = body_->mass * (loads_.acceleration_W(R, at.v) - gravity_);
-            world_->apply(force, loads_.torque_W(
-                                     t, R, [&] { return q; }, at.w, at.p, at.v));
+            BodyLoad sum;
+            if (has_loads_) {
+                const Quaternion<double> q = normalized(at.q);
+                const Matrix3<double> R = rotation_matrix(q);
+                sum.force = body_->mass * (loads_.acceleration_W(R, at.v) - gravity_);
+                sum.torque = loads_.torque_W(
+                    t, R, [&] { return q; }, at.w, at.p, at.v);
+            }
+            if (formulas_) {
+                const BodyLoad& load = formulas_->evaluate(t, h, {at}).front();
+                sum.force = sum.force + load.force, sum.torque = sum.torque + load.torque;
+            }
+            world_->apply(sum.force, sum.torque);
         }
         world_->step(h);
         ++steps_;
@@ -156,6 +166,8 @@ class WorldStepper {
     EngineReadback* readback_;
     WorldLoads<double> loads_;
     std::unique_ptr<World> world_;
+    Mechanism no_joints_{};
+    std::optional<FormulaLoads> formulas_;
     Vector3<double> gravity_;
     bool has_loads_ = false;
     long steps_ = 0, worlds_ = 0;

@@ -95,6 +95,9 @@ class SimbodyMechanism {
             all.push_back({{m[0], m[1], m[2], m[3]}, vector_of(m + 4), vector_of(m + 7), vector_of(m + 10)});
         return all;
     }
+    void apply(int index, const Vector3<double>& force, const Vector3<double>& torque) {
+        system_.apply(index, &force[0], &torque[0]);
+    }
     void step(double h) { system_.step(h); }
 
   private:

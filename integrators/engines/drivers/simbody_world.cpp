@@ -52,7 +52,9 @@ struct SettingIntegrator {
             start(system, state);
         }
         time += step;
-        integrator->stepTo(time, time);
+        // the first call after the start only reports the start of an interval
+        while (integrator->stepTo(time, time) == SimTK::Integrator::StartOfContinuousInterval) {
+        }
     }
 };
 
@@ -128,12 +130,14 @@ std::string SimbodySystem::version() {
 }
 
 struct SimbodyMechanismSystem::Parts {
-    explicit Parts(const double* acceleration) : gravity(forces, matter, vector(acceleration)) {}
+    explicit Parts(const double* acceleration)
+        : gravity(forces, matter, vector(acceleration)), external_forces(forces, matter) {}
 
     SimTK::MultibodySystem system;
     SimTK::SimbodyMatterSubsystem matter{system};
     SimTK::GeneralForceSubsystem forces{system};
     SimTK::Force::Gravity gravity;
+    SimTK::Force::DiscreteForces external_forces;
     std::vector<SimTK::MobilizedBody> bodies;
     SettingIntegrator stepper;
 
@@ -205,6 +209,11 @@ void SimbodyMechanismSystem::motions(double* numbers) const {
     const SimTK::State& state = s.stepper.integrator->getState();
     s.system.realize(state, SimTK::Stage::Velocity);
     for (const SimTK::MobilizedBody& body : s.bodies) write_motion(body, state, numbers), numbers += 13;
+}
+
+void SimbodyMechanismSystem::apply(int body, const double* force, const double* torque) {
+    parts_->external_forces.setOneBodyForce(parts_->stepper.integrator->updAdvancedState(), parts_->at(body),
+                                            SimTK::SpatialVec(vector(torque), vector(force)));
 }
 
 void SimbodyMechanismSystem::step(double h) { parts_->stepper.step(parts_->system, h); }

@@ -64,6 +64,8 @@ class SimbodyMechanismSystem {
 
     /// Writes 13 numbers per body: q, w, p and v.
     void motions(double* numbers) const;
+    /// Sets the force at the centre of mass of a body and the torque, world axes.
+    void apply(int body, const double* force, const double* torque);
     void step(double h);
 
   private:

@@ -57,6 +57,12 @@ function motionOf(body) {
   };
 }
 
+function load(body, force, torque) {
+  const push = new Ammo.btVector3(...force), turn = new Ammo.btVector3(...torque);
+  body.applyCentralForce(push), body.applyTorque(turn);
+  Ammo.destroy(push), Ammo.destroy(turn);
+}
+
 class World extends Scene {
   constructor(body) {
     super(body.gravity);
@@ -103,11 +109,7 @@ class World extends Scene {
     this.body.setAngularVelocity(this.vector(w)), this.body.setLinearVelocity(this.vector(v));
   }
   setGravity(g) { this.world.setGravity(this.vector(g)); }
-  apply(force, torque) {
-    const push = new Ammo.btVector3(...force), turn = new Ammo.btVector3(...torque);
-    this.body.applyCentralForce(push), this.body.applyTorque(turn);
-    Ammo.destroy(push), Ammo.destroy(turn);
-  }
+  apply(force, torque) { load(this.body, force, torque); }
   mass() {}
   moments() {}
   free() {
@@ -164,6 +166,10 @@ class Mechanism extends Scene {
     return slider;
   }
   motions() { return this.made.map(motionOf); }
+  apply(index, force, torque) {
+    this.made[index].activate(true);
+    load(this.made[index], force, torque);
+  }
   free() {
     for (const joint of this.joints) this.world.removeConstraint(joint);
     this.leave();

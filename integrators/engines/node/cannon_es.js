@@ -26,6 +26,11 @@ function groundOf({normal, offset}, material) {
   return ground;
 }
 
+function load(body, force, torque) {
+  body.force.vadd(vector(force), body.force);
+  body.torque.vadd(vector(torque), body.torque);
+}
+
 class World {
   constructor(body) {
     this.world = new CANNON.World({gravity: vector(body.gravity)});
@@ -65,10 +70,7 @@ class World {
   motion() { return motionOf(this.body); }
   setVelocities(w, v) { this.body.angularVelocity.set(...w), this.body.velocity.set(...v); }
   setGravity(g) { this.world.gravity.set(...g); }
-  apply(force, torque) {
-    this.body.force.vadd(vector(force), this.body.force);
-    this.body.torque.vadd(vector(torque), this.body.torque);
-  }
+  apply(force, torque) { load(this.body, force, torque); }
   step(h) { this.world.step(h); }
   mass() { return this.body.mass; }
   moments() { return array(this.body.invInertia).map((x) => 1 / x); }
@@ -113,6 +115,7 @@ class Mechanism {
     return new CANNON.HingeConstraint(a, b, options);
   }
   motions() { return this.bodies.map(motionOf); }
+  apply(index, force, torque) { load(this.bodies[index], force, torque); }
   step(h) { this.world.step(h); }
   free() {}
 }

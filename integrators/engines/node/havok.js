@@ -65,6 +65,11 @@ class Scene {
     good(havok.HP_Body_SetShape(ground, this.touching(block, plane, modes)));
     good(havok.HP_World_AddBody(this.world, ground, false));
   }
+  // Babylon.js converts a force to the impulse of one step, which is applied before the step.
+  kick(body, h, {force, torque}) {
+    good(havok.HP_Body_ApplyImpulse(body, motionOf(body).p, scaled(h, force)));
+    good(havok.HP_Body_ApplyAngularImpulse(body, scaled(h, torque)));
+  }
   advance(h) {
     good(havok.HP_World_SetIdealStepTime(this.world, h));
     good(havok.HP_World_Step(this.world, h));
@@ -128,14 +133,10 @@ class World extends Scene {
   setVelocities(w, v) {
     good(havok.HP_Body_SetAngularVelocity(this.body, w)), good(havok.HP_Body_SetLinearVelocity(this.body, v));
   }
-  // Babylon.js converts a force to the impulse of one step, which is applied before the step.
   apply(force, torque) { this.push = {force, torque}; }
   step(h) {
-    if (this.push) {
-      good(havok.HP_Body_ApplyImpulse(this.body, this.motion().p, scaled(h, this.push.force)));
-      good(havok.HP_Body_ApplyAngularImpulse(this.body, scaled(h, this.push.torque)));
-      this.push = undefined;
-    }
+    if (this.push) this.kick(this.body, h, this.push);
+    this.push = undefined;
     this.advance(h);
   }
   mass() { return good(havok.HP_Body_GetMassProperties(this.body))[1]; }
@@ -167,6 +168,7 @@ const locked = {
 class Mechanism extends Scene {
   constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
     super(gravity);
+    this.pushes = [];
     this.made = bodies.map((known, i) => this.addBody(known, setting, (body) => {
       if (!balls) return;
       const ball = good(havok.HP_Shape_CreateSphere([0, 0, 0], balls[i]));
@@ -187,7 +189,12 @@ class Mechanism extends Scene {
     }
   }
   motions() { return this.made.map(motionOf); }
-  step(h) { this.advance(h); }
+  apply(index, force, torque) { this.pushes.push({body: this.made[index], force, torque}); }
+  step(h) {
+    for (const push of this.pushes) this.kick(push.body, h, push);
+    this.pushes = [];
+    this.advance(h);
+  }
   free() {
     havok.HP_World_Release(this.world);
     for (const body of this.made) havok.HP_Body_Release(body);

@@ -70,6 +70,12 @@ class Taking {
     Jolt.destroy(settings);
   }
   setGravity(g) { this.system.SetGravity(this.vector(g)); }
+  load(body, force, torque) {
+    const push = new Jolt.Vec3(...force), turn = new Jolt.Vec3(...torque);
+    this.bodies.ActivateBody(body.GetID());
+    body.AddForce(push), body.AddTorque(turn);
+    Jolt.destroy(push), Jolt.destroy(turn);
+  }
   step(h) { this.jolt.Step(h, 1); }
   free() {
     for (const object of this.taken) Jolt.destroy(object);
@@ -139,12 +145,7 @@ class World extends Taking {
     this.bodies.ActivateBody(id);
     this.body.SetAngularVelocity(this.vector(w)), this.body.SetLinearVelocity(this.vector(v));
   }
-  apply(force, torque) {
-    const push = new Jolt.Vec3(...force), turn = new Jolt.Vec3(...torque);
-    this.bodies.ActivateBody(this.body.GetID());
-    this.body.AddForce(push), this.body.AddTorque(turn);
-    Jolt.destroy(push), Jolt.destroy(turn);
-  }
+  apply(force, torque) { this.load(this.body, force, torque); }
   mass() { return 1 / this.body.GetMotionProperties().GetInverseMass(); }
   moments() {
     return array(this.body.GetMotionProperties().GetInverseInertiaDiagonal()).map((x) => 1 / x);
@@ -163,14 +164,9 @@ class Mechanism extends Taking {
       this.system.AddConstraint(this.settingsOf(bodies, joint).Create(at(joint.parent), at(joint.child)));
     }
   }
+  apply(index, force, torque) { this.load(this.made[index], force, torque); }
   step(h) {
-    if (this.forces.loaded.length)
-      this.forces.apply(h, this.motions(), (index, force, torque) => {
-        const push = new Jolt.Vec3(...force), turn = new Jolt.Vec3(...torque), body = this.made[index];
-        this.bodies.ActivateBody(body.GetID());
-        body.AddForce(push), body.AddTorque(turn);
-        Jolt.destroy(push), Jolt.destroy(turn);
-      });
+    if (this.forces.loaded.length) this.forces.apply(h, this.motions(), (...load) => this.apply(...load));
     super.step(h);
   }
   setLaws(made, {type, friction}) {

@@ -158,6 +158,7 @@ class Mechanism {
       return {q: Array.from(xquat.subarray(4 * id, 4 * id + 4)), w, p, v};
     });
   }
+  apply(index, force, torque) { this.data.xfrc_applied.set([...force, ...torque], 6 * this.ids[index]); }
   step(h) {
     if (this.isStiff) stiffen(this.model, h);
     this.forces.enterStep(h);

@@ -19,6 +19,7 @@ class Scene {
     settings.cpuDispatcher = this.dispatcher = PhysX.DefaultCpuDispatcherCreate(0);
     settings.filterShader = PhysX.DefaultFilterShader();
     this.scene = physics.createScene(settings);
+    this.push = this.vector([0, 0, 0]);
   }
   addBody({mass, moments, p, q}, setting) {
     const body = physics.createRigidDynamic(this.place(p, q));
@@ -74,6 +75,10 @@ class Scene {
     settings.points.count = points.size(), settings.points.stride = 12, settings.points.data = points.begin();
     return PhysX.CreateConvexMesh(this.take(new PhysX.PxCookingParams(tolerances)), settings);
   }
+  load(body, force, torque) {
+    const set = ([x, y, z]) => (this.push.x = x, this.push.y = y, this.push.z = z, this.push);
+    body.addForce(set(force)), body.addTorque(set(torque));
+  }
   step(h) {
     this.scene.simulate(h);
     this.scene.fetchResults(true);
@@ -105,7 +110,6 @@ class World extends Scene {
           physics, this.body, this.place(body.pivot, one), PhysX.wrapPointer(0, PhysX.PxRigidActor),
           this.place([0, 0, 0], one));
     }
-    this.push = this.vector([0, 0, 0]);
   }
   addContact(body) {
     const {restitution, friction} = body.planes[0];
@@ -118,10 +122,7 @@ class World extends Scene {
     setVelocities(this.body, this.vector(w), this.vector(v));
   }
   setGravity(g) { this.scene.setGravity(this.vector(g)); }
-  apply(force, torque) {
-    const set = ([x, y, z]) => (this.push.x = x, this.push.y = y, this.push.z = z, this.push);
-    this.body.addForce(set(force)), this.body.addTorque(set(torque));
-  }
+  apply(force, torque) { this.load(this.body, force, torque); }
   mass() { return this.body.getMass(); }
   moments() { return array(this.body.getMassSpaceInertiaTensor()); }
   free() {
@@ -173,6 +174,7 @@ class Mechanism extends Scene {
     });
   }
   motions() { return this.made.map(motionOf); }
+  apply(index, force, torque) { this.load(this.made[index], force, torque); }
   free() {
     for (const joint of this.joints) joint.release();
     for (const body of [...this.made, ...this.grounds]) body.release();

@@ -24,6 +24,12 @@ function motionOf(b) {
   return {q: [q.w, q.x, q.y, q.z], w: array(b.angvel()), p: array(b.translation()), v: array(b.linvel())};
 }
 
+// Forces persist until they are reset.
+function load(body, force, torque) {
+  body.resetForces(true), body.resetTorques(true);
+  body.addForce(vector(force), true), body.addTorque(vector(torque), true);
+}
+
 class World {
   constructor(body) {
     this.world = new RAPIER.World(vector(body.gravity));
@@ -46,9 +52,7 @@ class World {
   setVelocities(w, v) { this.body.setAngvel(vector(w), true), this.body.setLinvel(vector(v), true); }
   setGravity(g) { this.world.gravity = vector(g); }
   apply(force, torque) {
-    // forces persist until they are reset
-    this.body.resetForces(true), this.body.resetTorques(true);
-    this.body.addForce(vector(force), true), this.body.addTorque(vector(torque), true);
+    load(this.body, force, torque);
     this.pushed = true;
   }
   step(h) {
@@ -107,6 +111,7 @@ class Mechanism {
           jointOf(bodies, joint), this.bodies[joint.parent] ?? this.ground, this.bodies[joint.child] ?? this.ground, true);
   }
   motions() { return this.bodies.map(motionOf); }
+  apply(index, force, torque) { load(this.bodies[index], force, torque); }
   step(h) {
     this.world.timestep = h;
     this.world.step();

@@ -12,31 +12,21 @@
 // For several bodies a driver provides a Mechanism, made from the request's {bodies, joints, loops, gravity, setting},
 // {motors, couplings} if there are any, and {balls, planes, contact} if bodies touch each other as balls:
 //   motions()             motions of all bodies, in their order
+//   apply(index, force, torque)  as for a World, on a body; called only if there are loads given by formulas
 //   step(h), free()       as for a World
 import fs from 'node:fs';
 import path from 'node:path';
 import {createRequire} from 'node:module';
+import {add, conjugate, cross, normalized, product, rotate, rotateBack, scaled, subtract} from './algebra.js';
+import {FormulaLoads} from './formulas.js';
+import {within} from './joints.js';
+
+export * from './algebra.js';
+export {JointForces, MotorForces} from './joints.js';
 
 const answers = 3;
 
 export class Unsupported extends Error {}
-
-export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-export const scaled = (s, a) => [s * a[0], s * a[1], s * a[2]];
-export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-export const product = (a, b) => [
-  a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-  a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]
-];
-export const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
-export const normalized = (q) => {
-  const length = Math.hypot(...q);
-  return q.map((x) => x / length);
-};
-// Rotates a vector from body to world axes, and back; q has unit length.
-export const rotate = (q, a) => product(product(q, [0, ...a]), conjugate(q)).slice(1);
-export const rotateBack = (q, a) => rotate(conjugate(q), a);
 
 // Version of an installed package, such as "1.2.3".
 export function versionOf(name) {
@@ -132,9 +122,6 @@ export function frameAbout(z, x) {
   return normalized(candidates.reduce((a, b) => Math.hypot(...b) > Math.hypot(...a) ? b : a));
 }
 
-// A frame of the world at the start, in the axes of a body or of the world.
-export const within = (bodies, index, frame) => index < 0 ? frame : product(conjugate(bodies[index].q), frame);
-
 // A joint's frame in either body: revolute about `main`, prismatic along it, fixed along the world's axes.
 export function framesOf(bodies, joint, main = 'z') {
   const axis = joint.axes[0];
@@ -144,67 +131,6 @@ export function framesOf(bodies, joint, main = 'z') {
   return [within(bodies, joint.parent, frame), within(bodies, joint.child, frame)];
 }
 
-// Motors of joints as forces that are constant during a step. A motor acts in the steps whose middle is in its window.
-export class MotorForces {
-  constructor(motors) { this.motors = motors, this.time = this.middle = 0; }
-  enterStep(h) { this.middle = this.time + 0.5 * h, this.time += h; }
-  // The forces that act, by index of the joint.
-  byJoint() {
-    const forces = new Map();
-    for (const {joint, force, from, until = Infinity} of this.motors)
-      if (from <= this.middle && this.middle < until) forces.set(joint, (forces.get(joint) ?? 0) + force);
-    return forces;
-  }
-}
-
-// Motors, springs and dampers of joints as forces on bodies. `apply(index, force, torque)`: on a body, at its centre of
-// mass, in world axes.
-export class JointForces extends MotorForces {
-  constructor({bodies, joints, motors = []}) {
-    super(motors);
-    this.bodies = bodies, this.joints = joints;
-    this.loaded = joints.map((joint, i) => ({joint, i})).filter(
-        ({joint, i}) => joint.stiffness || joint.damping || motors.some((motor) => motor.joint === i));
-  }
-  // `motions`: of all bodies
-  apply(h, motions, apply) {
-    this.enterStep(h);
-    const forces = this.byJoint();
-    for (const {joint, i} of this.loaded) {
-      const {stiffness = 0, rest = 0, damping = 0, parent, child} = joint;
-      const {x, rate} = this.coordinate(joint, motions), axis = rotate(normalized(motions[child].q), joint.child_axes[0]);
-      const along = scaled((forces.get(i) ?? 0) - stiffness * (x - rest) - damping * rate, axis);
-      const back = scaled(-1, along), none = [0, 0, 0];
-      if (joint.type === 'revolute') {
-        apply(child, none, along);
-        if (parent >= 0) apply(parent, none, back);
-      } else {
-        apply(child, along, none);
-        if (parent >= 0) apply(parent, back, cross(subtract(motions[child].p, motions[parent].p), back));
-      }
-    }
-  }
-  // The coordinate of a revolute (between -pi and pi) or prismatic joint and its rate.
-  coordinate(joint, motions) {
-    const rest = {q: [1, 0, 0, 0], w: [0, 0, 0], p: [0, 0, 0], v: [0, 0, 0]};
-    const parent = motions[joint.parent] ?? rest, child = motions[joint.child];
-    const up = normalized(parent.q), down = normalized(child.q), axis = rotate(up, joint.parent_axes[0]);
-    const along = (a) => a[0] * axis[0] + a[1] * axis[1] + a[2] * axis[2];
-    if (joint.type === 'revolute') {
-      const start = within(this.bodies, joint.parent, this.bodies[joint.child].q);
-      const turn = product(product(conjugate(up), down), conjugate(start)), [a, b, c] = joint.parent_axes[0];
-      const sine = a * turn[1] + b * turn[2] + c * turn[3];
-      return {
-        x: 2 * Math.atan2(turn[0] < 0 ? -sine : sine, Math.abs(turn[0])), rate: along(subtract(child.w, parent.w))
-      };
-    }
-    const arm = rotate(down, joint.child_point), place = add(child.p, arm);
-    const behind = add(parent.p, rotate(up, joint.parent_point));
-    const carried = add(parent.v, cross(parent.w, subtract(place, parent.p)));
-    return {x: along(subtract(place, behind)), rate: along(subtract(add(child.v, cross(child.w, arm)), carried))};
-  }
-}
-
 const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
 const zero = [0, 0, 0];
 
@@ -212,6 +138,7 @@ const zero = [0, 0, 0];
 function march(world, request, samples) {
   const {duration, samples: count, steps_per_sample: perSample, pieces} = request;
   const isLoaded = pieces.map((p) => Boolean(p.torque_B || p.torque_W || p.forces || p.drag || p.springs));
+  const formulas = request.formulas && new FormulaLoads(request.formulas);
   let next = 0, steps = 0;
   const enter = () => {
     const piece = pieces[next++];
@@ -219,9 +146,14 @@ function march(world, request, samples) {
     if (piece.impulses) strike(world, request, piece.impulses);
   };
   const due = (t) => next < pieces.length && pieces[next].begin <= t;
-  const step = (h) => {
-    if (isLoaded[next - 1]) {
-      const {force, torque} = loadsOf(pieces[next - 1], world.motion());
+  const step = (t, h) => {
+    if (isLoaded[next - 1] || formulas) {
+      const at = world.motion();
+      let {force, torque} = loadsOf(pieces[next - 1], at);
+      if (formulas) {
+        const [load] = formulas.evaluate(t, h, [at]);
+        force = add(force, load.force), torque = add(torque, load.torque);
+      }
       world.apply(force, torque);
     }
     world.step(h);
@@ -237,17 +169,17 @@ function march(world, request, samples) {
       let t = i === 0 ? begin : begin + i * h;
       const stop = i + 1 === perSample ? end : begin + (i + 1) * h;
       if (!due(stop)) {
-        step(h);
+        step(t, h);
         continue;
       }
       // an event within a step splits the step
       while (due(stop)) {
         const event = pieces[next].begin;
-        if (event > t) step(event - t);
+        if (event > t) step(t, event - t);
         t = event;
         while (due(event)) enter();
       }
-      if (stop > t) step(stop - t);
+      if (stop > t) step(t, stop - t);
     }
     samples?.push(row(world.motion()));
   }
@@ -257,14 +189,21 @@ function march(world, request, samples) {
 // Like march(), for several bodies.
 function marchMechanism(world, request, samples) {
   const {duration, samples: count, steps_per_sample: perSample} = request;
+  const formulas = request.formulas && new FormulaLoads(request.formulas, request);
+  if (formulas && !world.apply) throw new Unsupported('this driver does not support loads on several bodies');
   const moment = () => samples?.push(world.motions().map(row));
   const timeOf = (k) => k === count ? duration : duration * k / count;
   let steps = 0;
   const start = performance.now();
   moment();
   for (let k = 1; k <= count; ++k) {
-    const h = (timeOf(k) - timeOf(k - 1)) / perSample;
-    for (let i = 0; i < perSample; ++i, ++steps) world.step(h);
+    const begin = timeOf(k - 1), h = (timeOf(k) - begin) / perSample;
+    for (let i = 0; i < perSample; ++i, ++steps) {
+      if (formulas)
+        formulas.evaluate(begin + i * h, h, world.motions())
+            .forEach(({force, torque}, index) => world.apply(index, force, torque));
+      world.step(h);
+    }
     moment();
   }
   return {seconds: (performance.now() - start) / 1e3, steps};
@@ -321,7 +260,7 @@ export async function serve(
     say({engine, precision, settings, missing: missing.split('\n')[0]});
     return;
   }
-  say({engine, version: loaded.version, precision, settings, joints, loops, laws, shapes, contacts});
+  say({engine, version: loaded.version, precision, settings, joints, loops, laws, shapes, contacts, formulas: true});
   let unread = '';
   process.stdin.setEncoding('utf8');
   for await (const chunk of process.stdin) {

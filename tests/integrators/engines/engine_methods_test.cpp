@@ -119,6 +119,20 @@ TEST(EngineMethods, ReportsEveryFailure) {
               "scripted is not available: the package is not installed");
 }
 
+// An engine must list formulas in its hello to receive them.
+TEST(EngineMethods, RefusesFormulasThatTheEngineDoesNotEvaluate) {
+    Scene scene = simple_scene();
+    FormulaLoad load;
+    load.formula = "-w";
+    scene.loads.push_back(load);
+    const Trajectory refused = ScriptedEngine(answering(sound)).solved(scene);
+    EXPECT_EQ(refused.status, Status::unsupported);
+    EXPECT_EQ(refused.message, "scripted: its driver does not support loads given by formulas");
+    const ScriptedEngine evaluates(R"(echo '{"formulas": true}' >&3; while read -r request; do echo ')" + sound +
+                                   "' >&3; done");
+    EXPECT_EQ(evaluates.solved(scene).status, Status::ok);
+}
+
 TEST(EngineMethods, ReportsTheRequirementsOfAMissingEngine) {
     const ScriptedEngine none("", {{"command", {"/no/such/engine"}}, {"needs", "Debian's libnone-dev"}});
     const Trajectory run = none.solved(simple_scene());

@@ -1,4 +1,4 @@
-// The kind `engine_joint_laws`: limits, friction and gears of joints in physics engines.
+// The kind `engine_joint_laws`: limits, friction and gears of joints in physics engines, and control.
 //
 // Rows of the sweep give the errors for each scene. probe_joint_laws() runs each method at the usual and at the fine
 // step on motions with known results: an arm without gravity that hits a stop, a pendulum that friction holds, and a
@@ -177,8 +177,17 @@ std::string describe_gears(const LawsPlace& place) {
                        kind, format_amount(p.mismatch, ""), format_amount(p.geared, " rad"));
 }
 
-std::string laws_page(const Plan& plan, const std::vector<LawsPlace>& places, const Findings& findings) {
-    std::string text = "# Limits, friction and gears of joints in physics engines\n\n" +
+const std::string control_about =
+    "The drivers evaluate a controller, given by formulas, at the start of each step from the engine's own state and "
+    "apply its torque during the step. *Spacecraft*: [formulas/saturated_regulator]"
+    "(../experiments/scenes/formulas/saturated_regulator.json), 60 s. *Wheel*: [formulas/flywheel_servo]"
+    "(../experiments/scenes/formulas/flywheel_servo.json), 5 s. *Sampled*: the controller is evaluated every 0.1 s, "
+    "and "
+    "its torque is held. The errors are the largest attitude errors against the reference with the same controller. ";
+
+std::string laws_page(const Plan& plan, const std::vector<LawsPlace>& places, const std::string& control,
+                      const Findings& findings) {
+    std::string text = "# Limits, friction and gears of joints, and control, in physics engines\n\n" +
                        markdown_text(plan.experiment.about) + ".\n\n";
     text +=
         "[Joints](engine_joints.md) is the corresponding page for joints without these laws. Each engine uses its own "
@@ -190,7 +199,10 @@ std::string laws_page(const Plan& plan, const std::vector<LawsPlace>& places, co
         "4 "
         "s. *Gears*: a pendulum geared to a rotor moves for 1 s.\n\n";
     for (const NamedTable& named : findings.tables)
-        if (named.name != "scenes") text += fmt::format("## {}\n\n{}\n", named.title, markdown(page_of(named)));
+        if (named.name != "scenes")
+            text +=
+                fmt::format("## {}\n\n{}{}\n", named.title,
+                            named.name == "control" ? control_about + control + "\n\n" : "", markdown(page_of(named)));
     text += "## Details for each engine\n\n";
     for (const auto& own : group_by_engine(places)) {
         text += engine_heading(*own.front());
@@ -236,8 +248,13 @@ Findings conclude_engine_joint_laws(const Plan& plan, const std::vector<Result>&
                                          {{"mismatch", "error of the ratio of rates", &JointLawProbe::mismatch},
                                           {"geared", "error of the angle (rad)", &JointLawProbe::geared}},
                                          &JointLawProbe::gears_fault));
+    std::vector<const Method*> controlled;
+    for (const LawsPlace& place : places)
+        if (place.is_available()) controlled.push_back(place.curve->method);
+    const std::vector<ControlErrors> control = measure_control(controlled);
+    findings.tables.push_back(control_table(control));
     findings.tables.push_back(contact_scenes_table(plan, rows, {"attitude", "position"}));
-    findings.page = laws_page(plan, places, findings);
+    findings.page = laws_page(plan, places, describe_control(control), findings);
     return findings;
 }
 

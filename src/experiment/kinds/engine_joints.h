@@ -1,6 +1,7 @@
 // The kind `engine_joints`: the joints of physics engines compared with the truth.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,19 @@ std::string engine_joints_page(const Plan& plan, const std::vector<JointPlace>& 
 
 /// `conclude` of the kind `engine_joint_laws`: limits, friction and gears of joints.
 Findings conclude_engine_joint_laws(const Plan& plan, const std::vector<Result>& rows);
+
+/// Errors of a method on bodies with proportional and derivative control: a spacecraft, the same with sampled control,
+/// a flywheel with a motor, and the same with sampled control.
+struct ControlErrors {
+    const Method* method = nullptr;
+    std::array<std::optional<double>, 4> usual, fine;  ///< largest attitude error, rad, at the usual and the fine step
+    std::string fault;                                 ///< why a value is missing
+};
+/// Runs the methods on the controlled bodies.
+std::vector<ControlErrors> measure_control(const std::vector<const Method*>& methods);
+/// The table of these errors, and a sentence about it.
+NamedTable control_table(const std::vector<ControlErrors>& errors);
+std::string describe_control(const std::vector<ControlErrors>& errors);
 
 /// The follow-up of `engine_joints` at one step: a rope with a ball of 1 to 1000 times a link's mass, and hanging
 /// chains of 10 to 100 links.

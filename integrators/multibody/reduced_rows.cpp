@@ -11,8 +11,13 @@ ReducedRows::ReducedRows(const Scene& scene, const Tree<double>& tree) {
         const int index = all.link_of_joint[j];
         if (index == world_link || (joint.friction == 0 && !joint.limits.any())) continue;
         const Link<double>& link = all.links[std::size_t(index)];
-        joints_.push_back({std::size_t(link.coordinate), std::size_t(link.rate - all.coordinates), joint.friction,
-                           limits_of<double>(joint)});
+        joints_.push_back({.coordinate = std::size_t(link.coordinate),
+                           .rate = std::size_t(link.rate - all.coordinates),
+                           .constraint = constraints_,
+                           .has_limits = joint.limits.any(),
+                           .friction = joint.friction,
+                           .limits = limits_of<double>(joint)});
+        constraints_ += (joint.limits.any() ? 1 : 0) + (joint.friction > 0 ? 1 : 0);
     }
     if (joints_.empty()) return;
     std::vector<double> zero(std::size_t(tree.dimension()), 0.0);
@@ -27,18 +32,20 @@ const std::vector<ReducedRow>& ReducedRows::select(const Tree<double>& tree, con
     const double* const rates = y + tree.links().coordinates;
     for (const JointLaws& joint : joints_) {
         const double rate = rates[joint.rate];
-        if (joint.friction > 0)
-            rows_.push_back({.rate = joint.rate,
-                             .friction = joint.friction,
-                             .velocity = rate,
-                             .inverse_inertia = joint.inverse_inertia});
         for (const JointLimit<double>& limit : joint.limits)
             if (const double gap = limit.gap_at(y[joint.coordinate]); gap < 0)
                 rows_.push_back({.rate = joint.rate,
+                                 .constraint = joint.constraint,
                                  .sign = limit.sign,
                                  .gap = gap,
                                  .velocity = limit.sign * rate,
                                  .inverse_inertia = joint.inverse_inertia});
+        if (joint.friction > 0)
+            rows_.push_back({.rate = joint.rate,
+                             .constraint = joint.constraint + (joint.has_limits ? 1 : 0),
+                             .friction = joint.friction,
+                             .velocity = rate,
+                             .inverse_inertia = joint.inverse_inertia});
     }
     return rows_;
 }

@@ -14,6 +14,7 @@ namespace polhode::multibody {
 /// A limit that is passed, or the friction of a joint: a generalized force along `sign` times a rate.
 struct ReducedRow {
     std::size_t rate = 0;        ///< index of the rate
+    std::size_t constraint = 0;  ///< index among all constraints: of each joint, its limits, then its friction
     double sign = 1;             ///< limits: 1 or -1, away from the limit
     double gap = 0;              ///< limits: negative; m or rad
     double friction = 0;         ///< friction: the largest force, N or N m; 0 for limits
@@ -25,7 +26,9 @@ class ReducedRows {
   public:
     ReducedRows(const Scene& scene, const Tree<double>& tree);
 
-    /// Selects the rows that act at the state y: all friction, and limits that are passed.
+    /// The number of joints with limits plus the number of joints with friction.
+    std::size_t constraints() const { return constraints_; }
+    /// Selects the rows that act at the state y, joint by joint: limits that are passed, then friction.
     const std::vector<ReducedRow>& select(const Tree<double>& tree, const double* y);
     /// Computes J M^-1 J^T of the selected rows at the state y, row by row.
     std::vector<double> inverse_inertia(const Tree<double>& tree, const double* y);
@@ -35,11 +38,14 @@ class ReducedRows {
   private:
     struct JointLaws {
         std::size_t coordinate, rate;  // indices in y, and among the rates
+        std::size_t constraint;        // index of its limits, or without limits of its friction
+        bool has_limits;
         double friction;
         std::array<JointLimit<double>, 2> limits;
         double inverse_inertia = 0;
     };
     std::vector<JointLaws> joints_;
+    std::size_t constraints_ = 0;
     std::vector<ReducedRow> rows_;
     std::vector<std::vector<double>> responses_;  // M^-1 J^T, by row
     std::vector<double> armature_;

@@ -20,7 +20,14 @@ class SemiImplicitSteps : public JointState {
         return {dy_.begin() + static_cast<std::ptrdiff_t>(coordinates()), dy_.end()};
     }
     void advance(double h, const std::vector<double>& a) {
+        advance_rates(h, a);
+        move(h);
+    }
+    void advance_rates(double h, const std::vector<double>& a) {
         for (std::size_t k = 0; k < rates(); ++k) y_[coordinates() + k] += h * a[k];
+    }
+    /// Advances the coordinates by the rates.
+    void move(double h) {
         advance_coordinates(h, y_);
         if (model_->projects()) model_->project(y_.data());
         ++steps_;

@@ -144,7 +144,7 @@ std::vector<Kind> trajectories(const Asked& asked) {
     // formula_scenes() hashes these: formulas call functions of the C library, so that every method would depart
     // without FMA
     std::erase_if(scenes, [](const std::string& name) { return name.starts_with("formulas/"); });
-    // joint_scenes() hashes these
+    // joint_scenes() and joint_steps() hash these
     std::erase_if(scenes, [](const std::string& name) { return name.starts_with("joints/"); });
     if (!asked.only_scene.empty()) scenes = {asked.only_scene};
     std::vector<std::vector<std::string>> hashes(scenes.size(), std::vector<std::string>(told.size()));
@@ -262,6 +262,24 @@ Kind joint_scenes() {
     return kind;
 }
 
+/// Methods with fixed steps that support limits and friction of joints, on the scenes of joints.
+Kind joint_steps() {
+    Kind kind{"joint_steps", {}};
+    for (const std::string& name : builtin_scene_names()) {
+        if (!name.starts_with("joints/") || has_joint_motions(find_scene(name))) continue;
+        const Problem problem = pose(find_scene(name));
+        Settings settings = bounded_settings(problem);
+        settings.max_steps = 1000, settings.step = problem.scene.duration / 200;
+        Bytes bytes;
+        for (const char* method :
+             {"sequential_impulses_10", "sequential_impulses_split_10_float32", "soft_step_4", "xpbd_joints_10",
+              "xpbd_joints_1_float32", "mujoco_joints", "mujoco_joints_stiff", "bullet_joints"})
+            bytes.add(solve(problem, *find_method(method), settings));
+        kind.hash_of_scene.emplace_back(name, bytes.hash());
+    }
+    return kind;
+}
+
 /// Methods that record or compile formulas, on the scenes with formulas.
 Kind formula_scenes() {
     Kind kind{"formula_scenes", {}};
@@ -369,7 +387,7 @@ int run(const Asked& asked) {
     if (asked.only_scene.empty() && asked.only_method.empty())
         kinds.push_back(ensembles(asked)), kinds.push_back(mechanism_ensembles(asked));
     if (asked.only_scene.empty() && (asked.only_method.empty() || asked.only_method == "joint_scenes"))
-        kinds.push_back(joint_scenes()), kinds.push_back(formula_scenes());
+        kinds.push_back(joint_scenes()), kinds.push_back(joint_steps()), kinds.push_back(formula_scenes());
     if (asked.expected.empty()) {
         print(kinds, asked);
         fmt::print("libm 1 {}\n", libm().hash());

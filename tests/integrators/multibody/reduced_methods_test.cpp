@@ -277,6 +277,33 @@ TEST(BulletJoints, LimitTheImpulse) {
         EXPECT_NEAR(run.samples[k].velocity_W[2], -1 + 0.1 * double(k - 1), 1e-12) << k;
 }
 
+// An arm without gravity that hits an inelastic stop with 4 rad/s at 16 times within a step of 1e-3 s, and a pendulum
+// that friction holds at half of its limit: bounds for the methods in joint and in maximal coordinates.
+TEST(JointLaws, ReboundAndCreep) {
+    struct Bounds {
+        const char* method;
+        double least, most;  // rate after the impact, divided by that before
+        double creep;        // rad/s
+    };
+    for (const Bounds& b : {Bounds{"sequential_impulses_10", 0, 1e-3, 1e-12}, Bounds{"soft_step_4", 0, 0.01, 1e-12},
+                            Bounds{"xpbd_joints_10", 0, 1e-12, 1e-12}, Bounds{"mujoco_joints", 0.11, 0.15, 1e-3},
+                            Bounds{"mujoco_joints_stiff", 0, 0.25, 1e-6}, Bounds{"bullet_joints", 0, 0.2, 1e-12}}) {
+        Scene stop = without_restitution("joints/pendulum_with_stops");
+        stop.loads.clear(), stop.duration = 0.3;
+        for (int i = 0; i < 16; ++i) {
+            stop.joints[0].coordinate[0] = i / 4000.0;
+            const double part = -stepped(pose(stop), b.method, 1e-3, 1).samples.back().angular_velocity_B[1] / 4;
+            EXPECT_GE(part, b.least - 1e-12) << b.method;
+            EXPECT_LE(part, b.most + 1e-12) << b.method;
+        }
+        Scene hold = find_scene("joints/coulomb_pendulum");
+        hold.duration = 4;
+        hold.joints[0].coordinate[0] = std::asin(0.5 * hold.joints[0].friction / (1.5 * 9.75 * 0.5));
+        const double creep = length(stepped(pose(hold), b.method, 1e-3, 1).samples.back().angular_velocity_B);
+        EXPECT_LE(creep, b.creep) << b.method;
+    }
+}
+
 double largest_energy_error(const Case& it, const Trajectory& run, std::size_t from, std::size_t to) {
     const double start = it.invariants(run.at(0)).energy;
     double largest = 0;

@@ -19,6 +19,7 @@
 #include "integrators/engines/engine_mechanism.h"
 #include "motion/formula_terms.h"
 #include "motion/formula_tree.h"
+#include "motion/itinerary.h"
 #include "scene/body_source.h"
 
 namespace polhode {
@@ -155,6 +156,14 @@ void add_body_load(Converter& converter, const FormulaTerm& term, int body, cons
     converter.add(added, term.value);
 }
 
+// The times inside the run at which a formula begins, ends or is sampled.
+std::vector<double> find_times(Scene scene) {
+    std::erase_if(scene.loads, [](const Load& load) { return !std::holds_alternative<FormulaLoad>(load); });
+    std::vector<double> times = event_times(scene);
+    std::erase_if(times, [&](double t) { return !(t > 0 && t < scene.duration); });
+    return times;
+}
+
 json write_operation(const Node& node) {
     if (node.operation == Operation::number) return {"number", node.value};
     if (node.operation == Operation::input) return {"input", node.a};
@@ -234,6 +243,7 @@ std::optional<EngineFormulas> body_formulas(const Scene& scene, const ExactBody<
     converter.result.axes = {q_BP};
     const auto point_of = [&](const Vector3<double>& point) { return point - center; };
     for (const FormulaTerm& term : set->terms) add_body_load(converter, term, 0, point_of);
+    converter.result.times = find_times(scene);
     return std::move(converter.result);
 }
 
@@ -243,6 +253,7 @@ std::optional<EngineFormulas> mechanism_formulas(const Scene& scene, const Engin
     const std::vector<MassProperties<double>> properties = bodies_mass_properties<double>(scene);
     Converter converter(*set, mechanism_formula_constants<double>(scene, properties));
     EngineFormulas& result = converter.result;
+    result.times = find_times(scene);
     for (const EngineBody& body : mechanism.bodies) result.axes.push_back(body.q_BP);
     // by joint of the scene: its place among the engines' joints, which are sorted
     std::vector<int> place;
@@ -268,9 +279,24 @@ std::optional<EngineFormulas> mechanism_formulas(const Scene& scene, const Engin
     return std::move(result);
 }
 
+EngineFormulas align_to_steps(EngineFormulas formulas, double duration, long samples, long steps_per_sample) {
+    const double interval = duration / static_cast<double>(samples);
+    for (double& t : formulas.times) {
+        const long k = std::clamp(std::lround(std::floor(t / interval)), 0L, samples - 1);
+        const double begin = sample_time(duration, k, samples), end = sample_time(duration, k + 1, samples),
+                     h = (end - begin) / static_cast<double>(steps_per_sample);
+        const long i = std::clamp(std::lround((t - begin) / h), 0L, steps_per_sample);
+        const double boundary = i == steps_per_sample ? end : begin + static_cast<double>(i) * h;
+        if (std::abs(boundary - t) < 1e-6 * h) t = boundary;
+    }
+    formulas.times.erase(std::unique(formulas.times.begin(), formulas.times.end()), formulas.times.end());
+    return formulas;
+}
+
 json write_formulas(const EngineFormulas& formulas) {
     json written{{"operations", json::array()}, {"switches", json::array()}, {"holds", json::array()},
-                 {"loads", json::array()},      {"axes", json::array()},     {"coordinates", formulas.coordinates}};
+                 {"loads", json::array()},      {"axes", json::array()},     {"coordinates", formulas.coordinates},
+                 {"times", formulas.times}};
     for (const Node& node : formulas.operations) written["operations"].push_back(write_operation(node));
     for (const auto& [argument, threshold] : formulas.switches)
         written["switches"].push_back({argument, threshold == no_node ? json() : json(threshold)});
@@ -285,6 +311,7 @@ EngineFormulas read_formulas(const json& formulas) {
     EngineFormulas result;
     for (const json& q : formulas.at("axes")) result.axes.push_back(quaternion_at(q, 0));
     result.coordinates = formulas.at("coordinates").get<std::vector<double>>();
+    result.times = formulas.at("times").get<std::vector<double>>();
     for (const json& entry : formulas.at("operations"))
         result.operations.push_back(read_operation(entry, static_cast<int>(result.operations.size())));
     for (const json& entry : formulas.at("switches"))

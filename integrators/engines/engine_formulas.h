@@ -52,7 +52,8 @@ struct EngineFormulas {
     std::vector<EngineFormulaLoad> loads;      ///< a potential is a force and a torque
     std::vector<Quaternion<double>> axes;      ///< by body: the engine's axes to those of the formulas
     std::vector<double> coordinates;           ///< by joint: the coordinate at t = 0, rad or m
-    int count_inputs() const;                  ///< the number of inputs
+    std::vector<double> times;  ///< at which a load begins, ends or is sampled, s, increasing; steps are split there
+    int count_inputs() const;   ///< the number of inputs
     int joint_input(std::size_t joint) const;  ///< the input of a joint's coordinate; that of its rate follows
 };
 
@@ -62,6 +63,9 @@ std::optional<EngineFormulas> body_formulas(const Scene& scene, const ExactBody<
                                             const Quaternion<double>& q_BP, const Vector3<double>& center);
 /// The formulas of a scene of several bodies, or none, for the bodies and joints of `mechanism`.
 std::optional<EngineFormulas> mechanism_formulas(const Scene& scene, const EngineMechanism& mechanism);
+
+/// The formulas, with each of `times` that differs from the boundary of a step only by rounding set to this boundary.
+EngineFormulas align_to_steps(EngineFormulas formulas, double duration, long samples, long steps_per_sample);
 
 nlohmann::json write_formulas(const EngineFormulas& formulas);
 /// Throws nlohmann::json::exception or std::invalid_argument if the member of a request is invalid.

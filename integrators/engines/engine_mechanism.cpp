@@ -390,7 +390,9 @@ std::string mechanism_request(const EngineMechanism& mechanism, const std::strin
                  {"joints", write_joints(mechanism.joints)},
                  {"loops", write_joints(mechanism.loops)}};
     write_joint_loads(mechanism, request);
-    if (mechanism.formulas) request["formulas"] = write_formulas(*mechanism.formulas);
+    if (mechanism.formulas)
+        request["formulas"] =
+            write_formulas(align_to_steps(*mechanism.formulas, duration, settings.samples, steps_per_sample));
     if (const auto& balls = mechanism.balls) {
         request["balls"] = balls->radii, request["planes"] = engine_json::write_planes(balls->planes);
         request["contact"] = {{"restitution", balls->restitution}, {"friction", balls->friction}};

@@ -111,44 +111,16 @@ struct PieceWriter {
     }
 };
 
-// The boundary between two steps that differs from t only by rounding, or t.
-double snap_to_step(double t, double duration, const Settings& settings, long steps_per_sample) {
-    const double interval = duration / static_cast<double>(settings.samples);
-    const long k = std::clamp(std::lround(std::floor(t / interval)), 0L, settings.samples - 1);
-    const double begin = sample_time(duration, k, settings.samples),
-                 end = sample_time(duration, k + 1, settings.samples),
-                 h = (end - begin) / static_cast<double>(steps_per_sample);
-    const long i = std::clamp(std::lround((t - begin) / h), 0L, steps_per_sample);
-    const double boundary = i == steps_per_sample ? end : begin + static_cast<double>(i) * h;
-    return std::abs(boundary - t) < 1e-6 * h ? boundary : t;
-}
-
-// Writes the loads from each event to the next. Formulas only add events.
-json write_pieces(const EngineScene& scene, const Settings& settings, long steps_per_sample) {
-    std::vector<double> begins;
-    for (const Leg& leg : itinerary(scene.free)) begins.push_back(leg.begin);
-    for (const double t : scene.formula_times) {
-        const double begin = snap_to_step(t, scene.free.duration, settings, steps_per_sample);
-        const auto place = std::ranges::lower_bound(begins, begin);
-        if (place == begins.end() || *place != begin) begins.insert(place, begin);
-    }
+json write_pieces(const Scene& scene) {
     json pieces = json::array();
-    for (const double begin : begins) {
-        json piece{{"begin", begin}};
-        for (const Load& load : scene.free.loads)
-            if (std::holds_alternative<Impulse>(load) || acts(window_of(load), begin))
-                std::visit(PieceWriter{begin, piece}, load);
+    for (const Leg& leg : itinerary(scene)) {
+        json piece{{"begin", leg.begin}};
+        for (const Load& load : scene.loads)
+            if (std::holds_alternative<Impulse>(load) || acts(window_of(load), leg.begin))
+                std::visit(PieceWriter{leg.begin, piece}, load);
         pieces.push_back(std::move(piece));
     }
     return pieces;
-}
-
-// The times inside the run at which a formula begins, ends or is sampled.
-std::vector<double> find_formula_times(Scene scene) {
-    std::erase_if(scene.loads, [](const Load& load) { return !std::holds_alternative<FormulaLoad>(load); });
-    std::vector<double> times = event_times(scene);
-    std::erase_if(times, [&](double t) { return !(t > 0 && t < scene.duration); });
-    return times;
 }
 
 json write_shape(const EngineShape& shape) {
@@ -229,7 +201,6 @@ EngineScene engine_scene(const Problem& problem) {
             free.loads.push_back(std::move(converted));
     free.parameters.clear(), free.tables.clear(), free.let.clear();
     result.formulas = body_formulas(scene, body, result.q_BP, center);
-    if (result.formulas) result.formula_times = find_formula_times(scene);
     result.planes = engine_planes(scene);
     if (!result.planes.empty()) result.shapes = engine_shapes(scene.body, center, result.q_BP);
     free.body = {scene.body.mass, diagonal(result.moments), {}, nullptr};
@@ -276,14 +247,16 @@ std::string engine_request(const EngineScene& scene, const std::string& setting,
                  {"p", array(free.initial.position_W)},
                  {"v", array(free.initial.velocity_W)},
                  {"pivot", scene.pivot ? array(*scene.pivot) : json()},
-                 {"pieces", write_pieces(scene, settings, steps_per_sample)},
+                 {"pieces", write_pieces(free)},
                  {"planes", engine_json::write_planes(scene.planes)},
                  {"hull", hull},
                  {"shapes", shapes},
                  {"scene", json::parse(write_scene(free), nullptr, true, true)}};
     if (scene.shapes.size() == 1 && scene.shapes.front().is_centered_ball())
         request["ball"] = scene.shapes.front().radius;
-    if (scene.formulas) request["formulas"] = write_formulas(*scene.formulas);
+    if (scene.formulas)
+        request["formulas"] =
+            write_formulas(align_to_steps(*scene.formulas, free.duration, settings.samples, steps_per_sample));
     return request.dump();
 }
 

@@ -22,7 +22,6 @@ struct EngineScene {
     std::vector<Plane> planes;                 ///< unit normals
     std::vector<EngineShape> shapes;           ///< shapes of the body if there are planes
     std::optional<EngineFormulas> formulas{};  ///< loads given by formulas
-    std::vector<double> formula_times{};       ///< times at which such a load begins, ends or is sampled, s
 };
 
 /// Converts the scene of a problem. A tensor that is already diagonal keeps its axes. Throws std::invalid_argument with

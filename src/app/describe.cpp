@@ -94,6 +94,11 @@ std::string describe_engine(const EngineMethod& engine) {
                                                                 : "not available: " + report.fault);
     for (const auto& [setting, what] : report.hello.settings)
         text += fmt::format("  {:<8} {}{}\n", setting, what, setting == engine.setting ? " (this one)" : "");
+    // a program with by_step sends no settings
+    if (!report.hello.settings.empty())
+        text += fmt::format("  formulas {}\n", report.hello.formulas
+                                                   ? "loads given by formulas are evaluated at the start of each step"
+                                                   : "loads given by formulas are not supported");
     return text;
 }
 

@@ -56,6 +56,26 @@ class Engines : public Program {
     }
 };
 
+TEST_F(Engines, DescribeWhetherTheyEvaluateFormulas) {
+    const nlohmann::json engines{
+        {"engines",
+         {script("without", "read -r request"), itself("by_step", "taylor"),
+          nlohmann::json{
+              {"name", "with"},
+              {"command",
+               {"sh", "-c", R"(echo '{"settings": {"default": "odd"}, "formulas": true}' >&3; read -r request)"}}}}}};
+    std::ofstream(directory / "formulas.json") << engines;
+    const auto describe = [&](const char* name) {
+        const Outcome outcome = run({"describe", name, "--engines", "formulas.json"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    EXPECT_NE(describe("with").find("  formulas loads given by formulas are evaluated at the start of each step\n"),
+              std::string::npos);
+    EXPECT_NE(describe("without").find("  formulas loads given by formulas are not supported\n"), std::string::npos);
+    EXPECT_EQ(describe("by_step").find("  formulas "), std::string::npos);
+}
+
 TEST_F(Engines, EveryEngineHasARow) {
     const Outcome outcome = run({"run", "few.json", "--engines", "mine.json", "--output", "one"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -41,6 +41,14 @@ FormulaLoads::FormulaLoads(const EngineFormulas& formulas, const Mechanism& mech
     }
 }
 
+std::vector<double> FormulaLoads::split(double t, double stop) {
+    std::vector<double> ends;
+    for (; next_time_ < formulas_->times.size() && formulas_->times[next_time_] < stop; ++next_time_)
+        if (formulas_->times[next_time_] > t) ends.push_back(formulas_->times[next_time_]);
+    ends.push_back(stop);
+    return ends;
+}
+
 const std::vector<BodyLoad>& FormulaLoads::evaluate(double t, double h, const std::vector<Motion>& motions) {
     set_inputs(t, motions);
     sample(t, h);

@@ -22,6 +22,9 @@ class FormulaLoads {
     /// For one body, `mechanism` has no joints. The arguments must outlive this object.
     FormulaLoads(const EngineFormulas& formulas, const Mechanism& mechanism);
 
+    /// The ends of the parts of a step from t to `stop`, s: the times at which a load begins, ends or is sampled, and
+    /// `stop`. Steps are given in increasing order.
+    std::vector<double> split(double t, double stop);
     /// The loads on all bodies for a step from t to t + h, s. `motions`: of all bodies at t. Values of a period are
     /// sampled in the first step that starts at a multiple of it or later. A load acts in the steps whose middle is in
     /// its window. Throws std::runtime_error if a load that acts has no finite value.
@@ -31,6 +34,7 @@ class FormulaLoads {
     const EngineFormulas* formulas_;
     const Mechanism* mechanism_;
     std::vector<double> inputs_, values_;
+    std::size_t next_time_ = 0;             ///< of formulas_->times
     std::vector<double> due_;               ///< by held value: the multiple at which it is sampled next
     std::vector<std::size_t> joints_read_;  ///< joints whose coordinates formulas read
     std::vector<BodyLoad> loads_;

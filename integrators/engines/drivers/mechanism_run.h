@@ -35,6 +35,21 @@ struct MechanismRun {
     long steps = 0;
 };
 
+/// Takes the step from t to `stop`, s, with the loads given by formulas. Returns the number of parts into which it is
+/// split.
+template <MechanismWorld World>
+long step_with_formulas(World& world, FormulaLoads& formulas, double t, double stop) {
+    const std::vector<double> ends = formulas.split(t, stop);
+    for (const double end : ends) {
+        const std::vector<BodyLoad>& loads = formulas.evaluate(t, end - t, world.motions());
+        for (std::size_t b = 0; b < loads.size(); ++b)
+            world.apply(static_cast<int>(b), loads[b].force, loads[b].torque);
+        world.step(end - t);
+        t = end;
+    }
+    return static_cast<long>(ends.size());
+}
+
 /// Runs a world through a request.
 template <MechanismWorld World>
 MechanismRun march_mechanism(const MechanismRequest& request) {
@@ -50,13 +65,13 @@ MechanismRun march_mechanism(const MechanismRequest& request) {
             const double begin = sample_time(request.duration, k - 1, request.samples),
                          end = sample_time(request.duration, k, request.samples);
             const double h = (end - begin) / static_cast<double>(request.steps_per_sample);
-            for (long i = 0; i < request.steps_per_sample; ++i, ++run.steps) {
-                if (formulas) {
-                    const auto& loads = formulas->evaluate(begin + static_cast<double>(i) * h, h, world->motions());
-                    for (std::size_t b = 0; b < loads.size(); ++b)
-                        world->apply(static_cast<int>(b), loads[b].force, loads[b].torque);
-                }
-                world->step(h);
+            for (long i = 0; i < request.steps_per_sample; ++i) {
+                const double t = begin + static_cast<double>(i) * h;
+                const double stop = i + 1 == request.steps_per_sample ? end : begin + static_cast<double>(i + 1) * h;
+                if (formulas)
+                    run.steps += step_with_formulas(*world, *formulas, t, stop);
+                else
+                    world->step(h), ++run.steps;
             }
             run.moments.push_back(world->motions());
         }

@@ -53,10 +53,9 @@ EngineShape read_shape(const json& shape) {
 
 // Adds the events of formulas, which the scene of the request does not have: each begins a segment with the loads of
 // the segment before it.
-void add_events(const json& pieces, Problem& problem) {
+void add_events(const std::vector<double>& times, Problem& problem) {
     std::vector<Segment>& segments = problem.segments;
-    for (const json& piece : pieces) {
-        const double begin = piece.at("begin");
+    for (const double begin : times) {
         const auto after = std::ranges::upper_bound(segments, begin, {}, &Segment::begin);
         if (after == segments.begin() || std::prev(after)->begin == begin) continue;
         Segment added = *std::prev(after);
@@ -86,7 +85,7 @@ Request read_request(const json& request) {
     body.setting = request.at("setting");
     if (request.contains("formulas")) {
         body.formulas = read_formulas(request.at("formulas"));
-        add_events(request.at("pieces"), result.problem);
+        add_events(body.formulas->times, result.problem);
     }
     return result;
 }

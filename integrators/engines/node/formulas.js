@@ -21,6 +21,7 @@ export class FormulaLoads {
   constructor(formulas, {bodies, joints = []} = {}) {
     const {operations, switches, holds, loads, axes, coordinates} = formulas;
     Object.assign(this, {bodies, joints, switches, holds, loads});
+    this.times = formulas.times, this.nextTime = 0;
     this.back = axes.map(conjugate), this.starts = coordinates;
     this.firstJoint = 1 + numbersPerBody * axes.length;
     this.inputs = new Float64Array(this.firstJoint + 2 * coordinates.length + holds.length);
@@ -43,6 +44,14 @@ export class FormulaLoads {
     const compute = functions[name];
     if (!compute) throw new Error(`unknown operation ${name} of a formula`);
     return b === undefined ? () => compute(values[a]) : () => compute(values[a], values[b]);
+  }
+  // The ends of the parts of a step from t to `stop`: the times at which a load begins, ends or is sampled, and `stop`.
+  // Steps are given in increasing order.
+  split(t, stop) {
+    const ends = [];
+    for (; this.times[this.nextTime] < stop; ++this.nextTime)
+      if (this.times[this.nextTime] > t) ends.push(this.times[this.nextTime]);
+    return [...ends, stop];
   }
   // The loads {force, torque} on all bodies for a step from t to t + h. `motions`: of all bodies at t. Values of a period
   // are sampled in the first step that starts at a multiple of it or later. A load acts in the steps whose middle is in

@@ -131,12 +131,24 @@ export function framesOf(bodies, joint, main = 'z') {
   return [within(bodies, joint.parent, frame), within(bodies, joint.child, frame)];
 }
 
+// The pieces with one more at each of `times`, which has the loads of the piece before it.
+function addEvents(pieces, times) {
+  const all = [];
+  let next = 0;
+  for (const begin of [...times, Infinity]) {
+    while (next < pieces.length && pieces[next].begin <= begin) all.push(pieces[next++]);
+    if (begin < Infinity && all.at(-1).begin < begin) all.push({...all.at(-1), begin, impulses: undefined});
+  }
+  return all;
+}
+
 const row = ({q, w, p, v}) => [...q, ...w, ...p, ...v];
 const zero = [0, 0, 0];
 
 // Runs a request and fills `samples` if given. Returns seconds and steps.
 function march(world, request, samples) {
-  const {duration, samples: count, steps_per_sample: perSample, pieces} = request;
+  const {duration, samples: count, steps_per_sample: perSample} = request;
+  const pieces = addEvents(request.pieces, request.formulas?.times ?? []);
   const isLoaded = pieces.map((p) => Boolean(p.torque_B || p.torque_W || p.forces || p.drag || p.springs));
   const formulas = request.formulas && new FormulaLoads(request.formulas);
   let next = 0, steps = 0;
@@ -198,11 +210,18 @@ function marchMechanism(world, request, samples) {
   moment();
   for (let k = 1; k <= count; ++k) {
     const begin = timeOf(k - 1), h = (timeOf(k) - begin) / perSample;
-    for (let i = 0; i < perSample; ++i, ++steps) {
-      if (formulas)
-        formulas.evaluate(begin + i * h, h, world.motions())
+    for (let i = 0; i < perSample; ++i) {
+      if (!formulas) {
+        world.step(h), ++steps;
+        continue;
+      }
+      let t = begin + i * h;
+      for (const end of formulas.split(t, i + 1 === perSample ? timeOf(k) : begin + (i + 1) * h)) {
+        formulas.evaluate(t, end - t, world.motions())
             .forEach(({force, torque}, index) => world.apply(index, force, torque));
-      world.step(h);
+        world.step(end - t), ++steps;
+        t = end;
+      }
     }
     moment();
   }

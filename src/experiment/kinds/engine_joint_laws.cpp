@@ -1,4 +1,5 @@
-// The kind `engine_joint_laws`: limits, friction and gears of joints in physics engines, and control.
+// The kind `engine_joint_laws`: limits, friction and gears of joints in physics engines and in polhode's methods, and
+// control in engines.
 //
 // Rows of the sweep give the errors for each scene. probe_joint_laws() runs each method at the usual and at the fine
 // step on motions with known results: an arm without gravity that hits a stop, a pendulum that friction holds, and a
@@ -116,7 +117,9 @@ JointLawProbe probe_joint_laws(const Method& method, double step) {
     return probe;
 }
 
-bool has_laws(const LawsPlace& place) { return place.is_available() && !place.report.hello.laws.empty(); }
+bool has_laws(const LawsPlace& place) {
+    return place.is_available() && (!place.engine || !place.report.hello.laws.empty());
+}
 
 /// A column of a table of probes, at the usual and at the fine step.
 struct LawColumn {
@@ -192,7 +195,8 @@ std::string laws_page(const Plan& plan, const std::vector<LawsPlace>& places, co
     text +=
         "[Joints](engine_joints.md) is the corresponding page for joints without these laws. Each engine uses its own "
         "feature; what it does not have is refused. The rigid law is the reference: an impact at the limit with a "
-        "coefficient of restitution, Coulomb friction that holds at zero rate, and exact gear ratios.\n\n";
+        "coefficient of restitution, Coulomb friction that holds at zero rate, and exact gear ratios. Methods without "
+        "a setting are polhode's: the solvers of games and robots, reimplemented from their sources.\n\n";
     text +=
         "*Limits*: an arm without gravity hits a stop with 4 rad/s; *late* is the time of the first sample after the "
         "impact minus the exact time of 0.125 s. *Friction*: a pendulum is held at half the limit of its friction for "
@@ -250,7 +254,7 @@ Findings conclude_engine_joint_laws(const Plan& plan, const std::vector<Result>&
                                          &JointLawProbe::gears_fault));
     std::vector<const Method*> controlled;
     for (const LawsPlace& place : places)
-        if (place.is_available()) controlled.push_back(place.curve->method);
+        if (place.engine && place.is_available()) controlled.push_back(place.curve->method);
     const std::vector<ControlErrors> control = measure_control(controlled);
     findings.tables.push_back(control_table(control));
     findings.tables.push_back(contact_scenes_table(plan, rows, {"attitude", "position"}));

@@ -105,7 +105,8 @@ std::string refusal(const Method& method, const Problem& problem) {
         return fmt::format("{} does not support contacts of several bodies; use taylor or truth", method.name);
     if (!problem.scene.planes.empty() && !method.planes && !has_contact_modes)
         return fmt::format("{} does not support impacts on planes", method.name);
-    if (!problem.scene.planes.empty() && !has_contact_modes && has_formula_loads(problem.scene))
+    if (!problem.scene.planes.empty() && !has_contact_modes && method.family != Family::engine &&
+        has_formula_loads(problem.scene))
         return fmt::format("{} does not support formulas together with planes", method.name);
     if (!has_contact_modes)
         if (const std::string law = special_contact_law(problem.scene); !law.empty())

@@ -96,7 +96,8 @@ export class FormulaLoads {
   }
   addLoad({type, body, joint, frame, value, point, point_frame: pointFrame}, t, motions, sums) {
     const numbers = value.map((node) => this.values[node]);
-    if (!numbers.every(Number.isFinite)) throw new Error(`a formula has no finite value at t = ${Number(t.toPrecision(6))} s`);
+    if (!numbers.every(Number.isFinite))
+      throw new Error(`a formula has no finite value at t = ${Number(t.toPrecision(6))} s`);
     const push = (index, force, torque) => {
       sums[index] = {force: add(sums[index].force, force), torque: add(sums[index].torque, torque)};
     };

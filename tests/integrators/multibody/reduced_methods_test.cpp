@@ -137,7 +137,8 @@ TEST(MujocoJoints, MatchMujoco) {
           {0.186599982051187, 0.230725631640737, -0.0601713938890792}}},
     };
     for (const auto& [method, positions] : published) {
-        const Bodies end = stepped(problem, method, 1e-3, 1).at(1);
+        const Trajectory run = stepped(problem, method, 1e-3, 1);
+        const Bodies end = run.at(1);
         ASSERT_EQ(end.size(), positions.size());
         for (std::size_t b = 0; b < end.size(); ++b)
             EXPECT_LT(length(end[b].position_W - positions[b]), 1e-12) << method << " " << b;
@@ -236,7 +237,8 @@ TEST(ReducedMethods, RefuseWhatTheyDoNotRepresent) {
 TEST(BulletJoints, MatchBullet) {
     Scene scene = find_scene("joints/arm6_limits_friction");
     for (Joint& joint : scene.joints) joint.armature = {};
-    const Bodies end = stepped(pose(scene), "bullet_joints", 1e-3, 1).at(1);
+    const Trajectory run = stepped(pose(scene), "bullet_joints", 1e-3, 1);
+    const Bodies end = run.at(1);
     const std::vector<Vector3<double>> published{{0, 0, 0.125},
                                                  {0.177499184876359, 0.171852661896935, 0.299368658753972},
                                                  {0.310492338787063, 0.344112010150251, 0.283604740138432},

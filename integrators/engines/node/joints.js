@@ -1,5 +1,6 @@
-// Joints between bodies: coordinates and forces, from the motions of the bodies.
+// Joints between bodies: coordinates and forces, from the motions of the bodies; limits and gears as engines take them.
 import {add, conjugate, cross, normalized, product, rotate, scaled, subtract} from './algebra.js';
+import {Unsupported} from './errors.js';
 
 // A frame of the world at the start, in the axes of a body or of the world.
 export const within = (bodies, index, frame) => index < 0 ? frame : product(conjugate(bodies[index].q), frame);
@@ -49,8 +50,7 @@ export class MotorForces {
   }
 }
 
-// Motors, springs and dampers of joints as forces on bodies. `apply(index, force, torque)`: on a body, at its centre of
-// mass, in world axes.
+// Motors, springs and dampers of joints as forces on bodies.
 export class JointForces extends MotorForces {
   constructor({bodies, joints, motors = []}) {
     super(motors);
@@ -58,14 +58,43 @@ export class JointForces extends MotorForces {
     this.loaded = joints.map((joint, i) => ({joint, i})).filter(
         ({joint, i}) => joint.stiffness || joint.damping || motors.some((motor) => motor.joint === i));
   }
-  // `motions`: of all bodies
-  apply(h, motions, apply) {
+  // Applies them to a Mechanism for its next step, of length h.
+  applyTo(mechanism, h) {
     this.enterStep(h);
-    const forces = this.byJoint();
+    if (!this.loaded.length) return;
+    const forces = this.byJoint(), motions = mechanism.motions();
+    const apply = (...load) => mechanism.apply(...load);
     for (const {joint, i} of this.loaded) {
       const {stiffness = 0, rest = 0, damping = 0} = joint;
       const {x, rate} = jointCoordinate(this.bodies, joint, motions);
       applyJointForce(joint, (forces.get(i) ?? 0) - stiffness * (x - rest) - damping * rate, motions, apply);
     }
   }
+}
+
+const far = 1e6;
+
+// Limits as numbers: a missing limit is far away.
+export const boundsOf = ({lower, upper}) => ({lower: lower ?? -far, upper: upper ?? far});
+
+// The limits of a revolute joint, for an engine that measures its angle between -pi and pi.
+export function angleBounds(engine, limits) {
+  const {lower, upper} = boundsOf(limits);
+  if (lower < -Math.PI || upper > Math.PI)
+    throw new Unsupported(`${engine} supports limits of revolute joints only on both sides within pi of the start`);
+  return {lower, upper};
+}
+
+// A coupling for an engine whose gears join bodies that rotate or slide relative to the world: {first, second, ratio} of
+// two rotations, or {pinion, rack, travel} with the travel in m per rad. All are joints of `joints`.
+export function gearOf(engine, joints, coupling) {
+  const first = joints[coupling.first], second = joints[coupling.second], {ratio} = coupling;
+  if (first.parent < 0 && second.parent < 0) {
+    if (first.type === 'revolute' && second.type === 'revolute') return {first, second, ratio};
+    if (first.type === 'revolute' && second.type === 'prismatic') return {pinion: first, rack: second, travel: ratio};
+    if (first.type === 'prismatic' && second.type === 'revolute')
+      return {pinion: second, rack: first, travel: 1 / ratio};
+  }
+  throw new Unsupported(
+      `${engine} supports couplings only of a revolute and a revolute or prismatic joint, both on the world`);
 }

@@ -1,5 +1,5 @@
 // Jolt Physics.
-import {serve, JointForces, alongY, framesOf, halfHeightOf, rotate, Unsupported} from './serve.js';
+import {serve, JointForces, alongY, angleBounds, boundsOf, framesOf, gearOf, halfHeightOf, rotate, Unsupported} from './serve.js';
 
 let Jolt;
 
@@ -81,6 +81,7 @@ class Taking {
     for (const object of this.taken) Jolt.destroy(object);
     Jolt.destroy(this.jolt);
   }
+  ground() { return Jolt.JoltInterface.prototype.sGetFixedToWorldBody(); }
 }
 
 function motionOf(body) {
@@ -103,7 +104,7 @@ class World extends Taking {
       const joint = new Jolt.PointConstraintSettings();
       joint.mSpace = Jolt.EConstraintSpace_LocalToBodyCOM;
       joint.mPoint1 = this.place(body.pivot), joint.mPoint2 = this.place([0, 0, 0]);
-      this.system.AddConstraint(joint.Create(this.body, Jolt.Body.prototype.sFixedToWorld));
+      this.system.AddConstraint(joint.Create(this.body, this.ground()));
     }
   }
   shapeOf({shapes, ball}) {
@@ -153,23 +154,49 @@ class World extends Taking {
 }
 
 class Mechanism extends Taking {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors, couplings = []}) {
     super();
     this.start({gravity, setting}, Boolean(balls));
     this.forces = new JointForces({bodies, joints, motors});
     this.made = bodies.map((known, i) => this.addBody(known, setting, new Jolt.SphereShape(balls ? balls[i] : 0.1)));
     if (balls) this.addContacts(planes, contact);
-    for (const joint of [...joints, ...loops]) {
-      const at = (index) => this.made[index] ?? Jolt.Body.prototype.sFixedToWorld;
-      this.system.AddConstraint(this.settingsOf(bodies, joint).Create(at(joint.parent), at(joint.child)));
-    }
+    const constraints = new Map([...joints, ...loops].map((joint) => {
+      const at = (index) => this.made[index] ?? this.ground();
+      const constraint = this.settingsOf(bodies, joint).Create(at(joint.parent), at(joint.child));
+      this.system.AddConstraint(constraint);
+      return [joint, constraint];
+    }));
+    for (const coupling of couplings) this.addGear(gearOf('Jolt', joints, coupling), constraints);
+  }
+  // Jolt's ratio of gears is minus the rotation of the first body per rotation of the second; that of a rack is the
+  // rotation of the pinion per displacement of the rack. The faster gear is the first. Jolt's gears exert the same torque
+  // on both bodies, whatever the ratio (GearConstraintPart::ApplyVelocityStep).
+  addGear({first, second, ratio, pinion, rack, travel}, constraints) {
+    const isSwapped = !rack && Math.abs(ratio) >= 1;
+    const [one, other] = rack ? [pinion, rack] : isSwapped ? [second, first] : [first, second];
+    const settings = rack ? new Jolt.RackAndPinionConstraintSettings() : new Jolt.GearConstraintSettings();
+    settings.mSpace = Jolt.EConstraintSpace_LocalToBodyCOM;
+    const axes = [one, other].map(({child_axes: [axis]}) => this.vector(axis));
+    if (rack) [settings.mHingeAxis, settings.mSliderAxis] = axes;
+    else [settings.mHingeAxis1, settings.mHingeAxis2] = axes;
+    settings.mRatio = rack ? 1 / travel : isSwapped ? -ratio : -1 / ratio;
+    const gear = settings.Create(this.made[one.child], this.made[other.child]);
+    // the joints correct the drift: Jolt compares their angles between -pi and pi, which needs a whole ratio of gears
+    if (rack || Number.isInteger(settings.mRatio))
+      Jolt.castObject(gear, rack ? Jolt.RackAndPinionConstraint : Jolt.GearConstraint)
+          .SetConstraints(constraints.get(one), constraints.get(other));
+    this.system.AddConstraint(gear);
   }
   apply(index, force, torque) { this.load(this.made[index], force, torque); }
   step(h) {
-    if (this.forces.loaded.length) this.forces.apply(h, this.motions(), (...load) => this.apply(...load));
+    this.forces.applyTo(this, h);
     super.step(h);
   }
-  setLaws(made, {type, friction}) {
+  setLaws(made, {type, limits, friction}) {
+    if (limits) {
+      const {lower, upper} = type === 'revolute' ? angleBounds('Jolt', limits) : boundsOf(limits);
+      made.mLimitsMin = lower, made.mLimitsMax = upper;
+    }
     if (!friction) return;
     if (type === 'revolute') made.mMaxFrictionTorque = friction;
     else made.mMaxFrictionForce = friction;
@@ -218,7 +245,7 @@ await serve({
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
-  laws: ['friction', 'springs', 'motors'],
+  laws: ['limits', 'friction', 'springs', 'motors', 'couplings'],
   contacts: true,
   shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {

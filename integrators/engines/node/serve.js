@@ -18,15 +18,15 @@ import fs from 'node:fs';
 import path from 'node:path';
 import {createRequire} from 'node:module';
 import {add, conjugate, cross, normalized, product, rotate, rotateBack, scaled, subtract} from './algebra.js';
+import {Unsupported} from './errors.js';
 import {FormulaLoads} from './formulas.js';
 import {within} from './joints.js';
 
 export * from './algebra.js';
-export {JointForces, MotorForces} from './joints.js';
+export * from './errors.js';
+export {JointForces, MotorForces, angleBounds, boundsOf, gearOf} from './joints.js';
 
 const answers = 3;
-
-export class Unsupported extends Error {}
 
 // Version of an installed package, such as "1.2.3".
 export function versionOf(name) {

@@ -1,7 +1,7 @@
 // PhysX 5.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
-import {serve, alongX, framesOf, isMaximum} from './serve.js';
+import {serve, JointForces, alongX, angleBounds, boundsOf, frameAbout, framesOf, gearOf, isMaximum, rotate} from './serve.js';
 
 let PhysX, physics, tolerances;
 
@@ -150,8 +150,9 @@ async function started() {
 }
 
 class Mechanism extends Scene {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors, couplings = []}) {
     super(gravity, setting);
+    this.forces = new JointForces({bodies, joints, motors});
     const material = contact && physics.createMaterial(contact.friction, contact.friction, contact.restitution);
     this.made = bodies.map((known, i) => {
       const body = this.addBody(known, setting);
@@ -162,19 +163,65 @@ class Mechanism extends Scene {
     });
     for (const plane of planes ?? []) this.addPlane(plane, groundMaterial(plane, contact));
     this.joints = [...joints, ...loops].map((joint) => {
+      // only the general joint has a drive along an axis
       const make = {
-        revolute: PhysX.RevoluteJointCreate, prismatic: PhysX.PrismaticJointCreate,
+        revolute: PhysX.RevoluteJointCreate, prismatic: joint.friction ? PhysX.D6JointCreate : PhysX.PrismaticJointCreate,
         spherical: PhysX.SphericalJointCreate, fixed: PhysX.FixedJointCreate
       }[joint.type];
       const at = (index) => this.made[index] ?? PhysX.wrapPointer(0, PhysX.PxRigidActor);
       const [out, into] = framesOf(bodies, joint, 'x');
-      return make.call(
+      const made = make.call(
           PhysX, physics, at(joint.parent), this.place(joint.parent_point, out), at(joint.child),
           this.place(joint.child_point, into));
+      this.setLaws(made, joint);
+      return made;
     });
+    for (const coupling of couplings) this.addGear(gearOf('PhysX', joints, coupling), joints);
+  }
+  // Friction is a drive to velocity 0 with a largest force.
+  setLaws(made, {type, limits, friction}) {
+    if (friction) made.setConstraintFlag(PhysX.PxConstraintFlagEnum.eDRIVE_LIMITS_ARE_FORCES, true);
+    if (type === 'revolute') {
+      const flag = PhysX.PxRevoluteJointFlagEnum;
+      if (limits) made.setLimit(this.limitOf(limits, type)), made.setRevoluteJointFlag(flag.eLIMIT_ENABLED, true);
+      if (friction) made.setDriveForceLimit(friction), made.setRevoluteJointFlag(flag.eDRIVE_ENABLED, true);
+    } else if (friction) {
+      const {eX} = PhysX.PxD6AxisEnum, {eFREE, eLIMITED} = PhysX.PxD6MotionEnum;
+      made.setMotion(eX, limits ? eLIMITED : eFREE);
+      if (limits) made.setLinearLimit(eX, this.limitOf(limits, type));
+      made.setDrive(PhysX.PxD6DriveEnum.eX, this.take(new PhysX.PxD6JointDrive(0, 1e9, friction)));
+    } else if (limits) {
+      made.setLimit(this.limitOf(limits, type));
+      made.setPrismaticJointFlag(PhysX.PxPrismaticJointFlagEnum.eLIMIT_ENABLED, true);
+    }
+  }
+  limitOf(limits, type) {
+    const isHinge = type === 'revolute', {lower, upper} = isHinge ? angleBounds('PhysX', limits) : boundsOf(limits);
+    const made = this.take(
+        isHinge ? new PhysX.PxJointAngularLimitPair(lower, upper) :
+                  new PhysX.PxJointLinearLimitPair(lower, upper, this.take(new PhysX.PxSpring(0, 0))));
+    made.restitution = limits.restitution;
+    return made;
+  }
+  // Frames of a gear have the axis of their joint as x. PhysX's ratios are negative for bodies that rotate in the same
+  // sense.
+  addGear({first, second, ratio, pinion, rack, travel}, joints) {
+    const one = pinion ?? first, other = rack ?? second;
+    const make = rack ? PhysX.RackAndPinionJointCreate : PhysX.GearJointCreate;
+    const ends = [one, other].flatMap(({child, child_point: point, child_axes: [axis]}) => [
+      this.made[child], this.place(point, frameAbout(rotate(frameAbout(axis), [1, 0, 0]), axis))
+    ]);
+    const gear = make.call(PhysX, physics, ...ends), [a, b] = [one, other].map((joint) => this.joints[joints.indexOf(joint)]);
+    if (rack) gear.setJoints(a, b), gear.setRatio(-1 / travel);
+    else gear.setHinges(a, b), gear.setGearRatio(-ratio);
+    this.joints.push(gear);
   }
   motions() { return this.made.map(motionOf); }
   apply(index, force, torque) { this.load(this.made[index], force, torque); }
+  step(h) {
+    this.forces.applyTo(this, h);
+    super.step(h);
+  }
   free() {
     for (const joint of this.joints) joint.release();
     for (const body of [...this.made, ...this.grounds]) body.release();
@@ -201,6 +248,7 @@ await serve({
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  laws: ['limits', 'restitution', 'friction', 'springs', 'motors', 'couplings'],
   contacts: true,
   shapes: ['ball', 'capsule', 'box', 'polyhedron', 'several'],
   load: async () => {

@@ -1,5 +1,5 @@
 // Rapier.
-import {serve, alongY, framesOf, halfHeightOf, isMaximum} from './serve.js';
+import {serve, JointForces, alongY, angleBounds, framesOf, halfHeightOf, isMaximum} from './serve.js';
 
 let RAPIER;
 
@@ -26,7 +26,6 @@ function motionOf(b) {
 
 // Forces persist until they are reset.
 function load(body, force, torque) {
-  body.resetForces(true), body.resetTorques(true);
   body.addForce(vector(force), true), body.addTorque(vector(torque), true);
 }
 
@@ -96,7 +95,8 @@ function colliderOf(shape) {
 }
 
 class Mechanism {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors}) {
+    this.forces = new JointForces({bodies, joints, motors});
     this.world = new RAPIER.World(vector(gravity));
     this.bodies = bodies.map((body, i) => {
       const made = this.world.createRigidBody(descriptionOf(body, setting));
@@ -106,27 +106,50 @@ class Mechanism {
     });
     for (const plane of planes ?? []) addPlane(this.world, plane, combinedWith(contact, plane));
     this.ground = this.world.createRigidBody(RAPIER.RigidBodyDesc.fixed());
-    for (const joint of [...joints, ...loops])
-      this.world.createImpulseJoint(
+    for (const joint of [...joints, ...loops]) {
+      const made = this.world.createImpulseJoint(
           jointOf(bodies, joint), this.bodies[joint.parent] ?? this.ground, this.bodies[joint.child] ?? this.ground, true);
+      setLaws(made, bodies, joint);
+    }
   }
   motions() { return this.bodies.map(motionOf); }
-  apply(index, force, torque) { load(this.bodies[index], force, torque); }
+  apply(index, force, torque) {
+    load(this.bodies[index], force, torque);
+    this.pushed = true;
+  }
   step(h) {
+    this.forces.applyTo(this, h);
     this.world.timestep = h;
     this.world.step();
+    if (!this.pushed) return;
+    for (const body of this.bodies) body.resetForces(false), body.resetTorques(false);
+    this.pushed = false;
   }
   free() { this.world.free(); }
 }
 
+const turn = ([w, x, y, z]) => ({w, x, y, z});
+
 function jointOf(bodies, joint) {
   const out = vector(joint.parent_point), into = vector(joint.child_point);
-  const turn = ([w, x, y, z]) => ({w, x, y, z});
   if (joint.type === 'spherical') return RAPIER.JointData.spherical(out, into);
   if (joint.type === 'revolute')
     return RAPIER.JointData.revoluteWithAxes(out, into, vector(joint.parent_axes[0]), vector(joint.child_axes[0]));
   const [a, b] = framesOf(bodies, joint).map(turn);
   return RAPIER.JointData.fixed(out, a, into, b);
+}
+
+// Limits of a hinge count from the start. Friction is a motor to velocity 0 with a largest torque.
+function setLaws(made, bodies, joint) {
+  const {limits, friction, parent_point: out, child_point: into} = joint;
+  if (limits) {
+    const {lower, upper} = angleBounds('Rapier', limits), [a, b] = framesOf(bodies, joint, 'x');
+    made.setLocalFrame1(vector(out), turn(a)), made.setLocalFrame2(vector(into), turn(b));
+    made.setLimits(lower, upper);
+  }
+  if (!friction) return;
+  made.configureMotorModel(RAPIER.MotorModel.ForceBased);
+  made.configureMotorVelocity(0, 1e9), made.setMotorMaxForce(friction);
 }
 
 await serve({
@@ -139,6 +162,7 @@ await serve({
   },
   joints: ['revolute', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  laws: ['limits', 'friction', 'springs', 'motors'],
   contacts: true,
   shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {

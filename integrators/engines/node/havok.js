@@ -1,7 +1,7 @@
 // Havok, as packaged by Babylon.js.
 import fs from 'node:fs';
 import {createRequire} from 'node:module';
-import {serve, add, cross, framesOf, halfHeightOf, isMaximum, rotate, scaled} from './serve.js';
+import {serve, JointForces, add, angleBounds, boundsOf, cross, framesOf, halfHeightOf, isMaximum, rotate, scaled} from './serve.js';
 
 let havok;
 
@@ -50,6 +50,7 @@ class Scene {
       good(havok.HP_Constraint_SetAxisMode(
           joint, havok.ConstraintAxis[axis], havok.ConstraintAxisLimitMode.LOCKED));
     good(havok.HP_Constraint_SetEnabled(joint, 1));
+    return joint;
   }
   // Gives the shape a material; `modes` combine its friction and restitution with those of the other body.
   touching(shape, {friction, restitution}, modes = [havok.MaterialCombine.GEOMETRIC_MEAN, havok.MaterialCombine.GEOMETRIC_MEAN]) {
@@ -166,8 +167,9 @@ const locked = {
 };
 
 class Mechanism extends Scene {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors}) {
     super(gravity);
+    this.forces = new JointForces({bodies, joints, motors});
     this.pushes = [];
     this.made = bodies.map((known, i) => this.addBody(known, setting, (body) => {
       if (!balls) return;
@@ -183,14 +185,26 @@ class Mechanism extends Scene {
     for (const joint of [...joints, ...loops]) {
       const at = (index) => this.made[index] ?? this.ground, [out, into] = framesOf(bodies, joint, 'x');
       const anchor = (point, frame) => [point, rotate(frame, [1, 0, 0]), rotate(frame, [0, 1, 0])];
-      this.join(
+      const made = this.join(
           at(joint.parent), anchor(joint.parent_point, out), at(joint.child), anchor(joint.child_point, into),
           locked[joint.type]);
+      this.setLaws(made, joint);
     }
+  }
+  setLaws(made, {type, limits, friction}) {
+    const axis = havok.ConstraintAxis[type === 'revolute' ? 'ANGULAR_X' : 'LINEAR_X'];
+    if (limits) {
+      const {lower, upper} = type === 'revolute' ? angleBounds('Havok', limits) : boundsOf(limits);
+      good(havok.HP_Constraint_SetAxisMode(made, axis, havok.ConstraintAxisLimitMode.LIMITED));
+      good(havok.HP_Constraint_SetAxisMinLimit(made, axis, lower));
+      good(havok.HP_Constraint_SetAxisMaxLimit(made, axis, upper));
+    }
+    if (friction) good(havok.HP_Constraint_SetAxisFriction(made, axis, friction));
   }
   motions() { return this.made.map(motionOf); }
   apply(index, force, torque) { this.pushes.push({body: this.made[index], force, torque}); }
   step(h) {
+    this.forces.applyTo(this, h);
     for (const push of this.pushes) this.kick(push.body, h, push);
     this.pushes = [];
     this.advance(h);
@@ -212,6 +226,7 @@ await serve({
   },
   joints: ['revolute', 'prismatic', 'spherical', 'fixed'],
   loops: ['revolute', 'spherical'],
+  laws: ['limits', 'friction', 'springs', 'motors'],
   contacts: true,
   shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {

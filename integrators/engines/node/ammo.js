@@ -1,5 +1,5 @@
 // Ammo: Bullet 2, compiled to JavaScript.
-import {serve, framesOf, halfHeightOf, Unsupported} from './serve.js';
+import {serve, JointForces, angleBounds, boundsOf, framesOf, halfHeightOf, Unsupported} from './serve.js';
 
 let Ammo;
 
@@ -119,8 +119,9 @@ class World extends Scene {
 }
 
 class Mechanism extends Scene {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors}) {
     super(gravity);
+    this.forces = new JointForces({bodies, joints, motors}), this.frictions = [];
     // bodies collide only as balls
     this.made = bodies.map((known, i) => {
       const shape = this.take(new Ammo.btSphereShape(balls ? balls[i] : 0.01));
@@ -134,7 +135,7 @@ class Mechanism extends Scene {
     const still = this.take(new Ammo.btSphereShape(0.01));
     this.ground = this.bodyOf(0, still, [0, 0, 0], [1, 0, 0, 0], this.vector([0, 0, 0]), [1, 0]);
     this.joints = [...joints, ...loops].map((joint) => {
-      const made = this.take(this.jointOf(bodies, joint));
+      const made = this.take(this.jointOf(bodies, joint, setting));
       this.world.addConstraint(made, true);
       return made;
     });
@@ -153,22 +154,53 @@ class Mechanism extends Scene {
       ground.setRestitution(rest(plane, 'restitution')), ground.setFriction(rest(plane, 'friction'));
     }
   }
-  jointOf(bodies, joint) {
+  jointOf(bodies, joint, setting) {
     const a = this.made[joint.parent] ?? this.ground, b = this.made[joint.child] ?? this.ground;
     if (joint.type === 'spherical')
       return new Ammo.btPoint2PointConstraint(a, b, this.vector(joint.parent_point), this.vector(joint.child_point));
     const [out, into] = framesOf(bodies, joint, joint.type === 'prismatic' ? 'x' : 'z');
     const frames = [this.place(joint.parent_point, out), this.place(joint.child_point, into)];
-    if (joint.type === 'revolute') return new Ammo.btHingeConstraint(a, b, ...frames);
+    if (joint.type === 'revolute') return this.hingeOf(a, b, frames, joint, setting);
     const slider = new Ammo.btSliderConstraint(a, b, ...frames, true);
-    slider.setLowerLinLimit(1), slider.setUpperLinLimit(-1);
+    const {lower, upper} = joint.limits ? this.sliderBounds(joint.limits) : {lower: 1, upper: -1};
+    slider.setLowerLinLimit(lower), slider.setUpperLinLimit(upper);
     slider.setLowerAngLimit(0), slider.setUpperAngLimit(0);
+    if (joint.friction) {
+      slider.setPoweredLinMotor(true), slider.setTargetLinMotorVelocity(0);
+      // this version multiplies the largest force by the steps per second to get the largest impulse of a step
+      this.frictions.push((h) => slider.setMaxLinMotorForce(joint.friction * h * h));
+    }
     return slider;
+  }
+  // the restitution of a slider has no effect
+  sliderBounds(limits) {
+    if (limits.restitution > 0) throw new Unsupported('Ammo supports restitution only at the limits of revolute joints');
+    return boundsOf(limits);
+  }
+  // Bullet measures the angle of the parent relative to the child. The arguments after the limits are the softness, 0.9
+  // by default; the bias factor, 0.3 by default, which multiplies the restitution; and the restitution. Friction is a
+  // motor to velocity 0 with a largest impulse per step.
+  hingeOf(a, b, frames, {limits, friction}, setting) {
+    const hinge = new Ammo.btHingeConstraint(a, b, ...frames);
+    if (limits) {
+      const {lower, upper} = angleBounds('Ammo', limits);
+      hinge.setLimit(-upper, -lower, 0.9, setting === 'default' ? 0.3 : 1, limits.restitution);
+    }
+    if (friction) {
+      hinge.enableAngularMotor(true, 0, 0);
+      this.frictions.push((h) => hinge.setMaxMotorImpulse(friction * h));
+    }
+    return hinge;
   }
   motions() { return this.made.map(motionOf); }
   apply(index, force, torque) {
     this.made[index].activate(true);
     load(this.made[index], force, torque);
+  }
+  step(h) {
+    for (const setFriction of this.frictions) setFriction(h);
+    this.forces.applyTo(this, h);
+    super.step(h);
   }
   free() {
     for (const joint of this.joints) this.world.removeConstraint(joint);
@@ -187,6 +219,7 @@ await serve({
   // fixed joints are not supported: this build's constraint fails, by 1.1 rad on a welded pendulum in 0.25 s
   joints: ['revolute', 'prismatic', 'spherical'],
   loops: ['revolute', 'spherical'],
+  laws: ['limits', 'restitution', 'friction', 'springs', 'motors'],
   contacts: true,
   shapes: ['ball', 'capsule', 'cylinder', 'disc', 'box', 'polyhedron', 'several'],
   load: async () => {

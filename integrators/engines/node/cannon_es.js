@@ -1,5 +1,5 @@
 // cannon-es.
-import {serve, add as plus, rotate} from './serve.js';
+import {serve, JointForces, add as plus, rotate} from './serve.js';
 
 let CANNON;
 
@@ -78,7 +78,8 @@ class World {
 }
 
 class Mechanism {
-  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact}) {
+  constructor({bodies, joints, loops, gravity, setting, balls, planes, contact, motors}) {
+    this.forces = new JointForces({bodies, joints, motors}), this.hingesWithFriction = [];
     this.world = new CANNON.World({gravity: vector(gravity)});
     this.bodies = bodies.map((known) => {
       const [w, x, y, z] = known.q;
@@ -107,16 +108,27 @@ class Mechanism {
       this.world.addContactMaterial(new CANNON.ContactMaterial(ball, ground, {restitution, friction}));
     for (const plane of planes) this.world.addBody(groundOf(plane, ground));
   }
-  jointOf({type, parent, child, parent_point: pivotA, child_point: pivotB, parent_axes: [axisA], child_axes: [axisB]}) {
+  jointOf(joint) {
+    const {type, parent, child, parent_point: pivotA, child_point: pivotB, parent_axes: [axisA], child_axes: [axisB]} = joint;
     const a = this.bodies[parent] ?? this.ground, b = this.bodies[child] ?? this.ground, maxForce = 1e30;
     if (type === 'spherical')
       return new CANNON.PointToPointConstraint(a, vector(pivotA), b, vector(pivotB), maxForce);
     const options = {pivotA: vector(pivotA), pivotB: vector(pivotB), axisA: vector(axisA), axisB: vector(axisB), maxForce};
-    return new CANNON.HingeConstraint(a, b, options);
+    const hinge = new CANNON.HingeConstraint(a, b, options);
+    if (joint.friction) {
+      hinge.enableMotor(), hinge.setMotorSpeed(0);
+      this.hingesWithFriction.push({hinge, friction: joint.friction});
+    }
+    return hinge;
   }
   motions() { return this.bodies.map(motionOf); }
   apply(index, force, torque) { load(this.bodies[index], force, torque); }
-  step(h) { this.world.step(h); }
+  step(h) {
+    // cannon-es limits the impulse of a step, although it names the limit maxForce
+    for (const {hinge, friction} of this.hingesWithFriction) hinge.setMotorMaxForce(friction * h);
+    this.forces.applyTo(this, h);
+    this.world.step(h);
+  }
   free() {}
 }
 
@@ -130,6 +142,7 @@ await serve({
   },
   joints: ['revolute', 'spherical'],
   loops: ['revolute', 'spherical'],
+  laws: ['friction', 'springs', 'motors'],
   contacts: true,
   shapes: ['ball', 'capsule', 'box', 'several'],
   load: async () => (CANNON = await import('cannon-es'), {World, Mechanism})

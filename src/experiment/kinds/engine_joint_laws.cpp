@@ -173,9 +173,12 @@ std::string describe_friction(const LawsPlace& place) {
 std::string describe_gears(const LawsPlace& place) {
     const JointLawProbe& p = place.fine;
     if (!p.mismatch) return fmt::format(" Gears: not supported ({}).", p.gears_fault);
-    const char* kind = p.geared && *p.geared > 0.1 ? "Gears act one way: the driving joint does not feel the driven one"
-                       : *p.mismatch < 1e-4        ? "Gears are rigid"
-                                                   : "Gears are soft";
+    const bool is_unbalanced = p.geared && *p.geared > 0.1;
+    const char* kind = is_unbalanced && *p.mismatch > 0.1
+                           ? "Gears act one way: the driving joint does not feel the driven one"
+                       : is_unbalanced      ? "Gears keep the ratio, but their torques are not in balance"
+                       : *p.mismatch < 1e-4 ? "Gears are rigid"
+                                            : "Gears are soft";
     return fmt::format(" {}. The error of the ratio of the rates is {}, that of the pendulum's angle after 1 s is {}.",
                        kind, format_amount(p.mismatch, ""), format_amount(p.geared, " rad"));
 }

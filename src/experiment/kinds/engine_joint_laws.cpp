@@ -81,7 +81,7 @@ void probe_stop(const Method& method, double step, JointLawProbe& probe) {
 void probe_restitution(const Method& method, double step, JointLawProbe& probe) {
     const std::vector<Sample> run =
         run_law(method, make_stopped_arm(restitution_probed), stop_duration, step, probe.elastic_fault);
-    if (!run.empty()) probe.elastic = -run.back().angular_velocity_B[1] / impact_speed;
+    if (!run.empty()) probe.elastic = std::max(0.0, -run.back().angular_velocity_B[1] / impact_speed);
 }
 
 void probe_creep(const Method& method, double step, JointLawProbe& probe) {
@@ -155,10 +155,12 @@ std::string describe_limits(const LawsPlace& place) {
                                    step_name(fine_step), format_amount(p.depth, " rad"));
     text +=
         *p.rebound < 0.01 ? " and stays there." : fmt::format(" and rebounds with {:.2f} of its speed.", *p.rebound);
-    if (p.elastic)
-        text += fmt::format(" With a restitution of 0.75 the arm rebounds with {:.2f} of its speed.", *p.elastic);
-    else
+    if (!p.elastic)
         text += " Restitution is not supported.";
+    else if (*p.elastic < 0.01)
+        text += " With a restitution of 0.75 the arm does not rebound.";
+    else
+        text += fmt::format(" With a restitution of 0.75 the arm rebounds with {:.2f} of its speed.", *p.elastic);
     return text;
 }
 

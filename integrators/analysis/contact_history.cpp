@@ -87,7 +87,7 @@ std::vector<std::vector<double>> times_of_intervals(const std::vector<contact::I
 class ContactView {
   public:
     ContactView(const Scene& scene, std::size_t body) {
-        const Scene alone = is_mechanism(scene) ? scene_of_sphere(scene, body) : scene;
+        const Scene alone = scene_of_sphere(scene, body);
         geometry_ = contact_geometry<double>(alone, mass_properties<double>(alone.body).center, Quaternion<double>{});
         only_gravity_ =
             std::ranges::all_of(alone.loads, [](const Load& load) { return std::holds_alternative<Gravity>(load); });
@@ -126,7 +126,6 @@ class ContactView {
 }  // namespace
 
 ContactParts parts_of_contact(const Scene& scene, std::size_t contact) {
-    if (!is_mechanism(scene)) return {0, contact, {}};
     const std::size_t planes = scene.planes.size(), others = planes + scene.bodies.size(), other = contact % others;
     ContactParts parts{contact / others, {}, {}};
     if (other < planes)

@@ -14,7 +14,8 @@ namespace {
 
 std::string system_refusal(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return "";
-    if (is_mechanism(problem.scene)) return "this method does not support loads given by formulas";
+    if (problem.needs.system == SystemKind::mechanism_with_formulas)
+        return "this method does not support loads given by formulas";
     return std::holds_alternative<UserSystem>(problem.system)
                ? "this method supports only scenes of several bodies, not user-defined systems"
                : "this method supports only scenes of several bodies with joints";

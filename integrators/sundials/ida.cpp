@@ -11,7 +11,7 @@ Trajectory solve_ida(const Problem& problem, const Settings& settings, maximal::
 }
 
 std::string ida_refusal(const Problem& problem) {
-    if (!std::holds_alternative<MechanismSystem>(problem.system) && is_mechanism(problem.scene))
+    if (problem.needs.system == SystemKind::mechanism_with_formulas)
         return "this method does not support loads given by formulas";
     if (!std::holds_alternative<MechanismSystem>(problem.system))
         return "this method supports only scenes of several bodies";

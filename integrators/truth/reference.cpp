@@ -79,8 +79,8 @@ enum class Formulas {
 
 Formulas select_formulas(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return Formulas::series_in_joint_coordinates;
-    if (has_formula_loads(problem.scene) && is_mechanism(problem.scene)) return Formulas::mechanism_with_formula_loads;
-    if (has_formula_loads(problem.scene)) return Formulas::series_with_formula_loads;
+    if (problem.needs.system == SystemKind::mechanism_with_formulas) return Formulas::mechanism_with_formula_loads;
+    if (problem.needs.system == SystemKind::body_with_formulas) return Formulas::series_with_formula_loads;
     return prefers_closed_form(problem)  ? Formulas::closed_form
            : is_strongly_damped(problem) ? Formulas::collocation
                                          : Formulas::series;
@@ -181,7 +181,7 @@ Attempt attempt_contact(const Problem& problem, const std::vector<double>& times
 // Repeats attempts until the digits agree. Each attempt adds the digits that the last one lost (local minus agreed).
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
-    if (!is_mechanism(scene) && !scene.planes.empty() && is_strongly_damped(problem))
+    if (!scene.planes.empty() && is_strongly_damped(problem))
         return make_unavailable("no truth: stiff motions require collocation, which does not support planes");
     double local = digits + 8, max_agreed = 0;
     std::string fault;

@@ -21,8 +21,9 @@ inline double damping_number(const Problem& problem, const Segment& segment) {
 /// only by the motion. (Stiffness for a solver in binary64 is a different criterion: run/stiffness.h.)
 constexpr double strong_damping_number = 3000;
 
-/// True if the sum of the damping numbers of all segments exceeds the limit.
+/// True if the sum of the damping numbers of all segments exceeds the limit. False for several bodies.
 inline bool is_strongly_damped(const Problem& problem) {
+    if (!std::holds_alternative<OneBody>(problem.system)) return false;
     double sum = 0;
     for (const Segment& segment : problem.segments) sum += damping_number(problem, segment);
     return sum > strong_damping_number;

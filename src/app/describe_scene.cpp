@@ -113,6 +113,8 @@ std::string equations(SystemKind system) {
         case SystemKind::full_motion:
         case SystemKind::user_defined:
         case SystemKind::mechanism:
+        case SystemKind::body_with_formulas:
+        case SystemKind::mechanism_with_formulas:
             break;
     }
     return "J dw/dt = tau(t, q, w, p, v) - w x Jw, full tensor;  dq/dt = q (0, w) / 2;  dp/dt = v;  dv/dt = F / m";
@@ -135,9 +137,7 @@ void system_posed(Report& report, const Problem& problem) {
     const Needs& needs = problem.needs;
     report.title("System posed");
     const bool has_formulas = has_formula_loads(problem.scene);
-    report.line("system",
-                fmt::format("{}, {} variables", has_formulas ? "one body with formula loads" : name_of(needs.system),
-                            needs.dimension));
+    report.line("system", fmt::format("{}, {} variables", name_of(needs.system), needs.dimension));
     report.line("equations", equations(needs.system));
     if (has_formulas) description::formulas(report, problem);
     report.line("axes", has_formulas || problem.body.q_BP == Quaternion<double>{} ? "body axes" : "principal axes");

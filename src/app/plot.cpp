@@ -176,7 +176,7 @@ Figure figure_of_errors(const std::vector<PlottedFile>& files, const Scene& scen
     figure.title = fmt::format("{} on {}", files.size() == 1 ? files.front().name : "trajectories", scene.name);
     figure.panels.push_back(
         panel_over_time(std::string(measure.title),
-                        fmt::format("{}error{}", is_mechanism(scene) && measure.error ? "worst body's " : "",
+                        fmt::format("{}error{}", body_count(scene) > 1 && measure.error ? "worst body's " : "",
                                     measure.unit.empty() ? "" : fmt::format(" ({})", measure.unit)),
                         true));
     for (std::size_t i = 0; i < files.size(); ++i) {

@@ -97,10 +97,7 @@ std::string summary(const SolveOptions& options, const Problem& problem, const C
                     const Trajectory& trajectory) {
     const double T = problem.scene.duration;
     std::string text = fmt::format("scene    {}: {}, {} variables, {} s\n", one_line(problem.scene.name, 100),
-                                   !has_formula_loads(problem.scene) ? name_of(problem.needs.system)
-                                   : is_mechanism(problem.scene)     ? "several bodies with formula loads"
-                                                                     : "one body with formula loads",
-                                   problem.needs.dimension, T);
+                                   name_of(problem.needs.system), problem.needs.dimension, T);
     text += fmt::format("method   {}", choice.method->name);
     if (!choice.why.empty()) text += fmt::format(" (auto: {})", choice.why);
     if (settings.tolerance) text += fmt::format(", tolerance {}", *settings.tolerance);

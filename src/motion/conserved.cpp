@@ -393,8 +393,8 @@ std::vector<Conserved> conserved_by_formulas(const Problem& problem) {
 std::vector<Conserved> conserved(const Problem& problem) {
     if (std::holds_alternative<MechanismSystem>(problem.system)) return conserved_by_mechanism(problem);
     // symmetries of the formulas of several bodies are not searched
-    if (has_formula_loads(problem.scene) && is_mechanism(problem.scene)) return {};
-    if (has_formula_loads(problem.scene)) return conserved_by_formulas(problem);
+    if (problem.needs.system == SystemKind::mechanism_with_formulas) return {};
+    if (problem.needs.system == SystemKind::body_with_formulas) return conserved_by_formulas(problem);
     std::vector<Conserved> found;
     const Sample start = first_sample(problem);
     const auto add_quantity = [&](ConservedKind kind, const char* name, const char* formula, decltype(Conserved::of) of,

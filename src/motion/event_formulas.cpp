@@ -21,29 +21,22 @@ std::vector<Wide> event_constants(const Scene& scene) {
 }  // namespace
 
 EventFormulas::EventFormulas(const Scene& scene, const std::vector<std::string>& formulas)
-    : compiled_(compile_event_formulas(scene, formulas)),
-      joint_count_(scene.joints.size()),
-      several_bodies_(is_mechanism(scene)) {
+    : compiled_(compile_event_formulas(scene, formulas)), joint_count_(scene.joints.size()) {
     const formula::Expression& expression = compiled_.expression;
     for (const Wide& value : formula::compute_uniform_values<Wide>(expression, event_constants(scene)))
         uniform_.push_back(static_cast<double>(value));
     needed_ = formula::find_needed(expression, compiled_.outputs);
-    const int first_joint = MechanismInputs::of_joint(static_cast<int>(scene.bodies.size()), 0);
+    const int first_joint = MechanismInputs::of_joint(static_cast<int>(body_count(scene)), 0);
     for (std::size_t i = 0; i < needed_.size(); ++i) {
         const formula::Node& node = expression.nodes()[i];
-        if (several_bodies_ && needed_[i] && node.operation == formula::Operation::input && node.a >= first_joint)
-            reads_joints_ = true;
+        if (needed_[i] && node.operation == formula::Operation::input && node.a >= first_joint) reads_joints_ = true;
     }
 }
 
 std::vector<double> EventFormulas::inputs(const Bodies& bodies, std::span<const JointMotion<double>> joints) const {
-    const auto first = bodies[0];
-    if (!several_bodies_)
-        return FormulaState<double>(first.t, first.angular_velocity_B, first.q, first.position_W, first.velocity_W)
-            .input;
     const std::size_t count = bodies.size();
     MechanismState<double> state(count, joint_count_);
-    state.input[FormulaInputs::time] = first.t;
+    state.input[FormulaInputs::time] = bodies[0].t;
     for (std::size_t b = 0; b < count; ++b) {
         const Sample& sample = bodies[b];
         state.set_body(static_cast<int>(b), sample.angular_velocity_B, sample.q, sample.position_W, sample.velocity_W);

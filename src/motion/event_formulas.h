@@ -30,7 +30,7 @@ class EventFormulas {
     std::vector<double> uniform_;
     std::vector<char> needed_;
     std::size_t joint_count_ = 0;
-    bool several_bodies_ = false, reads_joints_ = false;
+    bool reads_joints_ = false;
 
     std::vector<double> inputs(const Bodies& bodies, std::span<const JointMotion<double>> joints) const;
 };

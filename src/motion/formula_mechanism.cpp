@@ -58,7 +58,8 @@ Problem pose_formula_mechanism(const Scene& scene) {
     problem.scene = scene;
     const auto model = std::make_shared<const Erased<FormulaMechanismModel>>(
         FormulaMechanismModel(std::make_shared<const Scene>(scene)));
-    problem.needs.system = SystemKind::mechanism, problem.needs.dimension = model->dimension();
+    problem.needs.system = SystemKind::mechanism_with_formulas;
+    problem.needs.dimension = model->dimension();
     for (const Leg& leg : itinerary(scene)) {
         Segment segment;
         static_cast<Leg&>(segment) = leg;

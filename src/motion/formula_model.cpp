@@ -112,7 +112,7 @@ void pose_formula_loads(Problem& problem) {
         std::make_shared<const Erased<FormulaModel>>(FormulaModel(std::make_shared<const Scene>(problem.scene)));
     const FormulaModel& formulas = model->model();
     Needs& needs = problem.needs;
-    needs.system = SystemKind::user_defined, needs.dimension = formulas.dimension();
+    needs.system = SystemKind::body_with_formulas, needs.dimension = formulas.dimension();
     needs.translation = problem.body.pivoted ? Translation::fixed : Translation::integrated;
     needs.torque_free = false;
     needs.time_dependent = true;
@@ -127,9 +127,9 @@ const FormulaModel& formula_model_of(const Problem& problem) {
 }
 
 bool has_switches(const Problem& problem) {
-    if (!has_formula_loads(problem.scene)) return false;
-    return is_mechanism(problem.scene) ? formula_mechanism_of(problem).has_switches()
-                                       : formula_model_of(problem).has_switches();
+    if (problem.needs.system == SystemKind::mechanism_with_formulas)
+        return formula_mechanism_of(problem).has_switches();
+    return problem.needs.system == SystemKind::body_with_formulas && formula_model_of(problem).has_switches();
 }
 
 bool has_variable_roots(const Problem& problem) {

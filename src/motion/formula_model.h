@@ -134,7 +134,7 @@ class FormulaSystem {
     bool reactions_;
 
     static Model model_of(const Problem& problem) {
-        if (is_mechanism(problem.scene)) return formula_mechanism_of(problem);
+        if (problem.needs.system == SystemKind::mechanism_with_formulas) return formula_mechanism_of(problem);
         return formula_model_of(problem);
     }
 };

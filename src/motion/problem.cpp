@@ -206,7 +206,8 @@ const char* name_of(SystemKind system) {
                                      "full motion",
                                      "user-defined system",
                                      "several bodies",
-                                     "one body with formula loads"};
+                                     "one body with formula loads",
+                                     "several bodies with formula loads"};
     return names[static_cast<std::size_t>(system)];
 }
 

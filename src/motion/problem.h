@@ -36,7 +36,9 @@ enum class SystemKind {
     loaded_motion,
     full_motion,
     user_defined,
-    mechanism
+    mechanism,
+    body_with_formulas,      ///< one body whose loads are formulas
+    mechanism_with_formulas  ///< several bodies whose loads are formulas
 };
 /// How many principal moments of a body are equal.
 enum class Symmetry {

@@ -226,6 +226,8 @@ auto with_one_body(const Problem& problem, Visitor&& visit) {
         case SystemKind::full_motion:
         case SystemKind::user_defined:
         case SystemKind::mechanism:
+        case SystemKind::body_with_formulas:
+        case SystemKind::mechanism_with_formulas:
             break;
     }
     return visit.template operator()<FullMotion>();

@@ -109,7 +109,7 @@ class ContactTimeline {
                 tolerance_.slip = std::max(tolerance_.slip, curve_tolerance * length(sample.slip_W));
             }
         // planes of a single body have a row even if nothing happens there
-        if (!is_mechanism(scene))
+        if (body_count(scene) == 1)
             for (std::size_t i = 0; i < scene.planes.size(); ++i) row_of(i);
         add_events();
         add_intervals();
@@ -128,7 +128,7 @@ class ContactTimeline {
         const ContactNames names = contact_names(scene_, contact);
         const std::string other = one_line(names.other, 60);
         const std::optional<std::size_t> row =
-            timeline_.row(is_mechanism(scene_) ? one_line(names.body, 60) + ", " + other : other, "N s");
+            timeline_.row(body_count(scene_) > 1 ? one_line(names.body, 60) + ", " + other : other, "N s");
         if (row && parts_of_contact(scene_, contact).plane) plane_rows_.insert(*row);
         return row;
     }

@@ -71,9 +71,8 @@ class FormulaCompiler {
     // Makes the parameters, the state, the tables and the definitions of the scene available to formulas.
     void add_names() {
         add_parameters();
-        e_.allow_holds(is_mechanism(scene_) ? MechanismInputs::count(static_cast<int>(scene_.bodies.size()),
-                                                                     static_cast<int>(scene_.joints.size()))
-                                            : FormulaInputs::count);
+        e_.allow_holds(
+            MechanismInputs::count(static_cast<int>(body_count(scene_)), static_cast<int>(scene_.joints.size())));
         if (is_mechanism(scene_))
             add_mechanism();
         else

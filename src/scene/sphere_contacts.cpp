@@ -134,6 +134,7 @@ std::vector<SpherePair> sphere_pairs(const Scene& scene) {
 }
 
 Scene scene_of_sphere(const Scene& scene, std::size_t body) {
+    if (!is_mechanism(scene)) return scene;
     Scene alone;
     const NamedBody& one = scene.bodies[body];
     alone.directory = scene.directory, alone.name = scene.name, alone.duration = scene.duration;
@@ -151,9 +152,9 @@ Scene scene_of_sphere(const Scene& scene, std::size_t body) {
 }
 
 ContactNames contact_names(const Scene& scene, std::size_t contact) {
-    if (!is_mechanism(scene)) return {"body", plane_name(scene, contact)};
     const std::size_t planes = scene.planes.size(), others = planes + scene.bodies.size(), other = contact % others;
-    return {scene.bodies[contact / others].name,
+    const std::string_view name = scene_body(scene, contact / others).name;
+    return {name.empty() ? "body" : std::string(name),
             other < planes ? plane_name(scene, other) : scene.bodies[other - planes].name};
 }
 

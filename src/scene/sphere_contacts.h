@@ -26,12 +26,12 @@ struct SpherePair {
 /// and within an entry for all pairs that of the bodies. The scene must be valid.
 std::vector<SpherePair> sphere_pairs(const Scene& scene);
 
-/// The scene of one of the bodies alone: its loads and all planes.
+/// The scene of one of the bodies alone: its loads and all planes. A scene of one body is returned as it is.
 Scene scene_of_sphere(const Scene& scene, std::size_t body);
 
 /// Number of an event's contact: planes + bodies for each body. For one body it is the index of the plane.
 inline std::size_t contact_with_plane(const Scene& scene, std::size_t body, std::size_t plane) {
-    return is_mechanism(scene) ? body * (scene.planes.size() + scene.bodies.size()) + plane : plane;
+    return body * (scene.planes.size() + scene.bodies.size()) + plane;
 }
 /// Number of the contact of a body with another one.
 inline std::size_t contact_with_body(const Scene& scene, std::size_t body, std::size_t other) {

@@ -125,6 +125,8 @@ class Ball {
     friend bool operator>(const Ball& a, const Ball& b) { return arb_gt(a.x_, b.x_) != 0; }
     friend bool operator<=(const Ball& a, const Ball& b) { return arb_le(a.x_, b.x_) != 0; }
     friend bool operator>=(const Ball& a, const Ball& b) { return arb_ge(a.x_, b.x_) != 0; }
+    friend bool operator<(const Ball& a, int b) { return a < Ball(b); }
+    friend bool operator>(const Ball& a, int b) { return a > Ball(b); }
     explicit operator double() const { return near(); }
 
   private:
@@ -252,6 +254,12 @@ inline Ball widened(Ball ball, const Bound& radius) {
 inline void add_product(Ball& sum, const Ball& a, const Ball& b, Ball&) {
     arb_addmul(sum.raw(), a.raw(), b.raw(), Ball::precision());
 }
+/// f(x) for a function of Arb.
+inline Ball apply(void (*f)(arb_t, const arb_t, slong), const Ball& x) {
+    Ball result;
+    f(result.raw(), x.raw(), Ball::precision());
+    return result;
+}
 /// x /= n, in place.
 inline void divide(Ball& x, unsigned long n) { arb_div_ui(x.raw(), x.raw(), n, Ball::precision()); }
 
@@ -265,7 +273,7 @@ inline void convolve(Ball& result, const Ball* a, const Ball* b, int k, Ball&) {
 
 namespace polhode {
 
-/// The elementary functions that the mass properties of a body require.
+/// The elementary functions that the mass properties of a body and formulas require.
 template <>
 struct Elementary<truth::Ball> {
     static truth::Ball pi() {
@@ -280,6 +288,14 @@ struct Elementary<truth::Ball> {
         truth::Ball size;
         arb_abs(size.raw(), x.raw());
         return size;
+    }
+    static truth::Ball exponential(const truth::Ball& x) { return truth::apply(arb_exp, x); }
+    static truth::Ball cube_root(const truth::Ball& x) {
+        // arb_root_ui requires a positive number
+        if (x.is_negative()) return -cube_root(-x);
+        truth::Ball root;
+        arb_root_ui(root.raw(), x.raw(), 3, truth::Ball::precision());
+        return root;
     }
 };
 

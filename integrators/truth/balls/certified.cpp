@@ -2,8 +2,8 @@
 //
 // certified_reference() repeats attempts at increasing working precision until all radii meet the requested digits. An
 // attempt that fails returns the precision to try next (CertifiedAttempt::wanted_bits). Certifier encloses one body;
-// TreeCertifier (certify_tree.cpp) encloses trees of bodies. Certifier follows the motion from event to event (Piece)
-// and encloses each piece by the first applicable method:
+// TapeCertifier (certify_tape.cpp) encloses trees of bodies and formula loads. Certifier follows the motion from event
+// to event (Piece) and encloses each piece by the first applicable method:
 //   closed form          no torque (closed_form.cpp); a sphere on planes (contact_ball.cpp, SphereCertifier)
 //   collocation          strongly damped pieces (collocation.cpp)
 //   Taylor series        errors carried by the logarithmic norm or by parallelepipeds (taylor.cpp, parallelepiped.cpp)
@@ -27,6 +27,7 @@
 #include "integrators/truth/balls/certify.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/strong_damping.h"
+#include "motion/formula_model.h"
 #include "motion/problem.h"
 #include "scene/plane_file.h"
 #include "scene/scene_file.h"
@@ -296,7 +297,10 @@ std::string certification_refusal(const Scene& scene) {
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load))
             return "no certified truth: user-defined torques are not supported";
-    if (has_formula_loads(scene)) return "no certified truth: loads given by formulas are not supported";
+    if (has_formula_loads(scene) && has_switches(pose(scene)))
+        return "no certified truth: formulas that switch (abs, min, if, tables) are not supported; remove --certified";
+    if (has_formula_loads(scene) && !scene.planes.empty())
+        return "no certified truth: formulas together with planes are not supported; remove --certified";
     if (!scene.couplings.empty()) return "no certified truth: couplings are not supported; remove --certified";
     if (contact::has_joint_events(scene))
         return "no certified truth: friction, limits and prescribed motions of joints are not supported; remove "
@@ -433,15 +437,15 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     const truth::Allowance allowance(seconds_limit);
     const double least_bits = digits * bits_per_digit + spare_bits;
     Certifier certifier(scene, result.times, least_bits);
-    truth::TreeCertifier tree_certifier(scene, result.times, least_bits);
-    const bool is_tree = is_mechanism(scene);
+    truth::TapeCertifier tape_certifier(scene, result.times, least_bits);
+    const bool by_tape = is_mechanism(scene) || has_formula_loads(scene);
     result.bodies = static_cast<int>(body_count(scene));
     truth::SphereCertifier sphere_certifier(scene, result.times);
     const PrecisionSearch search = search_precision(
         scene,
         [&] {
             if (!scene.planes.empty()) return sphere_certifier.attempt();
-            return is_tree ? tree_certifier.attempt() : certifier.attempt();
+            return by_tape ? tape_certifier.attempt() : certifier.attempt();
         },
         least_bits, digits, result);
     flint_cleanup();

@@ -1,5 +1,5 @@
-// Types shared by the proofs for one body and for trees of bodies. Each attempt encloses the motion at one working
-// precision and returns the precision that the next attempt needs.
+// Types shared by the proofs for one body, for trees of bodies, for formula loads and for spheres on planes. Each
+// attempt encloses the motion at one working precision and returns the precision that the next attempt needs.
 #pragma once
 
 #include <array>
@@ -46,12 +46,13 @@ struct CertifiedAttempt {
 /// log2 of the largest kappa along the motion: an estimate for the precision. If it is too low, an attempt is repeated.
 double kappa_bits(const Problem& problem);
 
-/// Encloses the motion of a tree of bodies without loops at the thread's working precision. Parallelepipeds carry the
-/// errors. `least_bits` is the precision that the requested digits require.
-class TreeCertifier {
+/// Encloses a motion whose equations are recorded as one tape, at the thread's working precision: trees of bodies
+/// without loops, and formula loads without switching points. Parallelepipeds carry the errors. `least_bits` is the
+/// precision that the requested digits require.
+class TapeCertifier {
   public:
     /// The scene and the times must outlive this object.
-    TreeCertifier(const Scene& scene, const std::vector<double>& times, double least_bits)
+    TapeCertifier(const Scene& scene, const std::vector<double>& times, double least_bits)
         : scene_(scene), times_(times), least_bits_(least_bits) {}
     CertifiedAttempt attempt();
 
@@ -62,7 +63,10 @@ class TreeCertifier {
     PiecePlan plan_;
     double lost_bits_ = 0;
 
-    void make_plan();
+    template <class Equations>
+    void make_plan(const Problem& problem);
+    template <class Equations>
+    CertifiedAttempt attempt_with(const Problem& problem);
 };
 
 /// Encloses the motion of a uniform sphere on planes under constant gravity (contact_ball.cpp).

@@ -28,6 +28,7 @@ class JacobianSampler {
     JacobianSampler(const Scene& scene, std::vector<Block> blocks)
         : form_(scene), blocks_(std::move(blocks)), y_(static_cast<std::size_t>(form_.dimension())) {
         form_.initial(y_.data());
+        largest_.assign(y_.size(), 0.0);
     }
 
     std::vector<JacobianSample> visits(double begin, double end) {
@@ -35,6 +36,7 @@ class JacobianSampler {
         constexpr double tolerance = 1e-6;
         const int n = form_.dimension();
         form_.enter(begin, y_.data());
+        note_size();
         Series<double> series(record<double>(form_, n), order);
         std::vector<JacobianSample> all;
         double t = begin;
@@ -56,15 +58,24 @@ class JacobianSampler {
             all.push_back({Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(J.data(), n, n), h});
             if (give_up) break;
             series.evaluate(h, y_.data());
+            note_size();
             t = end - t <= h ? end : t + h;
         }
         return thin_out(std::move(all));
     }
 
+    /// The largest magnitude of each variable along the motion so far.
+    const std::vector<double>& largest() const { return largest_; }
+
   private:
     Form form_;
     std::vector<Block> blocks_;
-    std::vector<double> y_;
+    std::vector<double> y_, largest_;
+
+    void note_size() {
+        for (std::size_t i = 0; i < y_.size(); ++i)
+            if (std::isfinite(y_[i])) largest_[i] = std::max(largest_[i], std::abs(y_[i]));
+    }
 
     static std::vector<JacobianSample> thin_out(std::vector<JacobianSample> all) {
         constexpr std::size_t most = 64;

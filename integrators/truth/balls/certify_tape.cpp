@@ -1,13 +1,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "integrators/series/linear_algebra.h"
+#include "integrators/truth/balls/ball_functions.h"
 #include "integrators/truth/balls/certify.h"
 #include "integrators/truth/balls/flow.h"
 #include "integrators/truth/balls/jacobian_sampler.h"
+#include "integrators/truth/formula_mechanism_form.h"
 #include "integrators/truth/tree_form.h"
+#include "motion/formula_mechanism.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 
@@ -45,46 +49,110 @@ double count_coefficients(const Recording<Ball>& recording, double bits) {
     return products * static_cast<double>(recording.tape.nodes.size() * recording.rates.size()) * order_a_bit * bits;
 }
 
+// The equations that are recorded: their form over any scalar, and the sizes of its variables.
+struct TreeEquations {
+    template <class P>
+    using Form = TreeForm<P>;
+    static std::vector<double> scales(const Problem& problem) { return mechanism_of(problem).scales(); }
+    static std::vector<Block> blocks(const Form<double>& form, const Problem&, const std::vector<double>& scales) {
+        return form.blocks(scales);
+    }
+    static double link_count(const Form<double>& form) { return static_cast<double>(form.tree().links().links.size()); }
+    static double sensitivity_bits(const Problem& problem) { return kappa_bits(problem); }
+    static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) { return form.motion(y); }
+};
+
+// Bits lost by formula loads, whose condition is not computed. An attempt that needs more is repeated.
+constexpr double formula_bits = 32;
+
+struct FormulaTreeEquations {
+    template <class P>
+    using Form = FormulaTreeForm<P>;
+    static std::vector<double> scales(const Problem& problem) { return problem.model()->scales(); }
+    static std::vector<Block> blocks(const Form<double>& form, const Problem&, const std::vector<double>& scales) {
+        return form.blocks(scales);
+    }
+    static double link_count(const Form<double>& form) { return static_cast<double>(form.tree().links().links.size()); }
+    static double sensitivity_bits(const Problem&) { return formula_bits; }
+    static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) {
+        Motions<Ball> all = form.tree().motions(y);
+        for (Motion<Ball>& body : all) body.q = normalized(body.q);
+        return all;
+    }
+};
+
+struct FormulaBodyEquations {
+    template <class P>
+    using Form = FormulaEulerForm<P>;
+    static std::vector<double> scales(const Problem& problem) { return problem.model()->scales(); }
+    static std::vector<Block> blocks(const Form<double>& form, const Problem& problem, const std::vector<double>&) {
+        return form.blocks(problem.scales, {});
+    }
+    static double link_count(const Form<double>&) { return 1; }
+    static double sensitivity_bits(const Problem&) { return formula_bits; }
+    static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) { return {form.motion(y)}; }
+};
+
 }  // namespace
 
-void TreeCertifier::make_plan() {
+template <class Equations>
+void TapeCertifier::make_plan(const Problem& problem) {
     // per link: bits lost because bounds of a right-hand side use only the magnitude of each intermediate value
     constexpr double parallelepiped_bits = 24, bits_a_link = 6;
-    const Problem problem = pose(scene_);
-    const MechanismModel& mechanism = mechanism_of(problem);
-    const TreeForm<double> form(scene_);
+    using Form = typename Equations::template Form<double>;
+    const Form form(scene_);
     plan_.dimension = form.dimension();
-    plan_.scales = mechanism.scales();
-    plan_.blocks = form.blocks(plan_.scales);
+    plan_.scales = Equations::scales(problem);
+    plan_.blocks = Equations::blocks(form, problem, plan_.scales);
     const auto n = static_cast<std::size_t>(plan_.dimension);
     plan_.weights.assign(n * n, 0);
-    JacobianSampler<TreeForm<double>> sampler(scene_, plan_.blocks);
+    JacobianSampler<Form> sampler(scene_, plan_.blocks);
     Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(plan_.dimension, plan_.dimension);
     for (const Leg& leg : itinerary(scene_))
         for (const JacobianSample& visit : sampler.visits(leg.begin, leg.end))
             coupling += visit.seconds * visit.J.cwiseAbs();
+    if constexpr (requires { form.terms(); }) {
+        // auxiliaries have any size
+        const std::vector<double>& largest = sampler.largest();
+        for (Block& block : plan_.blocks)
+            if (block.first > form.time_index() && largest[block.first] > 0)
+                block.scale = plan_.scales[block.first] = largest[block.first];
+    }
     const std::vector<double> unit = balance_weights(coupling, plan_.scales);
     for (std::size_t i = 0; i < n; ++i) plan_.weights[i * n + i] = 1 / unit[i];
-    lost_bits_ =
-        parallelepiped_bits + bits_a_link * static_cast<double>(form.tree().links().links.size()) + kappa_bits(problem);
+    lost_bits_ = parallelepiped_bits + bits_a_link * Equations::link_count(form) + Equations::sensitivity_bits(problem);
 }
 
-CertifiedAttempt TreeCertifier::attempt() {
+CertifiedAttempt TapeCertifier::attempt() {
+    const Problem problem = pose(scene_);
+    switch (problem.needs.system) {
+        case SystemKind::mechanism_with_formulas:
+            return attempt_with<FormulaTreeEquations>(problem);
+        case SystemKind::body_with_formulas:
+            return attempt_with<FormulaBodyEquations>(problem);
+        default:
+            return attempt_with<TreeEquations>(problem);
+    }
+}
+
+template <class Equations>
+CertifiedAttempt TapeCertifier::attempt_with(const Problem& problem) try {
     CertifiedAttempt result;
     result.by_parallelepiped = true;
     result.most_bits = most_series_bits;
     const auto bits = static_cast<double>(Ball::precision());
-    if (plan_.dimension == 0) make_plan();
+    if (plan_.dimension == 0) make_plan<Equations>(problem);
     if (least_bits_ + lost_bits_ > bits) {
         result.fault = "the precision is too low", result.wanted_bits = least_bits_ + lost_bits_;
         return result;
     }
-    TreeForm<Ball> form(scene_);
+    typename Equations::template Form<Ball> form(scene_);
     std::vector<Ball> y(static_cast<std::size_t>(form.dimension()));
     form.initial(y.data());
     SampleQueue samples(times_);
     const auto store_state = [&](const std::vector<Ball>& state) {
-        for (const Motion<Ball>& body : form.motion(state.data())) result.columns.push_back(make_columns(body));
+        for (const Motion<Ball>& body : Equations::motions(form, state.data()))
+            result.columns.push_back(make_columns(body));
         return true;
     };
     const auto enter = [&](const Leg& leg) {
@@ -117,6 +185,11 @@ CertifiedAttempt TreeCertifier::attempt() {
             y = std::move(enclosure.end);
             return true;
         });
+    return result;
+} catch (const UndecidedSign&) {
+    CertifiedAttempt result;
+    result.fault = "the sign of a constant of the formulas is not decided";
+    result.wanted_bits = 2 * static_cast<double>(Ball::precision());
     return result;
 }
 

@@ -27,15 +27,20 @@ constexpr double max_coefficients = 2e7;
 // errors do not grow. `coupling` holds the magnitudes of the Jacobian's entries.
 std::vector<double> balance_weights(const Eigen::MatrixXd& coupling, const std::vector<double>& scales) {
     constexpr int rounds = 20;
+    // weaker influences over the run, relative to the scales, are rounding errors
+    constexpr double least_influence = 1e-9;
     const auto n = coupling.rows();
     std::vector<double> unit(scales);
+    const auto is_coupled = [&](Eigen::Index i, Eigen::Index j) {
+        return i != j && coupling(i, j) * scales[static_cast<std::size_t>(j)] >
+                             least_influence * scales[static_cast<std::size_t>(i)];
+    };
     for (int round = 0; round < rounds; ++round)
         for (Eigen::Index i = 0; i < n; ++i) {
             double by_others = 0, of_others = 0;
             for (Eigen::Index j = 0; j < n; ++j) {
-                if (j == i) continue;
-                by_others += std::abs(coupling(i, j)) * unit[static_cast<std::size_t>(j)];
-                of_others += std::abs(coupling(j, i)) / unit[static_cast<std::size_t>(j)];
+                if (is_coupled(i, j)) by_others += coupling(i, j) * unit[static_cast<std::size_t>(j)];
+                if (is_coupled(j, i)) of_others += coupling(j, i) / unit[static_cast<std::size_t>(j)];
             }
             if (by_others > 0 && of_others > 0) unit[static_cast<std::size_t>(i)] = std::sqrt(by_others / of_others);
         }
@@ -157,6 +162,14 @@ CertifiedAttempt TapeCertifier::attempt_with(const Problem& problem) try {
     };
     const auto enter = [&](const Leg& leg) {
         form.enter(leg.begin, y.data());
+        if constexpr (requires { form.terms(); })
+            for (const Ball& argument : form.terms().root_arguments(form.formula_state(y.data())))
+                if (argument.is_zero()) {
+                    result.fault =
+                        fmt::format("a square root of the formulas (norm, unit, sqrt) is zero at t = {} s", leg.begin);
+                    result.hopeless = true;
+                    return false;
+                }
         return true;
     };
     const std::vector<Leg> legs = itinerary(scene_);

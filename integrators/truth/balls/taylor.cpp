@@ -23,7 +23,9 @@ namespace {
 
 constexpr long bound_bits = 64;
 const Bound unbounded(std::numeric_limits<double>::infinity());
-constexpr long max_steps = 400'000;    // takes hours
+constexpr long max_steps = 400'000;  // takes hours
+// The terms of a series bound a divisor or a square root from zero only within a part of its step.
+constexpr int most_halvings = 40;
 constexpr long foreseen_after = 1000;  // steps; after these the total number is extrapolated
 
 // exact sums and differences: times have few bits
@@ -265,8 +267,10 @@ class NormErrors {
     Bound length() const { return length_; }
     std::vector<Bound> components() const { return norm_.components(length_); }
 
-    void begin(const std::vector<Ball>&, const TermBounds&, const StepBounds& step) {
+    // Returns false if the errors have no bound.
+    bool begin(const std::vector<Ball>&, const TermBounds&, const StepBounds& step) {
         step_ = step, distance_ = norm_.components(step.largest);
+        return true;
     }
     std::vector<Bound> distance_at(const Ball&) const { return distance_; }
     void end(const std::vector<Bound>& radius) {
@@ -296,10 +300,11 @@ class ParallelepipedErrors {
     Bound length() const { return norm_.length(set_.components()); }
     std::vector<Bound> components() const { return set_.components(); }
 
-    void begin(const std::vector<Ball>& point, const TermBounds& terms, const StepBounds& step) {
+    bool begin(const std::vector<Ball>& point, const TermBounds& terms, const StepBounds& step) {
         h_ = step.h, local_ = norm_.components(step.growth * step.local);
         transition_.set_order(order_for(terms, step.growth));
         transition_.expand(point, Bound(step.h), step.largest, step.growth, norm_.allowed(), norm_);
+        return transition_.is_bounded();
     }
     std::vector<Bound> distance_at(const Ball& t) const {
         std::vector<Bound> distance = set_.components_after(transition_.at(t));
@@ -404,21 +409,37 @@ class PieceEnclosure {
         Ball t_after = end_;
         if (!choose_step(step.h, t_after)) return false;
 
-        const TermBounds terms = term_bounds(series_, Bound(step.h));
-        step.local = Bound(step.h) * norm_.length(defect(series_.recording(), terms).rate);
-        find_growth(coarse_, norm_, series_, terms, margin_, Errors::parts, step);
-        step.largest = step.growth * (errors_.length() + step.local);
-        if (!step.largest.is_finite() || norm_.allowed() < step.largest) {
-            result_.fault = fmt::format("the error bound exceeds its limit at {} bits", Ball::precision());
-            return false;
+        for (int halvings = 0; !bound_step(step); ++halvings) {
+            if (!result_.fault.empty()) return false;
+            if (halvings == most_halvings) {
+                result_.fault = "a divisor or a square root of the equations may vanish";
+                return false;
+            }
+            arb_mul_2exp_si(step.h.raw(), step.h.raw(), -1);
+            t_after = exact_sum(t_, step.h);
         }
-        errors_.begin(point_, terms, step);
         enclose_samples(step.h);
         series_.evaluate(step.h, reached_.data());
         point_ = midpoints(reached_, piece_.dimension()), radius_ = radii(reached_, piece_.dimension());
         errors_.end(radius_);
         t_ = t_after;
         return true;
+    }
+
+    // Bounds the errors of a step of length step.h. Returns false without a fault if they have no bound, false with one
+    // if they exceed the limit.
+    bool bound_step(StepBounds& step) {
+        const TermBounds terms = term_bounds(series_, Bound(step.h));
+        step.local = Bound(step.h) * norm_.length(defect(series_.recording(), terms).rate);
+        if (!step.local.is_finite()) return false;
+        find_growth(coarse_, norm_, series_, terms, margin_, Errors::parts, step);
+        step.largest = step.growth * (errors_.length() + step.local);
+        if (!step.largest.is_finite()) return false;
+        if (norm_.allowed() < step.largest) {
+            result_.fault = fmt::format("the error bound exceeds its limit at {} bits", Ball::precision());
+            return false;
+        }
+        return errors_.begin(point_, terms, step);
     }
 
     // Counts the step. Returns false and sets the fault if the number of steps or the time allowed is exceeded.

@@ -167,6 +167,10 @@ void Transition::expand(const std::vector<Ball>& point, const Bound& h, const Bo
     }
 }
 
+bool Transition::is_bounded() const {
+    return std::ranges::all_of(error_, [](const Bound& error) { return error.is_finite(); });
+}
+
 std::vector<Ball> Transition::at(const Ball& t) const {
     const WorkingPrecision precision(bits_);
     std::vector<Ball> values(series_.dimension()), W(static_cast<std::size_t>(n_) * n_);

@@ -33,6 +33,8 @@ class Transition {
     /// `growth` bounds the error growth within `allowed` of the motion from `point`. Lengths are in the norm.
     void expand(const std::vector<Ball>& point, const Bound& h, const Bound& distance, const Bound& growth,
                 const Bound& allowed, const WeightedNorm& norm);
+    /// Whether the last expansion has bounds on [0, h].
+    bool is_bounded() const;
     /// W(t), stored by rows. Also encloses the mean of W over any line of such starts.
     std::vector<Ball> at(const Ball& t) const;
 

@@ -13,6 +13,7 @@
 #include "integrators/method.h"
 #include "integrators/own/body_laws.h"
 #include "integrators/own/extrapolated_lanes.h"
+#include "integrators/own/mechanism_ensemble.h"
 #include "integrators/own/octets.h"
 #include "integrators/run/stiffness.h"
 #include "motion/exact_body.h"
@@ -533,6 +534,7 @@ EnsembleSolver::EnsembleSolver(const Scene& scene, const EnsembleSettings& setti
 }
 
 std::string why_one_by_one(const Problem& problem) {
+    if (is_mechanism(problem.scene)) return why_mechanisms_one_by_one(problem);
     const std::string obstacle = obstacle_of_loads(problem.scene);
     return obstacle.empty() && has_formula_loads(problem.scene) ? obstacle_of_formulas(problem) : obstacle;
 }

@@ -27,7 +27,7 @@ struct EnsembleSettings {
 /// Throws std::invalid_argument for settings out of range.
 void require_in_range(const EnsembleSettings& settings);
 
-/// Why the rows of all ensembles of a scene of one body are solved one by one; empty if they are not.
+/// Why the rows of all ensembles of a scene are solved one by one; empty if they are not.
 std::string why_one_by_one(const Problem& problem);
 
 /// The result for one body.

@@ -212,10 +212,6 @@ class DenseTruth::Builder {
 
 DenseTruth dense_reference(const Scene& scene, double end) {
     DenseTruth dense;
-    if (is_mechanism(scene)) {
-        dense.message = "polynomial references support only one body";
-        return dense;
-    }
     dense.scene_ = scene;
     // slightly longer, so that an event at the end also starts a piece
     dense.scene_.duration = end * (1 + 1e-6);
@@ -225,8 +221,8 @@ DenseTruth dense_reference(const Scene& scene, double end) {
         dense.message = "user-defined torques have no reference solution";
         return dense;
     }
-    if (has_formula_loads(scene)) {
-        dense.message = "polynomial references do not support loads given by formulas";
+    if (!std::holds_alternative<OneBody>(problem.system)) {
+        dense.message = fmt::format("polynomial references do not support {}", name_of(problem.needs.system));
         return dense;
     }
     if (!scene.planes.empty() || !scene.contacts.empty()) {

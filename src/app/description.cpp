@@ -90,7 +90,7 @@ void description::choice(Report& report, const Problem& problem) {
         report.line(found.stiff() ? "stiff" : "not stiff",
                     fmt::format("{:.3g} time constants of the fastest decay, {:.3g} rad of rotation", found.decay_times,
                                 found.rotation));
-    const std::string why = is_mechanism(problem.scene) ? why_mechanisms_one_by_one(problem) : why_one_by_one(problem);
+    const std::string why = why_one_by_one(problem);
     report.line("ensembles", why.empty() ? "rows are solved side by side" : "rows are solved one by one: " + why);
 }
 

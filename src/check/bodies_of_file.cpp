@@ -1,4 +1,4 @@
-// Files of several bodies. Blocks and bodies that a file lacks are filled in from the truth.
+// The bodies of a file. Blocks and bodies that a file lacks are filled in from the truth.
 #include "check/file_errors.h"
 
 namespace polhode {
@@ -23,9 +23,9 @@ std::vector<std::string> missing_bodies(const Scene& scene, const TrajectoryFile
 Trajectory complete_from_truth(const Reference& truth, const Scene& scene, const TrajectoryFile& file) {
     const std::vector<std::size_t> places = bodies_of_file(scene, file);
     std::vector<Vector3<double>> centers;
-    for (const std::size_t b : places) centers.push_back(scene.bodies[b].body.center_of_mass);
+    for (const std::size_t b : places) centers.push_back(scene_body(scene, b).body.center_of_mass);
     const std::vector<Sample> file_samples = samples_of(file, centers);
-    const std::size_t n = scene.bodies.size();
+    const std::size_t n = body_count(scene);
     Trajectory trajectory;
     trajectory.bodies = static_cast<int>(n);
     for (const ReferenceSample& sample : truth.samples) trajectory.samples.push_back(sample.rounded());

@@ -36,13 +36,14 @@ bool has_armature(const Scene& scene) {
 
 // Lists the columns and blocks that a file of this scene could have but lacks.
 std::string list_missing_blocks(const Scene& scene, const TrajectoryFile& file) {
-    const bool several = is_mechanism(scene), has_place = file.has_position || file.has_origin;
+    const bool several = body_count(scene) > 1, has_place = file.has_position || file.has_origin;
+    const bool has_joints = !scene.joints.empty() || !scene.loops.empty();
     std::vector<std::string> all;
     if (!file.has_angular_velocity) all.emplace_back("angular velocity (therefore also energy and angular momentum)");
     if (const std::vector<std::string> missing = missing_bodies(scene, file); !missing.empty())
         all.push_back(fmt::format("bod{} {} (therefore also energy, momentum and joints)",
                                   missing.size() > 1 ? "ies" : "y", one_line(join_with_commas(missing), 200)));
-    if (!scene.pivot && !has_place) all.emplace_back(several ? "position (therefore also joint gaps)" : "position");
+    if (!scene.pivot && !has_place) all.emplace_back(has_joints ? "position (therefore also joint gaps)" : "position");
     if (!scene.pivot && !file.has_velocity) all.emplace_back("velocity");
     if (!scene.pivot && file.has_angular_velocity && !(file.has_velocity && has_place))
         all.emplace_back(several                          ? "energy and momentum (they need position and velocity)"
@@ -190,6 +191,62 @@ std::string explain_missing_system_diagnosis(const Scene& scene, const Trajector
     return "no diagnosis: no known fault of loads, joints or bodies predicts a row from the previous one";
 }
 
+// The blocks of a file whose errors exceed their limits.
+struct FailedBlocks {
+    std::vector<std::string_view> names;
+
+    bool any() const { return !names.empty(); }
+    bool any_of_joints() const { return std::ranges::any_of(names, is_of_joints); }
+    bool any_of_rotation() const {
+        return std::ranges::any_of(
+            names, [](std::string_view name) { return name == "attitude" || name == "angular_velocity"; });
+    }
+};
+
+// Why faults of several bodies are not varied; empty if they are.
+std::string system_diagnosis_refusal(const Scene& scene) {
+    if (has_formula_loads(scene)) return "no diagnosis: formulas in scenes with several bodies are not varied";
+    if (has_sphere_contacts(scene)) return "no diagnosis: contacts of several bodies are not varied";
+    return "";
+}
+
+void diagnose_mechanism(const Scene& scene, const TrajectoryFile& file, bool explain, const FailedBlocks& failed,
+                        CheckedFile& checked) {
+    std::vector<Diagnosis>& faults = checked.diagnosis.faults;
+    if (const std::string why = system_diagnosis_refusal(scene); !why.empty()) {
+        if (failed.any()) checked.remarks.push_back(why);
+        return;
+    }
+    if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
+        if (failed.any()) faults = joint_event_faults(scene, file);
+        if (failed.any() && faults.empty())
+            checked.remarks.push_back(
+                "no diagnosis: no change of friction, limits, couplings and armatures of joints explains the "
+                "file; other faults are not varied in such a scene");
+        return;
+    }
+    checked.diagnosis = diagnose_system(scene, file, explain);
+    // in a sound engine that steps bodies separately, joints drift within the limit
+    if (!failed.any_of_joints()) std::erase_if(faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
+    if (failed.any() && faults.empty() && has_armature(scene)) faults = joint_event_faults(scene, file);
+    if (failed.any() && faults.empty()) checked.remarks.push_back(explain_missing_system_diagnosis(scene, file));
+}
+
+void diagnose_body(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits, bool explain,
+                   const FailedBlocks& failed, CheckedFile& checked) {
+    if (!sampling_times(scene).empty()) {
+        if (failed.any()) checked.remarks.push_back("no diagnosis: formulas that hold sampled values are not varied");
+        return;
+    }
+    checked.diagnosis = diagnose(scene, file, explain);
+    // a matched update explains errors of the rotation only
+    if (failed.any() && !failed.any_of_rotation()) checked.diagnosis.update.reset();
+    if (failed.any() && checked.diagnosis.faults.empty() && !checked.diagnosis.update)
+        checked.remarks.push_back(explain_missing_diagnosis(file));
+    // floors need the conditioning, which is not available with formulas
+    if (!has_formula_loads(scene)) compare_with_floors(scene, limits, checked);
+}
+
 // Compares the files that were read with the truth, one by one, and diagnoses them.
 void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain, bool picture,
                     std::vector<TrajectoryFile>& files, std::vector<CheckedFile>& all) {
@@ -199,47 +256,13 @@ void evaluate_files(const Scene& scene, const ErrorLimits& limits, bool explain,
             throw TruthUnavailable(checked.path + ": " + fault);
         checked.missing_blocks = list_missing_blocks(scene, files[i]);
         const std::vector<BlockVerdict> verdicts = limits.verdicts(checked.file_errors);
-        const auto fails = [&](auto&& is) {
-            return std::ranges::any_of(verdicts, [&](const BlockVerdict& v) { return v.failed && is(v.block->name); });
-        };
-        if (is_mechanism(scene) && has_formula_loads(scene)) {
-            if (fails([](std::string_view) { return true; }))
-                checked.remarks.push_back("no diagnosis: formulas in scenes with several bodies are not varied");
-        } else if (has_sphere_contacts(scene)) {
-            if (fails([](std::string_view) { return true; }))
-                checked.remarks.push_back("no diagnosis: contacts of several bodies are not varied");
-        } else if (contact::has_joint_events(scene) || !scene.couplings.empty()) {
-            if (fails([](std::string_view) { return true; })) {
-                checked.diagnosis.faults = joint_event_faults(scene, files[i]);
-                if (checked.diagnosis.faults.empty())
-                    checked.remarks.push_back(
-                        "no diagnosis: no change of friction, limits, couplings and armatures of joints explains the "
-                        "file; other faults are not varied in such a scene");
-            }
-        } else if (is_mechanism(scene)) {
-            checked.diagnosis = diagnose_system(scene, files[i], explain);
-            // in a sound engine that steps bodies separately, joints drift within the limit
-            if (!fails([](std::string_view name) { return is_of_joints(name); }))
-                std::erase_if(checked.diagnosis.faults, [](const Diagnosis& d) { return d.fault == "joint_drifts"; });
-            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty() && has_armature(scene))
-                checked.diagnosis.faults = joint_event_faults(scene, files[i]);
-            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty())
-                checked.remarks.push_back(explain_missing_system_diagnosis(scene, files[i]));
-        } else if (!sampling_times(scene).empty()) {
-            if (fails([](std::string_view) { return true; }))
-                checked.remarks.push_back("no diagnosis: formulas that hold sampled values are not varied");
-        } else {
-            checked.diagnosis = diagnose(scene, files[i], explain);
-            // a matched update explains errors of the rotation only
-            if (fails([](std::string_view) { return true; }) &&
-                !fails([](std::string_view name) { return name == "attitude" || name == "angular_velocity"; }))
-                checked.diagnosis.update.reset();
-            if (fails([](std::string_view) { return true; }) && checked.diagnosis.faults.empty() &&
-                !checked.diagnosis.update)
-                checked.remarks.push_back(explain_missing_diagnosis(files[i]));
-            // floors need the conditioning, which is not available with formulas
-            if (!has_formula_loads(scene)) compare_with_floors(scene, limits, checked);
-        }
+        FailedBlocks failed;
+        for (const BlockVerdict& verdict : verdicts)
+            if (verdict.failed) failed.names.push_back(verdict.block->name);
+        if (is_mechanism(scene))
+            diagnose_mechanism(scene, files[i], explain, failed, checked);
+        else
+            diagnose_body(scene, files[i], limits, explain, failed, checked);
         if (picture) checked.picture = error_picture(scene, files[i], limits, checked);
         if (picture) checked.file = std::move(files[i]);
         files[i] = {};

@@ -99,8 +99,8 @@ Panel block_panel(const BlockVerdict& verdict, const ErrorSeries& own, const Com
 
 Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
                      const CheckedFile& checked) {
-    // evenly spread times, including the first and the last
     const bool several = is_mechanism(scene);
+    // evenly spread times, including the first and the last
     const std::size_t at_once = file.bodies_at_once(), moments = file.rows.size() / at_once;
     std::vector<std::size_t> rows;
     const std::size_t count = std::min(most_points, moments);
@@ -115,11 +115,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
     const Reference truth = reference(scene, times);
     if (!truth.available) throw std::invalid_argument(truth.message);
 
-    Trajectory of_file;
-    if (several)
-        of_file = complete_from_truth(truth, scene, picked);
-    else
-        of_file.samples = samples_of(picked, scene.body.center_of_mass);
+    const Trajectory of_file = complete_from_truth(truth, scene, picked);
     const ErrorSeries own = error_series(scene, of_file, truth);
     const Companion beside =
         !several && file.rows.size() > 1 ? companion(scene, file, rows, truth, checked) : Companion();

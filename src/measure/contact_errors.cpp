@@ -11,6 +11,7 @@
 #include "measure/measures.h"
 #include "measure/scene_measure.h"
 #include "motion/contact.h"
+#include "scene/sphere_contacts.h"
 
 namespace polhode {
 namespace {
@@ -157,7 +158,8 @@ EventComparison compare_impacts(const Trajectory& trajectory, const Reference& r
 
 ContactErrors contact_errors(const Scene& scene, const Trajectory& trajectory, const Reference& reference) {
     ContactErrors result;
-    if (scene.planes.empty() || is_mechanism(scene) || trajectory.status != Status::ok || trajectory.samples.empty())
+    if (scene.planes.empty() || has_sphere_contacts(scene) || trajectory.status != Status::ok ||
+        trajectory.samples.empty())
         return result;
     const SceneMeasure<Wide> measure(scene);
     const ContactMeasure contacts(scene, measure);

@@ -27,10 +27,11 @@ Vector3<double> mean_rate(const Quaternion<double>& from, const Quaternion<doubl
 
 // The samples of a file, with missing columns estimated for drawing: w from differences of attitudes, v from
 // differences of positions, the centre of mass of a body with a pivot from the attitude. Without positions and pivot,
-// the centre of mass of a single body stays at its initial position.
+// the centre of mass of each body stays at its initial position.
 std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file) {
     std::vector<Vector3<double>> centers;
-    for (const std::size_t b : bodies_of_file(scene, file)) centers.push_back(scene_body(scene, b).body.center_of_mass);
+    const std::vector<std::size_t> places = bodies_of_file(scene, file);
+    for (const std::size_t b : places) centers.push_back(scene_body(scene, b).body.center_of_mass);
     std::vector<Sample> samples = samples_of(file, centers);
     const std::size_t bodies = file.bodies_at_once();
     // the previous and the next sample of the same body
@@ -47,14 +48,15 @@ std::vector<Sample> drawn_samples(const Scene& scene, const TrajectoryFile& file
         if (has_position && !file.has_velocity) samples[i].velocity_W = (1 / h) * (to.position_W - from.position_W);
     }
     if (has_position) return samples;
-    for (Sample& sample : samples) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        Sample& sample = samples[i];
         if (scene.pivot) {
             const Vector3<double> arm = scene.body.center_of_mass - *scene.pivot;
             const Quaternion<double> q = normalized(sample.q);
             sample.position_W = rotate(q, arm);
             sample.velocity_W = rotate(q, cross(sample.angular_velocity_B, arm));
-        } else if (!is_mechanism(scene)) {
-            sample.position_W = scene.initial.position_W;
+        } else {
+            sample.position_W = scene_body(scene, places[i % places.size()]).initial.position_W;
             sample.velocity_W = {};
         }
     }

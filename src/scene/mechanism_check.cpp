@@ -315,8 +315,10 @@ void check_mechanism(const SceneCheck& check, const Scene& scene) {
 }
 
 void check_single_body_names(const SceneCheck& check, const Scene& scene) {
-    const std::pair<const char*, bool> parts[] = {
-        {"joints", !scene.joints.empty()}, {"loops", !scene.loops.empty()}, {"couplings", !scene.couplings.empty()}};
+    const std::pair<const char*, bool> parts[] = {{"joints", !scene.joints.empty()},
+                                                  {"loops", !scene.loops.empty()},
+                                                  {"couplings", !scene.couplings.empty()},
+                                                  {"contacts", !scene.contacts.empty()}};
     for (const auto& [key, is_given] : parts)
         if (is_given)
             check.fail(fmt::format("/{}", key), "are given together with \"body\"",

@@ -354,15 +354,16 @@ inline bool is_mechanism(const Scene& scene) { return !scene.bodies.empty(); }
 
 /// A body of a scene, for code that treats one body and several alike. It refers to the scene.
 struct SceneBody {
-    std::string_view name;  ///< empty in a scene of one body
-    const Body& body;       ///< its mass properties
+    std::string_view name;   ///< empty in a scene of one body
+    const Body& body;        ///< its mass properties
+    const Initial& initial;  ///< its initial state; joints determine that of a jointed body
 };
 /// The number of bodies of a scene, 1 or more.
 inline std::size_t body_count(const Scene& scene) { return scene.bodies.empty() ? 1 : scene.bodies.size(); }
 /// A body of a scene by its index below body_count().
 inline SceneBody scene_body(const Scene& scene, std::size_t index) {
-    if (scene.bodies.empty()) return {{}, scene.body};
-    return {scene.bodies[index].name, scene.bodies[index].body};
+    if (scene.bodies.empty()) return {{}, scene.body, scene.initial};
+    return {scene.bodies[index].name, scene.bodies[index].body, scene.bodies[index].initial};
 }
 
 /// The quantities for which a scene can set error limits.

@@ -245,7 +245,7 @@ class FormulaCompiler {
         const std::string place = fmt::format("/loads/{}/formula", index);
         FormulaTerm term;
         term.load = load, term.index = index;
-        if (is_mechanism(scene_)) {
+        if (!bodies_.empty()) {
             term.body = load.kind == FormulaKind::motor ? -1 : index_of(scene_.bodies, load.body);
             term.joint = load.kind == FormulaKind::motor ? index_of(scene_.joints, load.joint) : -1;
             select_body(term.body);

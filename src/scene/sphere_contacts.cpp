@@ -82,7 +82,7 @@ void check_entry(const SceneCheck& check, const Scene& scene, std::size_t index,
                    "give each pair once");
 }
 
-// Checks that no spheres overlap and no sphere penetrates a plane at the start.
+// Checks that no spheres that collide overlap at the start.
 void check_start(const SceneCheck& check, const Scene& scene, const std::vector<SupportPiece<Wide>>& spheres) {
     constexpr double tolerance = 1e-12;
     const auto position = [&](std::size_t i) { return cast<Wide>(scene.bodies[i].initial.position_W); };
@@ -96,19 +96,6 @@ void check_start(const SceneCheck& check, const Scene& scene, const std::vector<
                                    one_line(scene.bodies[pair.first].name, 60),
                                    one_line(scene.bodies[pair.second].name, 60), shortest_decimal(-double(gap))),
                        "move their initial positions apart");
-    }
-    for (std::size_t p = 0; p < scene.planes.size(); ++p) {
-        const Vector3<Wide> normal = cast<Wide>(scene.planes[p].normal_W);
-        const Wide length = square_root(dot(normal, normal));
-        for (std::size_t i = 0; i < spheres.size(); ++i) {
-            const Wide gap = (dot(normal, position(i)) - Wide(scene.planes[p].offset)) / length - spheres[i].radius;
-            if (!(gap >= -Wide(tolerance) * spheres[i].radius))
-                check.fail(fmt::format("/planes/{}", p),
-                           fmt::format("({}) is penetrated {} m deep by \"{}\" at the start",
-                                       one_line(plane_name(scene, p), 60), shortest_decimal(-double(gap)),
-                                       one_line(scene.bodies[i].name, 60)),
-                           fmt::format("start where normal . x > offset: raise /bodies/{}/initial/position", i));
-        }
     }
 }
 
@@ -134,7 +121,7 @@ std::vector<SpherePair> sphere_pairs(const Scene& scene) {
 }
 
 Scene scene_of_sphere(const Scene& scene, std::size_t body) {
-    if (!is_mechanism(scene)) return scene;
+    if (!has_sphere_contacts(scene)) return scene;
     Scene alone;
     const NamedBody& one = scene.bodies[body];
     alone.directory = scene.directory, alone.name = scene.name, alone.duration = scene.duration;
@@ -185,11 +172,6 @@ std::string write_sphere_contact(const SphereContact& contact) {
 }
 
 void check_sphere_contacts(const SceneCheck& check, const Scene& scene) {
-    if (!is_mechanism(scene)) {
-        if (!scene.contacts.empty())
-            check.fail("/contacts", "are given in a scene with one body", "use \"bodies\" instead of \"body\"");
-        return;
-    }
     if (!has_sphere_contacts(scene)) return;
     const char* what = scene.contacts.empty() ? "/planes" : "/contacts";
     if (!scene.joints.empty() || !scene.loops.empty() || !scene.couplings.empty())

@@ -26,7 +26,7 @@ struct SpherePair {
 /// and within an entry for all pairs that of the bodies. The scene must be valid.
 std::vector<SpherePair> sphere_pairs(const Scene& scene);
 
-/// The scene of one of the bodies alone: its loads and all planes. A scene of one body is returned as it is.
+/// The scene of one of several spheres alone: its loads and all planes. A scene of one body is returned as it is.
 Scene scene_of_sphere(const Scene& scene, std::size_t body);
 
 /// Number of an event's contact: planes + bodies for each body. For one body it is the index of the plane.

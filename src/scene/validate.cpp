@@ -206,7 +206,7 @@ void check_plane_names(const SceneCheck& check, const Scene& scene) {
     }
 }
 
-// Checks each plane, then against the body: it needs a shape, no pivot, and must start above the plane.
+// Checks the numbers of each plane, and that there is no pivot.
 void check_planes(const SceneCheck& check, const Scene& scene) {
     for (std::size_t i = 0; i < scene.planes.size(); ++i) {
         const Plane& plane = scene.planes[i];
@@ -228,31 +228,40 @@ void check_planes(const SceneCheck& check, const Scene& scene) {
                        "the coefficient of Coulomb friction must be >= 0");
         check.not_negative(place + "/torsional_friction", plane.torsional_friction, "the torsional friction in m");
         check.not_negative(place + "/rolling_friction", plane.rolling_friction, "the rolling friction in m");
-        if (is_mechanism(scene)) continue;
         if (scene.pivot)
             check.fail(place, "is given, but the scene has a pivot",
                        "remove one of them: a body with a pivot does not support planes");
-        if (!scene.body.source || !has_shape(*scene.body.source))
-            check.fail(place, "is given, but the body has no shape",
-                       "give the body by \"shape\", \"parts\" with shapes or \"mesh\", or add a \"contact_shape\" to "
-                       "its mass and inertia");
-        const std::vector<SupportPiece<Wide>> pieces = hull<Wide>(*scene.body.source);
-        if (pieces.empty())
-            check.fail(place, "is given, but the body consists of holes only", "give the body a solid part");
-        // the lowest point of the body along the plane's normal
-        const Quaternion<Wide> q = normalized(cast<Wide>(scene.initial.orientation));
-        const Vector3<Wide> normal_W = (1 / length) * cast<Wide>(plane.normal_W), n = rotate_back(q, normal_W);
-        Wide lowest = pieces.front().lowest(n), reach = 0;
-        for (const SupportPiece<Wide>& piece : pieces)
-            lowest = std::min(lowest, piece.lowest(n)), reach = std::max(reach, piece.reach());
-        const Wide gap = dot(normal_W, cast<Wide>(scene.initial.position_W)) - dot(n, scene.body.source->wide.center) +
-                         lowest - Wide(plane.offset) / length;
-        if (!(gap >= -start_tolerance * reach))
-            check.fail(place,
-                       fmt::format("({}) is penetrated {} m deep by the body at the start",
-                                   one_line(plane_name(scene, i), 60), shortest_decimal(-double(gap))),
-                       "start where normal . x > offset: raise /initial/position");
     }
+}
+
+// Checks that a body has a shape and starts above a plane.
+void check_start_above_plane(const SceneCheck& check, const Scene& scene, std::size_t body, std::size_t plane) {
+    const auto& [name, properties, initial] = scene_body(scene, body);
+    const std::string place = fmt::format("/planes/{}", plane);
+    if (!properties.source || !has_shape(*properties.source))
+        check.fail(place, "is given, but the body has no shape",
+                   "give the body by \"shape\", \"parts\" with shapes or \"mesh\", or add a \"contact_shape\" to "
+                   "its mass and inertia");
+    const std::vector<SupportPiece<Wide>> pieces = hull<Wide>(*properties.source);
+    if (pieces.empty())
+        check.fail(place, "is given, but the body consists of holes only", "give the body a solid part");
+    // the lowest point of the body along the plane's normal
+    const Vector3<Wide> normal = cast<Wide>(scene.planes[plane].normal_W);
+    const Wide length = square_root(dot(normal, normal));
+    const Quaternion<Wide> q = normalized(cast<Wide>(initial.orientation));
+    const Vector3<Wide> normal_W = (1 / length) * normal, n = rotate_back(q, normal_W);
+    Wide lowest = pieces.front().lowest(n), reach = 0;
+    for (const SupportPiece<Wide>& piece : pieces)
+        lowest = std::min(lowest, piece.lowest(n)), reach = std::max(reach, piece.reach());
+    const Wide gap = dot(normal_W, cast<Wide>(initial.position_W)) - dot(n, properties.source->wide.center) + lowest -
+                     Wide(scene.planes[plane].offset) / length;
+    if (!(gap >= -start_tolerance * reach))
+        check.fail(place,
+                   fmt::format("({}) is penetrated {} m deep by {} at the start",
+                               one_line(plane_name(scene, plane), 60), shortest_decimal(-double(gap)),
+                               name.empty() ? "the body" : fmt::format("\"{}\"", one_line(name, 60))),
+                   fmt::format("start where normal . x > offset: raise {}/initial/position",
+                               name.empty() ? "" : fmt::format("/bodies/{}", body)));
 }
 
 }  // namespace
@@ -312,6 +321,8 @@ void validate(const Scene& scene, const std::string& file) {
     check_plane_names(check, scene);
     check_planes(check, scene);
     check_sphere_contacts(check, scene);
+    for (std::size_t plane = 0; plane < scene.planes.size(); ++plane)
+        for (std::size_t body = 0; body < body_count(scene); ++body) check_start_above_plane(check, scene, body, plane);
     check_formulas(scene, file);
     for (const auto& [block, error] : scene.tolerated) {
         if (!has_quantity(scene, block))

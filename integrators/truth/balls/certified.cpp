@@ -438,7 +438,7 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     const double least_bits = digits * bits_per_digit + spare_bits;
     Certifier certifier(scene, result.times, least_bits);
     truth::TapeCertifier tape_certifier(scene, result.times, least_bits);
-    const bool by_tape = is_mechanism(scene) || has_formula_loads(scene);
+    const bool by_tape = !std::holds_alternative<OneBody>(pose(scene).system);
     result.bodies = static_cast<int>(body_count(scene));
     truth::SphereCertifier sphere_certifier(scene, result.times);
     const PrecisionSearch search = search_precision(

@@ -18,6 +18,7 @@
 #include "integrators/truth/reference.h"
 #include "integrators/truth/tree_form.h"
 #include "motion/mechanism.h"
+#include "scene/scene_file.h"
 
 namespace polhode::truth {
 namespace {
@@ -259,6 +260,60 @@ TEST(CertifiedTree, ReportsWhatItCannotProve) {
     const CertifiedReference many = certified_reference(random_tree(5, 6, false), 2, 600);
     EXPECT_FALSE(many.available);
     EXPECT_NE(many.message.find("memory"), std::string::npos) << many.message;
+}
+
+// Formulas of every function, read from time and state, on one body and on joints; held values.
+Scene formula_body() {
+    return parse_scene(R"json({"name": "formulas of one body", "duration": 0.75,
+        "body": {"mass": 1.5, "inertia": [1, 2, 2.5]},
+        "initial": {"angular_velocity": [0.3, -0.2, 0.5], "position": [1, 0.5, 0.25], "velocity": [0.1, -0.3, 0.2]},
+        "parameters": {"a": 0.7}, "let": {"u": "exp(-a*t)", "s": "log(2 + p.x^2)"},
+        "loads": [
+          {"type": "torque", "frame": "body", "formula": "[u*w.y, atan2(p.y, 2 + p.x), tanh(w.z)]"},
+          {"type": "torque", "frame": "body", "formula": "[sinh(0.25*w.x), cbrt(3 + w.y), 0]", "from": 0.25},
+          {"type": "force", "frame": "world", "formula": "[asin(0.25*u), acos(0.5*u), (2 + s)^1.5]"},
+          {"type": "potential", "formula": "0.5*dot(p, p) + 0.125*norm(v - v + p)^3"},
+          {"type": "torque", "frame": "body", "formula": "-0.5*w", "hold": 0.25}]})json",
+                       "formulas");
+}
+Scene formula_tree() {
+    Scene scene = find_scene("mechanisms/double_pendulum");
+    scene.duration = 0.5;
+    const auto motor = [](const std::string& joint, const std::string& formula) {
+        FormulaLoad load;
+        load.kind = FormulaKind::motor, load.joint = joint, load.formula = formula;
+        return load;
+    };
+    scene.loads.push_back(motor(scene.joints[0].name, "-2*\"" + scene.joints[0].name + "\".angle + exp(-t)"));
+    scene.loads.push_back(motor(scene.joints[1].name, "tanh(sin(3*t)) - 0.1*\"" + scene.joints[1].name + "\".rate"));
+    return scene;
+}
+
+TEST(CertifiedFormulas, EncloseTheAgreementOfTwoFormulations) {
+    const FreshCache cache;
+    std::vector<Scene> scenes{formula_body(), formula_tree()};
+    if (optimised_build)
+        for (const char* name : {"formulas/kepler_orbit", "formulas/quadratic_drag", "formulas/flywheel_servo"})
+            scenes.push_back(find_scene(name));
+    for (const Scene& scene : scenes) {
+        const CertifiedReference certified = certified_reference(scene, 3, 30);
+        ASSERT_TRUE(certified.available) << scene.name << ' ' << certified.message;
+        EXPECT_GE(certified.digits, 30) << scene.name;
+        EXPECT_EQ(outside(scene, certified), 0) << scene.name;
+    }
+}
+
+TEST(CertifiedFormulas, AreRefusedWhereTheySwitchOrHaveNoSeries) {
+    const FreshCache cache;
+    const CertifiedReference switched = certified_reference(find_scene("formulas/saturated_regulator"), 2, 20);
+    EXPECT_FALSE(switched.available);
+    EXPECT_NE(switched.message.find("formulas that switch"), std::string::npos) << switched.message;
+    Scene from_rest = find_scene("formulas/quadratic_drag");
+    from_rest.initial.velocity_W = {};
+    const CertifiedReference at_rest = certified_reference(from_rest, 2, 20);
+    EXPECT_FALSE(at_rest.available);
+    EXPECT_NE(at_rest.message.find("square root"), std::string::npos) << at_rest.message;
+    EXPECT_NE(at_rest.message.find("t = 0 s"), std::string::npos) << at_rest.message;
 }
 
 // Every type of loop is closed to the printed digits, and opens by the amount that a number is changed.

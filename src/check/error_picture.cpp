@@ -50,7 +50,7 @@ Companion companion(const Scene& scene, const TrajectoryFile& file, const std::v
     return {method, fmt::format("{} at {:.4g} Hz", method->name, 1 / *settings.step), error_series(scene, run, truth)};
 }
 
-// Adds the attitude errors caused by rounding the start.
+// Adds the attitude errors of one body caused by rounding the start.
 void add_floors(const Scene& scene, const std::vector<double>& times, Panel& panel) {
     ConditioningSettings settings;
     settings.max_steps = prompt_conditioning_steps;
@@ -99,7 +99,6 @@ Panel block_panel(const BlockVerdict& verdict, const ErrorSeries& own, const Com
 
 Figure error_picture(const Scene& scene, const TrajectoryFile& file, const ErrorLimits& limits,
                      const CheckedFile& checked) {
-    const bool several = is_mechanism(scene);
     // evenly spread times, including the first and the last
     const std::size_t at_once = file.bodies_at_once(), moments = file.rows.size() / at_once;
     std::vector<std::size_t> rows;
@@ -117,8 +116,7 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
 
     const Trajectory of_file = complete_from_truth(truth, scene, picked);
     const ErrorSeries own = error_series(scene, of_file, truth);
-    const Companion beside =
-        !several && file.rows.size() > 1 ? companion(scene, file, rows, truth, checked) : Companion();
+    const Companion beside = file.rows.size() > 1 ? companion(scene, file, rows, truth, checked) : Companion();
 
     Figure figure;
     figure.title = fmt::format("{} on {}", one_line(checked.path, 80), scene.name);
@@ -127,7 +125,8 @@ Figure error_picture(const Scene& scene, const TrajectoryFile& file, const Error
         if (!verdict.error) continue;
         Panel panel =
             block_panel(verdict, own, beside, checked.file_errors.size[measure_index(verdict.block->measure)]);
-        if (verdict.block->name == "attitude" && checked.until > 0 && !several) add_floors(scene, times, panel);
+        if (verdict.block->name == "attitude" && checked.until > 0 && body_count(scene) == 1)
+            add_floors(scene, times, panel);
         figure.panels.push_back(std::move(panel));
     }
     return figure;

@@ -56,6 +56,7 @@ class FormulaCompiler {
 
   private:
     const Scene& scene_;
+    const bool has_bodies_ = is_mechanism(scene_);
     const std::string& file_;
     std::vector<std::string> events_;
     std::shared_ptr<FormulaSet> set_ = std::make_shared<FormulaSet>();
@@ -73,7 +74,7 @@ class FormulaCompiler {
         add_parameters();
         e_.allow_holds(
             MechanismInputs::count(static_cast<int>(body_count(scene_)), static_cast<int>(scene_.joints.size())));
-        if (is_mechanism(scene_))
+        if (has_bodies_)
             add_mechanism();
         else
             add_state();
@@ -245,7 +246,7 @@ class FormulaCompiler {
         const std::string place = fmt::format("/loads/{}/formula", index);
         FormulaTerm term;
         term.load = load, term.index = index;
-        if (!bodies_.empty()) {
+        if (has_bodies_) {
             term.body = load.kind == FormulaKind::motor ? -1 : index_of(scene_.bodies, load.body);
             term.joint = load.kind == FormulaKind::motor ? index_of(scene_.joints, load.joint) : -1;
             select_body(term.body);

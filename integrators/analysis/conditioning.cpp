@@ -8,13 +8,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "integrators/analysis/mechanism_conditioning.h"
+#include "integrators/analysis/model_conditioning.h"
 #include "integrators/analysis/sensitivity_closed_form.h"
 #include "integrators/analysis/spectral_norm.h"
 #include "integrators/run/processor_time.h"
 #include "integrators/run/stiffness.h"
 #include "integrators/series/linear_algebra.h"
 #include "integrators/sundials/sensitivity_session.h"
+#include "motion/formula_model.h"
 #include "scene/scene_formulas.h"
 #include "scene/sphere_contacts.h"
 #include "text/interruption.h"
@@ -184,15 +185,18 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
         }
     if (times.back() > problem.scene.duration)
         throw std::invalid_argument("times must not exceed the scene's duration");
-    if (std::holds_alternative<UserSystem>(problem.system)) {
+    if (has_formula_loads(problem.scene) && has_switches(problem)) {
         Conditioning unavailable;
-        unavailable.message = has_formula_loads(problem.scene)
-                                  ? "conditioning is not available for loads given by formulas"
-                                  : "conditioning is not available for user-defined systems";
+        unavailable.message = "conditioning through switching points of formulas is not supported";
         return unavailable;
     }
-    Conditioning result = problem.model() ? mechanism_conditioning(problem, times, settings)
-                                          : compute_conditioning(problem, times, settings);
+    if (problem.needs.system == SystemKind::user_defined) {
+        Conditioning unavailable;
+        unavailable.message = "conditioning is not available for user-defined systems";
+        return unavailable;
+    }
+    Conditioning result =
+        problem.model() ? model_conditioning(problem, times, settings) : compute_conditioning(problem, times, settings);
     if (const double limit = 1 / float64_roundoff; result.state_peak().value > limit) {
         std::size_t k = 0;
         while (!(result.state[k] > limit)) ++k;

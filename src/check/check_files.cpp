@@ -243,8 +243,7 @@ void diagnose_body(const Scene& scene, const TrajectoryFile& file, const ErrorLi
     if (failed.any() && !failed.any_of_rotation()) checked.diagnosis.update.reset();
     if (failed.any() && checked.diagnosis.faults.empty() && !checked.diagnosis.update)
         checked.remarks.push_back(explain_missing_diagnosis(file));
-    // floors need the conditioning, which is not available with formulas
-    if (!has_formula_loads(scene)) compare_with_floors(scene, limits, checked);
+    compare_with_floors(scene, limits, checked);
 }
 
 // Compares the files that were read with the truth, one by one, and diagnoses them.

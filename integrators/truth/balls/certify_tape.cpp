@@ -63,12 +63,8 @@ struct TreeEquations {
         return form.blocks(scales);
     }
     static double link_count(const Form<double>& form) { return static_cast<double>(form.tree().links().links.size()); }
-    static double sensitivity_bits(const Problem& problem) { return kappa_bits(problem); }
     static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) { return form.motion(y); }
 };
-
-// Bits lost by formula loads, whose condition is not computed. An attempt that needs more is repeated.
-constexpr double formula_bits = 32;
 
 struct FormulaTreeEquations {
     template <class P>
@@ -78,7 +74,6 @@ struct FormulaTreeEquations {
         return form.blocks(scales);
     }
     static double link_count(const Form<double>& form) { return static_cast<double>(form.tree().links().links.size()); }
-    static double sensitivity_bits(const Problem&) { return formula_bits; }
     static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) {
         Motions<Ball> all = form.tree().motions(y);
         for (Motion<Ball>& body : all) body.q = normalized(body.q);
@@ -94,7 +89,6 @@ struct FormulaBodyEquations {
         return form.blocks(problem.scales, {});
     }
     static double link_count(const Form<double>&) { return 1; }
-    static double sensitivity_bits(const Problem&) { return formula_bits; }
     static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) { return {form.motion(y)}; }
 };
 
@@ -125,7 +119,7 @@ void TapeCertifier::make_plan(const Problem& problem) {
     }
     const std::vector<double> unit = balance_weights(coupling, plan_.scales);
     for (std::size_t i = 0; i < n; ++i) plan_.weights[i * n + i] = 1 / unit[i];
-    lost_bits_ = parallelepiped_bits + bits_a_link * Equations::link_count(form) + Equations::sensitivity_bits(problem);
+    lost_bits_ = parallelepiped_bits + bits_a_link * Equations::link_count(form) + kappa_bits(problem);
 }
 
 CertifiedAttempt TapeCertifier::attempt() {

@@ -1,10 +1,10 @@
-// Conditioning of a mechanism by its variational equation.
+// Conditioning of a mechanism, or of one body with formula loads, by its variational equation.
 //
 // Variation holds the state y and the columns S = dy/da of its derivative with respect to the initial state, and
 // advances both by DOP853 with step control. Dual numbers give df/dy S, jacobian_directions columns per evaluation.
 // Norms are taken in minimal coordinates (to_minimal_coordinates()). Above max_full_directions, initial_directions()
 // mixes them at random. VariationRun advances it between samples, within the limits of the run.
-#include "integrators/analysis/mechanism_conditioning.h"
+#include "integrators/analysis/model_conditioning.h"
 
 #include <fmt/format.h>
 
@@ -19,6 +19,8 @@
 #include "integrators/own/dormand_prince.h"
 #include "integrators/run/processor_time.h"
 #include "integrators/series/linear_algebra.h"
+#include "motion/body_equations.h"
+#include "motion/formula_mechanism.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
 #include "motion/user_system.h"
@@ -35,15 +37,53 @@ constexpr double variation_tolerance = 1e-8;
 constexpr double difference_step = 1e-5;
 constexpr double max_prompt_steps = 20'000;
 
-// The state y of a mechanism and the columns S = dy/da, advanced together.
+// The components of the state y, of which the time and the variables of formulas are no part.
+struct StateParts {
+    struct Part {
+        bool is_attitude;  // a quaternion; else one number
+        int first;         // in y
+        bool is_angle = false;
+    };
+    std::vector<Part> coordinates, rates;
+
+    explicit StateParts(const Problem& problem) {
+        if (problem.needs.system == SystemKind::body_with_formulas) {
+            const auto& [w, q, p, v] = BodyState::blocks;
+            coordinates.push_back({true, q.first});
+            for (int i = 0; i < 3; ++i) rates.push_back({false, w.first + i});
+            if (problem.body.pivoted) return;
+            for (int i = 0; i < 3; ++i) coordinates.push_back({false, p.first + i});
+            for (int i = 0; i < 3; ++i) rates.push_back({false, v.first + i});
+            return;
+        }
+        const Links<double>& links = tree_of(problem).links();
+        for (const Link<double>& link : links.links) {
+            int i = link.coordinate;
+            if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free)
+                coordinates.push_back({true, i}), i += 4;
+            for (; i < link.coordinate + link.coordinates(); ++i)
+                coordinates.push_back({false, i, link.kind == LinkJoint::revolute && i == link.coordinate});
+        }
+        for (int i = 0; i < links.rates; ++i) rates.push_back({false, links.coordinates + i});
+    }
+
+    // The number of minimal coordinates: as many as there are rates.
+    Eigen::Index minimal() const { return static_cast<Eigen::Index>(rates.size()); }
+    template <class Visit>
+    void each(const Visit& visit) const {
+        for (const Part& part : coordinates) visit(part);
+        for (const Part& part : rates) visit(part);
+    }
+};
+
+// The state y and the columns S = dy/da, advanced together.
 class Variation {
   public:
-    Variation(const Problem& problem)
-        : links_(mechanism_of(problem).tree().links()), scales_(problem.model()->scales()), model_(problem.model()) {
+    Variation(const Problem& problem) : parts_(problem), scales_(problem.model()->scales()), model_(problem.model()) {
         y_.resize(size());
         units_ = scales_;
-        for (const Link<double>& link : links_.links)
-            if (link.kind == LinkJoint::revolute) units_[static_cast<std::size_t>(link.coordinate)] = 1;
+        for (const StateParts::Part& part : parts_.coordinates)
+            if (part.is_angle) units_[static_cast<std::size_t>(part.first)] = 1;
         model_->initial(y_.data());
         S_ = initial_directions();
     }
@@ -114,7 +154,7 @@ class Variation {
         std::vector<Matrix> rotations;
         for (int c = 0; c < columns(); ++c) {
             // normalised by the coordinates alone: rates do not rotate anything, however large they are in their units
-            const double size = to_minimal_coordinates(S_.col(c)).topRows(links_.rates).norm();
+            const double size = to_minimal_coordinates(S_.col(c)).topRows(parts_.minimal()).norm();
             if (!(size > 0) || !std::isfinite(size)) continue;
             const Eigen::VectorXd along = S_.col(c) / size;
             const auto moved = [&](double by) {
@@ -136,7 +176,7 @@ class Variation {
     }
 
   private:
-    Links<double> links_;
+    StateParts parts_;
     std::vector<double> scales_, units_;  // units_: the scales, but 1 rad for angles
     std::shared_ptr<const ErasedModel> model_;
     std::vector<double> y_;
@@ -144,51 +184,46 @@ class Variation {
     bool mixed_ = false;
 
     static Quaternion<double> quaternion_at(const double* q) { return {q[0], q[1], q[2], q[3]}; }
-    static Eigen::Index index(int i) { return static_cast<Eigen::Index>(i); }
 
     // Converts changes of y to minimal coordinates, in units of the scales.
     Matrix to_minimal_coordinates(const Matrix& changes) const {
-        Matrix small(2 * links_.rates, changes.cols());
+        Matrix small(2 * parts_.minimal(), changes.cols());
         for (Eigen::Index c = 0; c < changes.cols(); ++c) {
             Eigen::Index row = 0;
-            const auto scaled = [&](int i) { small(row++, c) = changes(i, c) / units_[static_cast<std::size_t>(i)]; };
-            for (const Link<double>& link : links_.links) {
-                int i = link.coordinate;
-                if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {
-                    const Quaternion<double> q = quaternion_at(y_.data() + i);
-                    const Quaternion<double> dq{changes(i, c), changes(i + 1, c), changes(i + 2, c), changes(i + 3, c)};
-                    const Quaternion<double> rotation = conjugate(q) * dq;
-                    const double to_angle = 2 / squared_norm(q);
-                    for (const double part : {rotation.x, rotation.y, rotation.z}) small(row++, c) = to_angle * part;
-                    i += 4;
+            parts_.each([&](const StateParts::Part& part) {
+                const int i = part.first;
+                if (!part.is_attitude) {
+                    small(row++, c) = changes(i, c) / units_[static_cast<std::size_t>(i)];
+                    return;
                 }
-                for (; i < link.coordinate + link.coordinates(); ++i) scaled(i);
-            }
-            for (int i = links_.coordinates; i < size(); ++i) scaled(i);
+                const Quaternion<double> q = quaternion_at(y_.data() + i);
+                const Quaternion<double> dq{changes(i, c), changes(i + 1, c), changes(i + 2, c), changes(i + 3, c)};
+                const Quaternion<double> rotation = conjugate(q) * dq;
+                const double to_angle = 2 / squared_norm(q);
+                for (const double component : {rotation.x, rotation.y, rotation.z})
+                    small(row++, c) = to_angle * component;
+            });
         }
         return small;
     }
 
     // The changes of y for unit changes of each minimal coordinate.
     Matrix unit_changes() const {
-        Matrix all = Matrix::Zero(size(), Eigen::Index{2} * links_.rates);
+        Matrix all = Matrix::Zero(size(), 2 * parts_.minimal());
         Eigen::Index column = 0;
-        const auto scaled = [&](int i) { all(i, column++) = units_[static_cast<std::size_t>(i)]; };
-        for (const Link<double>& link : links_.links) {
-            int i = link.coordinate;
-            if (link.kind == LinkJoint::spherical || link.kind == LinkJoint::free) {
-                const Quaternion<double> q = quaternion_at(y_.data() + i);
-                for (int axis = 0; axis < 3; ++axis, ++column) {
-                    const Quaternion<double> half{0, axis == 0 ? 0.5 : 0, axis == 1 ? 0.5 : 0, axis == 2 ? 0.5 : 0};
-                    const Quaternion<double> dq = q * half;
-                    all(i, column) = dq.w, all(i + 1, column) = dq.x, all(i + 2, column) = dq.y,
-                           all(i + 3, column) = dq.z;
-                }
-                i += 4;
+        parts_.each([&](const StateParts::Part& part) {
+            const int i = part.first;
+            if (!part.is_attitude) {
+                all(i, column++) = units_[static_cast<std::size_t>(i)];
+                return;
             }
-            for (; i < link.coordinate + link.coordinates(); ++i) scaled(i);
-        }
-        for (int i = links_.coordinates; i < size(); ++i) scaled(i);
+            const Quaternion<double> q = quaternion_at(y_.data() + i);
+            for (int axis = 0; axis < 3; ++axis, ++column) {
+                const Quaternion<double> half{0, axis == 0 ? 0.5 : 0, axis == 1 ? 0.5 : 0, axis == 2 ? 0.5 : 0};
+                const Quaternion<double> dq = q * half;
+                all(i, column) = dq.w, all(i + 1, column) = dq.x, all(i + 2, column) = dq.y, all(i + 3, column) = dq.z;
+            }
+        });
         return all;
     }
 
@@ -342,8 +377,8 @@ class VariationRun {
 
 }  // namespace
 
-Conditioning mechanism_conditioning(const Problem& problem, const std::vector<double>& times,
-                                    const ConditioningSettings& settings) {
+Conditioning model_conditioning(const Problem& problem, const std::vector<double>& times,
+                                const ConditioningSettings& settings) {
     Conditioning result;
     VariationRun run(problem, settings, result);
     SampleQueue samples(times);

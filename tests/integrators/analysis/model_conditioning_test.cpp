@@ -1,5 +1,5 @@
 // Condition numbers of mechanisms, compared with closed forms of the variational equation and with finite differences.
-#include "integrators/analysis/mechanism_conditioning.h"
+#include "integrators/analysis/model_conditioning.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 
 #include "integrators/method.h"
 #include "integrators/series/linear_algebra.h"
+#include "motion/formula_mechanism.h"
 #include "motion/mechanism.h"
 #include "scene/scene_file.h"
 
@@ -112,6 +113,52 @@ TEST(ConditioningOfMechanism, OfALongChainFollowsSomeDirections) {
     ASSERT_TRUE(kappa.available) << kappa.message;
     EXPECT_NE(kappa.message.find("16 directions (random combinations"), std::string::npos) << kappa.message;
     EXPECT_GT(kappa.state[0], 0.5);
+}
+
+// A body at rest with the torque -k w, at the end of a spring -c p: both are linear, so S is known in blocks.
+TEST(ConditioningOfFormulas, OfALinearMotionIsItsClosedForm) {
+    const Scene scene = parse_scene(R"json({"name": "linear", "duration": 2,
+        "body": {"mass": 1, "inertia": [0.5, 0.5, 0.5]}, "initial": {"position": [0.25, 0, 0]},
+        "parameters": {"k": 0.75, "c": 9},
+        "loads": [{"type": "torque", "frame": "body", "formula": "-k*w"},
+                  {"type": "potential", "formula": "0.5*c*dot(p, p)"}]})json",
+                                    "linear");
+    const Scales scales = pose(scene).scales;
+    const std::vector<double> times{0.25, 1, 2};
+    const Conditioning kappa = conditioning_at(scene, times);
+    ASSERT_TRUE(kappa.available) << kappa.message;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        const double t = times[i], decay = std::exp(-1.5 * t), turn = (1 - decay) / 1.5 * scales.angular_velocity;
+        const double cosine = std::cos(3 * t), sine = std::sin(3 * t), s = scales.velocity / scales.position;
+        const double translation = norm(cosine, s * sine / 3, -3 * sine / s, cosine);
+        EXPECT_NEAR(kappa.attitude[i], std::hypot(1, turn), 1e-7) << t;
+        EXPECT_NEAR(kappa.state[i], std::max(norm(1, turn, 0, decay), translation), 1e-6) << t;
+    }
+}
+
+// The same damping as a formula and as a load of the joint, solved by the same equations but different models.
+TEST(ConditioningOfFormulas, OfAMechanismIsThatOfTheBuiltInLoad) {
+    const std::string joint = R"("type": "revolute", "axis": [0, 1, 0], "initial": {"angle": 2.5, "rate": -1})";
+    const Scene built_in = pendulum(joint + R"(, "damping": 0.5)");
+    Scene formula = pendulum(joint);
+    FormulaLoad motor;
+    motor.kind = FormulaKind::motor, motor.joint = "pin", motor.formula = "-0.5*pin.rate";
+    formula.loads.push_back(motor);
+    const Conditioning expected = conditioning_at(built_in, {1, 2}), kappa = conditioning_at(formula, {1, 2});
+    ASSERT_TRUE(kappa.available) << kappa.message;
+    // the scales of the rates are estimates
+    const double ratio = tree_scales(pose(formula))[1] / tree_scales(pose(built_in))[1];
+    EXPECT_NEAR(ratio, 1, 0.05);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(kappa.state[i] / expected.state[i], 1, 2 * std::abs(ratio - 1) + 1e-6);
+        EXPECT_NEAR(kappa.attitude[i] / expected.attitude[i], 1, 2 * std::abs(ratio - 1) + 1e-6);
+    }
+}
+
+TEST(ConditioningOfFormulas, IsRefusedThroughSwitchingPoints) {
+    const Conditioning kappa = conditioning_at(find_scene("formulas/saturated_regulator"), {1});
+    EXPECT_FALSE(kappa.available);
+    EXPECT_NE(kappa.message.find("switching points"), std::string::npos) << kappa.message;
 }
 
 }  // namespace

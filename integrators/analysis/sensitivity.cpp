@@ -130,9 +130,6 @@ std::string unsupported_part(const Scene& scene) {
     }
     for (const Load& load : scene.loads) {
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques are not supported";
-        const auto* formula = std::get_if<FormulaLoad>(&load);
-        if (formula != nullptr && formula->kind == FormulaKind::potential)
-            return "potentials given by formulas are not supported; give the force and torque as formulas";
     }
     return "";
 }

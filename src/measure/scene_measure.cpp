@@ -48,8 +48,11 @@ std::vector<S> SceneMeasure<S>::arms() const {
 template <class S>
 SystemInvariants<S> SceneMeasure<S>::invariants(double t, std::span<const BodyMotion<S>> motions,
                                                 JointCoordinates& coordinates) const {
-    if (const auto* several = std::get_if<MechanismMeasure<S>>(&kind_))
-        return several->invariants(t, motions, coordinates);
+    if (const auto* several = std::get_if<MechanismMeasure<S>>(&kind_)) {
+        SystemInvariants<S> result = several->invariants(t, motions, coordinates);
+        if (has_formula_potential(*scene_)) result.energy += formula_potential_of_bodies<S>(*scene_, t, motions);
+        return result;
+    }
     const BodyMotion<S>& m = motions[0];
     const Invariants<S> computed = polhode::invariants(*scene_, std::get<ExactBody<S>>(kind_), t, m.q,
                                                        m.angular_velocity_B, m.position_W, m.velocity_W);

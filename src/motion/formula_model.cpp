@@ -143,6 +143,8 @@ bool has_variable_roots(const Problem& problem) {
 }
 
 template double formula_potential(const Scene&, double, const Quaternion<double>&, const Vector3<double>&);
+template double formula_potential_of_bodies(const Scene&, double, std::span<const BodyMotion<double>>);
+template Wide formula_potential_of_bodies(const Scene&, double, std::span<const BodyMotion<Wide>>);
 template Wide formula_potential(const Scene&, double, const Quaternion<Wide>&, const Vector3<Wide>&);
 
 void FormulaSystem::scales(double* scales) const {

@@ -265,7 +265,7 @@ struct NamesInLoad {
     void operator()(const FormulaLoad& load) const {
         if (load.kind == FormulaKind::motor)
             check_motor(load.joint);
-        else
+        else if (load.kind != FormulaKind::potential || !load.body.empty())
             check_body(load.body);
     }
     void operator()(const PointSpring& load) const { check_ends(check, place, bodies, load.first, load.second); }

@@ -247,7 +247,8 @@ class FormulaCompiler {
         FormulaTerm term;
         term.load = load, term.index = index;
         if (has_bodies_) {
-            term.body = load.kind == FormulaKind::motor ? -1 : index_of(scene_.bodies, load.body);
+            const bool has_body = load.kind != FormulaKind::motor && !load.body.empty();
+            term.body = has_body ? index_of(scene_.bodies, load.body) : -1;
             term.joint = load.kind == FormulaKind::motor ? index_of(scene_.joints, load.joint) : -1;
             select_body(term.body);
         }
@@ -262,44 +263,86 @@ class FormulaCompiler {
                                                                    : "motor's force",
                              is_scalar ? "a scalar" : "a vector"),
                  is_scalar ? "give a scalar" : "give a vector such as [0, 0, x]");
-        if (load.kind == FormulaKind::potential)
-            add_potential(value.component[0], place, term);
-        else
-            std::copy_n(value.component.begin(), static_cast<std::size_t>(term.components()), term.value.begin());
+        if (load.kind == FormulaKind::potential) {
+            if (has_bodies_)
+                add_potential_of_bodies(value.component[0], place, term);
+            else
+                add_potential(value.component[0], place, term);
+            return;
+        }
+        std::copy_n(value.component.begin(), static_cast<std::size_t>(term.components()), term.value.begin());
         set_->terms.push_back(term);
     }
 
-    // F = -dU/dp. With dq = q (0, a) / 2 for a rotation by the small vector a in body axes: torque_B = -dU/da.
-    void add_potential(int potential, const std::string& place, FormulaTerm& term) {
+    // The bodies whose position or attitude a potential depends on.
+    std::set<int> bodies_of_potential(int potential, const std::string& place) const {
+        const int bodies = static_cast<int>(body_count(scene_)), first_joint = MechanismInputs::of_joint(bodies, 0);
         const std::vector<char> needed = formula::find_needed(e_, {potential});
+        std::set<int> found;
         for (std::size_t i = 0; i < needed.size(); ++i) {
             const formula::Node& node = e_.nodes()[i];
-            const bool is_rate = node.operation == formula::Operation::input &&
-                                 ((node.a >= FormulaInputs::angular_velocity && node.a < FormulaInputs::attitude) ||
-                                  node.a >= FormulaInputs::velocity);
-            if (needed[i] && is_rate)
+            if (!needed[i] || node.operation != formula::Operation::input || node.a == FormulaInputs::time) continue;
+            if (node.a >= first_joint &&
+                node.a < MechanismInputs::count(bodies, static_cast<int>(scene_.joints.size())))
+                fail(place, 1, "the potential depends on the coordinate of a joint",
+                     "give a motor with the derivative of the potential as its formula");
+            const int body = (node.a - 1) / MechanismInputs::per_body;
+            const int which = node.a - MechanismInputs::per_body * body;
+            if (node.a >= first_joint || which < FormulaInputs::attitude || which >= FormulaInputs::velocity)
                 fail(place, 1, "the potential depends on a velocity or a held value",
                      "use t, p, to_body, to_world and the rotation functions only, or give a force or a torque");
+            found.insert(body);
         }
+        return found;
+    }
+
+    // The force, world axes, and the torque, body axes, on a body.
+    struct Slope {
+        std::array<int, 3> force_W{}, torque_B{};
+    };
+    // F = -dU/dp. With dq = q (0, a) / 2 for a rotation by the small vector a in body axes: torque_B = -dU/da.
+    Slope slope_of(int potential, int body, const std::string& place) {
         std::vector<int> inputs;
-        for (int i = 0; i < 3; ++i) inputs.push_back(FormulaInputs::position + i);
-        for (int i = 0; i < 4; ++i) inputs.push_back(FormulaInputs::attitude + i);
+        for (int i = 0; i < 3; ++i) inputs.push_back(MechanismInputs::of_body(body, FormulaInputs::position + i));
+        for (int i = 0; i < 4; ++i) inputs.push_back(MechanismInputs::of_body(body, FormulaInputs::attitude + i));
         try {
             const std::vector<int> slope = e_.differentiate(potential, inputs);
-            const std::vector<int>& q = scope_.attitude;
+            const std::vector<int>& q = has_bodies_ ? bodies_.at(body).attitude : scope_.attitude;
             const int gw = slope[3], gx = slope[4], gy = slope[5], gz = slope[6];
             const int half = e_.number(0.5);
             const auto term_of = [&](int p0, int p1, int m0, int m1) {
                 return e_.multiply(half, e_.subtract(e_.add(p0, p1), e_.add(m0, m1)));
             };
             const auto times = [&](int g, std::size_t i) { return e_.multiply(g, q[i]); };
-            term.potential = potential;
-            for (std::size_t i = 0; i < 3; ++i) term.value[i] = e_.negate(slope[i]);
-            term.torque_B = {term_of(times(gw, 1), times(gz, 2), times(gx, 0), times(gy, 3)),
-                             term_of(times(gw, 2), times(gx, 3), times(gy, 0), times(gz, 1)),
-                             term_of(times(gw, 3), times(gy, 1), times(gz, 0), times(gx, 2))};
+            return {{e_.negate(slope[0]), e_.negate(slope[1]), e_.negate(slope[2])},
+                    {term_of(times(gw, 1), times(gz, 2), times(gx, 0), times(gy, 3)),
+                     term_of(times(gw, 2), times(gx, 3), times(gy, 0), times(gz, 1)),
+                     term_of(times(gw, 3), times(gy, 1), times(gz, 0), times(gx, 2))}};
         } catch (const formula::LimitError& error) {
             fail(place, 1, error.what(), "simplify the formulas");
+        }
+    }
+    void add_potential(int potential, const std::string& place, FormulaTerm& term) {
+        bodies_of_potential(potential, place);
+        const Slope slope = slope_of(potential, 0, place);
+        term.potential = potential, term.value = slope.force_W, term.torque_B = slope.torque_B;
+        set_->terms.push_back(term);
+    }
+    // A potential of several bodies becomes a force and a torque on each of them. The first has its value.
+    void add_potential_of_bodies(int potential, const std::string& place, FormulaTerm term) {
+        const std::set<int> bodies = bodies_of_potential(potential, place);
+        if (bodies.empty())
+            fail(place, 1, "the potential does not depend on the position or attitude of a body",
+                 "use p or q of a body, such as name.p");
+        term.potential = potential;
+        for (const int body : bodies) {
+            const Slope slope = slope_of(potential, body, place);
+            term.body = body, term.load.body = scene_.bodies[static_cast<std::size_t>(body)].name;
+            term.load.kind = FormulaKind::force, term.load.frame = Frame::world, term.value = slope.force_W;
+            set_->terms.push_back(term);
+            term.potential = formula::no_node;
+            term.load.kind = FormulaKind::torque, term.load.frame = Frame::body, term.value = slope.torque_B;
+            set_->terms.push_back(term);
         }
     }
 
@@ -355,12 +398,6 @@ void check_table(const SceneCheck& check, const std::string& place, const Formul
                                    shortest_decimal(table.x[i - 1])),
                        "give x in increasing order");
     }
-}
-
-void check_mechanism_formula(const SceneCheck& check, const FormulaLoad& load, const std::string& place) {
-    if (load.kind == FormulaKind::potential)
-        check.fail(place, "is a potential in a scene with several bodies, which is not supported",
-                   "give its force and torque");
 }
 
 }  // namespace
@@ -421,9 +458,7 @@ void check_formulas(const Scene& scene, const std::string& file) {
         const auto* load = std::get_if<FormulaLoad>(&scene.loads[i]);
         if (!load) continue;
         const std::string place = fmt::format("/loads/{}", i);
-        if (is_mechanism(scene))
-            check_mechanism_formula(check, *load, place);
-        else if (load->kind == FormulaKind::motor)
+        if (!is_mechanism(scene) && load->kind == FormulaKind::motor)
             check.fail(place, "is a motor, but the scene has one body", "give a torque or a force");
         check.finite(place + "/point", load->point);
         for (const Load& other : scene.loads)

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "formula/formula_scene.h"
+#include "measure/scene_measure.h"
 #include "text/message.h"
 
 namespace polhode {
@@ -69,6 +72,14 @@ const MechanismPair mechanism_pairs[] = {
      R"json([{"type": "force", "body": "left arm", "frame": "world", "point": [0, 0.1, -1], "formula": "pull"},
              {"type": "force", "body": "kite", "frame": "world", "point": [0.25, 0, 0], "formula": "-pull"}],
        "let": {"d": "at(kite, [0.25, 0, 0]) - at(\"left arm\", [0, 0.1, -1])", "pull": "4*(norm(d) - k)*unit(d)"})json"},
+    {"potentials",
+     R"json([{"type": "gravity", "acceleration": [0, 0.5, -9.75]},
+             {"type": "point_spring", "first": "left arm", "first_point": [0, 0.1, -1], "second": "kite",
+              "second_point": [0.25, 0, 0], "stiffness": 4, "rest_length": 0.5, "from": 0.25}])json",
+     R"json([{"type": "potential", "formula": "-dot([0, k, -9.75], cart.mass*cart.p + \"left arm\".mass*\"left arm\".p)"},
+             {"type": "potential", "body": "kite", "formula": "-mass*dot([0, k, -9.75], p)"},
+             {"type": "potential", "formula": "2*(norm(d) - k)^2", "from": 0.25}],
+       "let": {"d": "at(kite, [0.25, 0, 0]) - at(\"left arm\", [0, 0.1, -1])"})json"},
     {"motors",
      R"json([{"type": "motor", "joint": "slide", "force": 2}, {"type": "motor", "joint": "hinge", "torque": -1, "until": 0.5}])json",
      R"json([{"type": "motor", "joint": "slide", "formula": "4*k"}, {"type": "motor", "joint": "hinge", "formula": "-1", "until": 0.5}])json"},
@@ -94,6 +105,31 @@ TEST(FormulaMechanism, HasTheReferenceOfTheBuiltInLoads) {
         ASSERT_TRUE(formula.available) << pair.name << ": " << formula.message;
         EXPECT_LT(test::difference(built_in, formula), 1e-28) << pair.name;
         EXPECT_LT(formula.bound, 1e-30) << pair.name;
+    }
+}
+
+// Potentials count as energy: the same energy as that of the built-in loads, and a constant one.
+TEST(FormulaMechanism, CountsPotentialsAsEnergy) {
+    const auto pair = std::ranges::find_if(
+        mechanism_pairs, [](const MechanismPair& one) { return std::string_view(one.name) == "potentials"; });
+    const Scene built_in = built_in_scene(*pair), formula = formula_scene_of(*pair);
+    const SceneMeasure<Wide> of_built_in(built_in), of_formula(formula);
+    const Reference truth = reference(formula, 4, 30);
+    ASSERT_TRUE(truth.available) << truth.message;
+    const std::size_t bodies = formula.bodies.size();
+    double first = 0;
+    for (std::size_t k = 0; k < truth.samples.size() / bodies; ++k) {
+        std::vector<BodyMotion<Wide>> motions;
+        for (std::size_t b = 0; b < bodies; ++b) motions.push_back(true_motion<Wide>(truth.samples[k * bodies + b]));
+        JointCoordinates coordinates(formula), others(built_in);
+        const double t = truth.samples[k * bodies].t;
+        const Wide energy = of_formula.invariants(t, motions, coordinates).energy;
+        EXPECT_NEAR(static_cast<double>(energy - of_built_in.invariants(t, motions, others).energy), 0, 1e-28) << t;
+        // the spring acts from 0.25 s on
+        if (k == 2) first = static_cast<double>(energy);
+        if (k > 2) {
+            EXPECT_NEAR(static_cast<double>(energy) / first, 1, 1e-15) << t;
+        }
     }
 }
 
@@ -277,8 +313,13 @@ TEST(FormulaMechanism, ReportsFaults) {
          "/loads/0: does not name a body"},
         {R"json("loads": [{"type": "torque", "body": "bird", "frame": "body", "formula": "[0, 0, 1]"}])json",
          "/loads/0/body: "},
-        {R"json("loads": [{"type": "potential", "body": "kite", "formula": "p.z"}])json",
-         "is a potential in a scene with several bodies, which is not supported"},
+        {R"json("loads": [{"type": "potential", "formula": "dot(kite.p, kite.v)"}])json",
+         "column 1: the potential depends on a velocity or a held value"},
+        {R"json("loads": [{"type": "potential", "formula": "hinge.angle^2 + kite.p.z"}])json",
+         "column 1: the potential depends on the coordinate of a joint; give a motor"},
+        {R"json("loads": [{"type": "potential", "formula": "sin(t)"}])json",
+         "column 1: the potential does not depend on the position or attitude of a body"},
+        {R"json("loads": [{"type": "potential", "body": "bird", "formula": "p.z"}])json", "/loads/0/body: "},
         {R"json("let": {"d": "to_body([0, 0, 1])"}, "loads": [])json", "\"to_body\" is not available here"},
     };
     for (const auto& one : cases)

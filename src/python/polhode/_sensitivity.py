@@ -157,7 +157,7 @@ def sensitivity(
     Parameters
     ----------
     scene : scene, str, path or mapping
-        A scene of one or several bodies, without planes, user-defined torques, and formulas that switch or are potentials.
+        A scene of one or several bodies, without planes, user-defined torques, and formulas that switch.
     with_respect_to : sequence of str
         JSON pointers of numbers that the scene contains, such as "/body/inertia/0" or "/loads/1/stiffness".
     times : array_like, optional

@@ -21,7 +21,7 @@ P formula_potential(const Scene& scene, double t, const Quaternion<P>& q, const 
     return terms.potential(FormulaState<P>(P(t), Vector3<P>(), q, p_W, Vector3<P>()));
 }
 
-/// The same for a scene of several bodies.
+/// The sum of the formula potentials of a scene of several bodies that act at time t (s), J. `motions`: of its bodies.
 template <class P>
 P formula_potential_of_bodies(const Scene& scene, double t, std::span<const BodyMotion<P>> motions) {
     std::vector<MassProperties<P>> properties;

@@ -172,7 +172,7 @@ class FormulaCompiler {
                        {"v", scope.velocity},
                        {"w", scope.angular_velocity},
                        {"w_W", multiply_matrix(e_, scope.axes, scope.angular_velocity, false)}};
-        for (const auto& [member, value] : nodes.names) scope_.names[name + "." + member] = value;
+        for (const auto& [member, value] : nodes.names) scope_.names[fmt::format("{}.{}", name, member)] = value;
         bodies_[body] = std::move(nodes);
     }
     // In a load on a body, its quantities can be written without its name.
@@ -420,7 +420,8 @@ std::vector<double> sampling_times(const Scene& scene) {
     std::ranges::sort(periods);
     periods.erase(std::unique(periods.begin(), periods.end()), periods.end());
     for (const double period : periods)
-        for (double k = 1; k * period < scene.duration; ++k) times.push_back(k * period);
+        for (long k = 1; static_cast<double>(k) * period < scene.duration; ++k)
+            times.push_back(static_cast<double>(k) * period);
     return times;
 }
 

@@ -36,7 +36,7 @@ Scene mechanism_scene(const std::string& members, const std::string& slide = "",
 }
 
 struct MechanismPair {
-    const char *name, *built_in, *formula, *slide = "", *hinge = "";
+    const char *name = "", *built_in = "", *formula = "", *slide = "", *hinge = "";
 };
 // The same loads, built in and as formulas.
 const MechanismPair mechanism_pairs[] = {

@@ -35,6 +35,21 @@ const std::map<std::string, GoldenFormat> golden_formats{{"csv", GoldenFormat::c
                                                          {"cpp", GoldenFormat::cpp},
                                                          {"cs", GoldenFormat::csharp}};
 
+// Formulas are exported as text. Throws InputError if they would have to be code or converted.
+void require_representable(const ExportOptions& options, const Scene& scene, const Convention& convention) {
+    const bool has_loads = has_formula_loads(scene);
+    if (!has_loads && !has_joint_motions(scene)) return;
+    const std::string place = has_loads ? "/loads" : "/joints", part = has_loads ? "formula" : "prescribed motion";
+    if (options.format != "json" && options.format != "csv")
+        throw InputError(options.scene, place,
+                         fmt::format("contain a {}, which the format {} cannot represent", part, options.format),
+                         "give --format json, which contains it as text, or --format csv");
+    if (convention.axes != Axes::z_up_right || convention.length_unit != 1)
+        throw InputError(options.scene, place,
+                         fmt::format("contain a {}, which cannot be converted to other axes or units", part),
+                         "remove axes and lengths from --convention");
+}
+
 int export_command(const ExportOptions& options) {
     require_count("--samples", options.samples, most_golden_samples);
     if (options.duration) require_positive("--duration", *options.duration);
@@ -43,12 +58,7 @@ int export_command(const ExportOptions& options) {
     Scene scene = read_scene_with_notes(options.scene);
     require_states(scene, options.samples);
     if (options.duration) scene.duration = *options.duration;
-    if (has_formula_loads(scene))
-        throw InputError(options.scene, "/loads", "contain a formula, which golden data cannot represent",
-                         "use polhode truth, or loads with constant values");
-    if (has_joint_motions(scene))
-        throw InputError(options.scene, "/joints", "have a prescribed motion, which golden data cannot represent",
-                         "use polhode truth, or joints without \"motion\"");
+    require_representable(options, scene, convention);
     const Reference truth = reference(scene, options.samples);
     if (!truth.available) {
         std::fputs(("polhode: " + one_line(truth.message, 500) + "\n").c_str(), stderr);

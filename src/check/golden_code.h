@@ -157,6 +157,8 @@ inline constexpr const char* restitution_laws = "0 stronge, 1 poisson, 2 newton"
 
 /// The pieces of a body's hull as JSON.
 ordered_json shape_of(const std::vector<SupportPiece<double>>& pieces, const Numbers& number);
+/// Copies the parameters, tables and definitions that formulas use, if there are any.
+void add_names_of_formulas(const ordered_json& written, ordered_json& all);
 /// The bodies, joints, loops, planes, contacts and loads of a scene of several bodies, in the form of scene files.
 ordered_json system_surroundings(const Golden& golden, const Numbers& number);
 /// The constants of these parts. They refer to bodies and joints by index. `m`: the unit of length.

@@ -143,7 +143,13 @@ ordered_json system_surroundings(const Golden& g, const Numbers& number) {
     for (const char* list : {"joints", "loops", "loads"}) all[list] = written.value(list, ordered_json::array());
     for (const char* list : {"planes", "contacts"})
         if (written.contains(list)) all[list] = written[list];
+    add_names_of_formulas(written, all);
     return all;
+}
+
+void add_names_of_formulas(const ordered_json& written, ordered_json& all) {
+    for (const char* key : {"parameters", "tables", "let"})
+        if (written.contains(key)) all[key] = written[key];
 }
 
 ordered_json shape_of(const std::vector<SupportPiece<double>>& pieces, const Numbers& number) {

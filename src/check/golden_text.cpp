@@ -30,6 +30,7 @@ ordered_json surroundings(const Golden& g, const Numbers& number) {
     // in the form of scene files
     const ordered_json written = number.all_of(ordered_json::parse(write_scene(g.scene)));
     for (const char* list : {"planes", "loads"}) all[list] = written.value(list, ordered_json::array());
+    add_names_of_formulas(written, all);
     if (scalar_last(g))
         for (ordered_json& load : all["loads"])
             if (load.contains("rest_orientation"))

@@ -320,6 +320,35 @@ TEST_F(Export, RollingBodiesHaveABinary32Floor) {
     EXPECT_LT(data["float32_floor"], 0.1);
 }
 
+// Formulas are exported as text, with the names that they use: a scene of the exported parts has the same motion.
+TEST_F(Export, FormulasAreText) {
+    write("formula.json", R"json({"name": "formula", "duration": 2, "body": {"mass": 2, "inertia": [1, 2, 2.5]},
+        "initial": {"angular_velocity": [0.3, 0.1, 2], "position": [1, 0, 0]}, "parameters": {"k": 0.75},
+        "tables": {"gain": {"x": [0, 1, 2], "y": [1, 2, 1], "between": "linear"}}, "let": {"F": "-k*table(gain, t)*p"},
+        "loads": [{"type": "force", "frame": "world", "formula": "F"},
+                  {"type": "torque", "frame": "body", "formula": "-k*w", "from": 0.5}]})json");
+    const Outcome outcome = run({"export", "formula.json", "--samples", "2", "--format", "json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json data = nlohmann::json::parse(outcome.out, nullptr, false);
+    ASSERT_FALSE(data.is_discarded());
+    nlohmann::json scene{{"name", "again"}, {"duration", 2}};
+    scene["initial"] = {{"angular_velocity", {0.3, 0.1, 2}}, {"position", {1, 0, 0}}};
+    for (const char* key : {"body", "parameters", "tables", "let", "loads"}) {
+        ASSERT_TRUE(data.contains(key)) << key;
+        scene[key] = data[key];
+    }
+    write("again.json", scene.dump());
+    const Outcome again = run({"export", "again.json", "--samples", "2", "--format", "json"});
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(nlohmann::json::parse(again.out)["samples"], data["samples"]);
+    EXPECT_NE(data["samples"][2], data["samples"][0]);
+    EXPECT_NE(run({"export", "formula.json", "--format", "cpp"}).err.find("which the format cpp cannot represent"),
+              std::string::npos);
+    EXPECT_NE(
+        run({"export", "formula.json", "--format", "json", "--convention", "unity"}).err.find("other axes or units"),
+        std::string::npos);
+}
+
 TEST_F(Export, RefusesBadUsage) {
     fs::remove(directory / "spin.json");
     expect_refused({"export", "no_such_scene"}, "no_such_scene");

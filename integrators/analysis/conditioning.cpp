@@ -141,6 +141,20 @@ void check_times(const std::vector<double>& times) {
             throw std::invalid_argument("times must be finite, not negative and not decreasing");
 }
 
+// Why the motion has no conditioning; empty if it has.
+std::string conditioning_refusal(const Problem& problem) {
+    if (!problem.scene.planes.empty()) return "conditioning through impacts on planes is not supported";
+    if (has_sphere_contacts(problem.scene)) return "conditioning through contacts of spheres is not supported";
+    for (const Joint& joint : problem.scene.joints) {
+        if (!joint.motion.empty()) return "conditioning with prescribed motions of joints is not supported";
+        if (joint.friction != 0 || joint.limits.any())
+            return "conditioning through friction and limits of joints is not supported";
+    }
+    if (has_switches(problem)) return "conditioning through switching points of formulas is not supported";
+    return problem.needs.system == SystemKind::user_defined ? "conditioning is not available for user-defined systems"
+                                                            : "";
+}
+
 Peak find_peak(const std::vector<double>& times, const std::vector<double>& values) {
     Peak peak;
     for (std::size_t k = 0; k < values.size(); ++k)
@@ -165,37 +179,12 @@ Conditioning conditioning(const Problem& problem, const std::vector<double>& tim
     check_times(times);
     if (problem.formulation != Formulation::reduced && !problem.model())
         return conditioning(problem.scene, times, settings);
-    if (!problem.scene.planes.empty()) {
-        Conditioning unavailable;
-        unavailable.message = "conditioning through impacts on planes is not supported";
-        return unavailable;
-    }
-    if (has_sphere_contacts(problem.scene)) {
-        Conditioning unavailable;
-        unavailable.message = "conditioning through contacts of spheres is not supported";
-        return unavailable;
-    }
-    for (const Joint& joint : problem.scene.joints)
-        if (joint.friction != 0 || joint.limits.any() || !joint.motion.empty()) {
-            Conditioning unavailable;
-            unavailable.message = joint.motion.empty()
-                                      ? "conditioning through friction and limits of joints is not supported"
-                                      : "conditioning with prescribed motions of joints is not supported";
-            return unavailable;
-        }
+    Conditioning result;
+    result.message = conditioning_refusal(problem);
+    if (!result.message.empty()) return result;
     if (times.back() > problem.scene.duration)
         throw std::invalid_argument("times must not exceed the scene's duration");
-    if (has_formula_loads(problem.scene) && has_switches(problem)) {
-        Conditioning unavailable;
-        unavailable.message = "conditioning through switching points of formulas is not supported";
-        return unavailable;
-    }
-    if (problem.needs.system == SystemKind::user_defined) {
-        Conditioning unavailable;
-        unavailable.message = "conditioning is not available for user-defined systems";
-        return unavailable;
-    }
-    Conditioning result =
+    result =
         problem.model() ? model_conditioning(problem, times, settings) : compute_conditioning(problem, times, settings);
     if (const double limit = 1 / float64_roundoff; result.state_peak().value > limit) {
         std::size_t k = 0;

@@ -293,11 +293,12 @@ void require_valid(const Scene& scene, const std::vector<double>& times, int dig
 }
 
 // Why the scene has no certified reference; empty if it may have one.
-std::string certification_refusal(const Scene& scene) {
+std::string certification_refusal(const Problem& problem) {
+    const Scene& scene = problem.scene;
     for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load))
             return "no certified truth: user-defined torques are not supported";
-    if (has_formula_loads(scene) && has_switches(pose(scene)))
+    if (has_formula_loads(scene) && has_switches(problem))
         return "no certified truth: formulas that switch (abs, min, if, tables) are not supported; remove --certified";
     if (has_formula_loads(scene) && !scene.planes.empty())
         return "no certified truth: formulas together with planes are not supported; remove --certified";
@@ -428,7 +429,8 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     validate(scene, scene.name);
     CertifiedReference result;
     result.requested_digits = digits;
-    result.message = certification_refusal(scene);
+    const Problem problem = pose(scene);
+    result.message = certification_refusal(problem);
     if (!result.message.empty()) return result;
     result.scene_hash = content_hash(write_scene(scene));
     const auto start = std::chrono::steady_clock::now();
@@ -437,8 +439,8 @@ CertifiedReference certified_reference(const Scene& scene, const std::vector<dou
     const truth::Allowance allowance(seconds_limit);
     const double least_bits = digits * bits_per_digit + spare_bits;
     Certifier certifier(scene, result.times, least_bits);
-    truth::TapeCertifier tape_certifier(scene, result.times, least_bits);
-    const bool by_tape = !std::holds_alternative<OneBody>(pose(scene).system);
+    truth::TapeCertifier tape_certifier(problem, result.times, least_bits);
+    const bool by_tape = !std::holds_alternative<OneBody>(problem.system);
     result.bodies = static_cast<int>(body_count(scene));
     truth::SphereCertifier sphere_certifier(scene, result.times);
     const PrecisionSearch search = search_precision(

@@ -51,22 +51,22 @@ double kappa_bits(const Problem& problem);
 /// precision that the requested digits require.
 class TapeCertifier {
   public:
-    /// The scene and the times must outlive this object.
-    TapeCertifier(const Scene& scene, const std::vector<double>& times, double least_bits)
-        : scene_(scene), times_(times), least_bits_(least_bits) {}
+    /// The problem and the times must outlive this object.
+    TapeCertifier(const Problem& problem, const std::vector<double>& times, double least_bits)
+        : problem_(problem), times_(times), least_bits_(least_bits) {}
     CertifiedAttempt attempt();
 
   private:
-    const Scene& scene_;
+    const Problem& problem_;
     const std::vector<double>& times_;
     double least_bits_;
     PiecePlan plan_;
     double lost_bits_ = 0;
 
     template <class Equations>
-    void make_plan(const Problem& problem);
+    void make_plan();
     template <class Equations>
-    CertifiedAttempt attempt_with(const Problem& problem);
+    CertifiedAttempt attempt_with();
 };
 
 /// Encloses the motion of a uniform sphere on planes under constant gravity (contact_ball.cpp).

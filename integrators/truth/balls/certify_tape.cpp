@@ -54,24 +54,13 @@ double count_coefficients(const Recording<Ball>& recording, double bits) {
     return products * static_cast<double>(recording.tape.nodes.size() * recording.rates.size()) * order_a_bit * bits;
 }
 
-// The equations that are recorded: their form over any scalar, and the sizes of its variables.
+// The equations that are recorded: their form over any scalar, and the blocks of its variables.
+template <template <class> class TreeOf>
 struct TreeEquations {
     template <class P>
-    using Form = TreeForm<P>;
-    static std::vector<double> scales(const Problem& problem) { return mechanism_of(problem).scales(); }
-    static std::vector<Block> blocks(const Form<double>& form, const Problem&, const std::vector<double>& scales) {
-        return form.blocks(scales);
-    }
-    static double link_count(const Form<double>& form) { return static_cast<double>(form.tree().links().links.size()); }
-    static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) { return form.motion(y); }
-};
-
-struct FormulaTreeEquations {
-    template <class P>
-    using Form = FormulaTreeForm<P>;
-    static std::vector<double> scales(const Problem& problem) { return problem.model()->scales(); }
-    static std::vector<Block> blocks(const Form<double>& form, const Problem&, const std::vector<double>& scales) {
-        return form.blocks(scales);
+    using Form = TreeOf<P>;
+    static std::vector<Block> blocks(const Form<double>& form, const Problem& problem) {
+        return form.blocks(problem.model()->scales());
     }
     static double link_count(const Form<double>& form) { return static_cast<double>(form.tree().links().links.size()); }
     static Motions<Ball> motions(const Form<Ball>& form, const Ball* y) {
@@ -84,8 +73,7 @@ struct FormulaTreeEquations {
 struct FormulaBodyEquations {
     template <class P>
     using Form = FormulaEulerForm<P>;
-    static std::vector<double> scales(const Problem& problem) { return problem.model()->scales(); }
-    static std::vector<Block> blocks(const Form<double>& form, const Problem& problem, const std::vector<double>&) {
+    static std::vector<Block> blocks(const Form<double>& form, const Problem& problem) {
         return form.blocks(problem.scales, {});
     }
     static double link_count(const Form<double>&) { return 1; }
@@ -95,19 +83,19 @@ struct FormulaBodyEquations {
 }  // namespace
 
 template <class Equations>
-void TapeCertifier::make_plan(const Problem& problem) {
+void TapeCertifier::make_plan() {
     // per link: bits lost because bounds of a right-hand side use only the magnitude of each intermediate value
     constexpr double parallelepiped_bits = 24, bits_a_link = 6;
     using Form = typename Equations::template Form<double>;
-    const Form form(scene_);
+    const Form form(problem_.scene);
     plan_.dimension = form.dimension();
-    plan_.scales = Equations::scales(problem);
-    plan_.blocks = Equations::blocks(form, problem, plan_.scales);
+    plan_.scales = problem_.model()->scales();
+    plan_.blocks = Equations::blocks(form, problem_);
     const auto n = static_cast<std::size_t>(plan_.dimension);
     plan_.weights.assign(n * n, 0);
-    JacobianSampler<Form> sampler(scene_, plan_.blocks);
+    JacobianSampler<Form> sampler(problem_.scene, plan_.blocks);
     Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(plan_.dimension, plan_.dimension);
-    for (const Leg& leg : itinerary(scene_))
+    for (const Leg& leg : itinerary(problem_.scene))
         for (const JacobianSample& visit : sampler.visits(leg.begin, leg.end))
             coupling += visit.seconds * visit.J.cwiseAbs();
     if constexpr (requires { form.terms(); }) {
@@ -119,33 +107,32 @@ void TapeCertifier::make_plan(const Problem& problem) {
     }
     const std::vector<double> unit = balance_weights(coupling, plan_.scales);
     for (std::size_t i = 0; i < n; ++i) plan_.weights[i * n + i] = 1 / unit[i];
-    lost_bits_ = parallelepiped_bits + bits_a_link * Equations::link_count(form) + kappa_bits(problem);
+    lost_bits_ = parallelepiped_bits + bits_a_link * Equations::link_count(form) + kappa_bits(problem_);
 }
 
 CertifiedAttempt TapeCertifier::attempt() {
-    const Problem problem = pose(scene_);
-    switch (problem.needs.system) {
+    switch (problem_.needs.system) {
         case SystemKind::mechanism_with_formulas:
-            return attempt_with<FormulaTreeEquations>(problem);
+            return attempt_with<TreeEquations<FormulaTreeForm>>();
         case SystemKind::body_with_formulas:
-            return attempt_with<FormulaBodyEquations>(problem);
+            return attempt_with<FormulaBodyEquations>();
         default:
-            return attempt_with<TreeEquations>(problem);
+            return attempt_with<TreeEquations<TreeForm>>();
     }
 }
 
 template <class Equations>
-CertifiedAttempt TapeCertifier::attempt_with(const Problem& problem) try {
+CertifiedAttempt TapeCertifier::attempt_with() try {
     CertifiedAttempt result;
     result.by_parallelepiped = true;
     result.most_bits = most_series_bits;
     const auto bits = static_cast<double>(Ball::precision());
-    if (plan_.dimension == 0) make_plan<Equations>(problem);
+    if (plan_.dimension == 0) make_plan<Equations>();
     if (least_bits_ + lost_bits_ > bits) {
         result.fault = "the precision is too low", result.wanted_bits = least_bits_ + lost_bits_;
         return result;
     }
-    typename Equations::template Form<Ball> form(scene_);
+    typename Equations::template Form<Ball> form(problem_.scene);
     std::vector<Ball> y(static_cast<std::size_t>(form.dimension()));
     form.initial(y.data());
     SampleQueue samples(times_);
@@ -166,7 +153,7 @@ CertifiedAttempt TapeCertifier::attempt_with(const Problem& problem) try {
                 }
         return true;
     };
-    const std::vector<Leg> legs = itinerary(scene_);
+    const std::vector<Leg> legs = itinerary(problem_.scene);
     follow(
         legs, samples, enter, [&](double) { return store_state(y); },
         [&](const Leg& leg) {

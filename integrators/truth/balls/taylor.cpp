@@ -23,10 +23,10 @@ namespace {
 
 constexpr long bound_bits = 64;
 const Bound unbounded(std::numeric_limits<double>::infinity());
-constexpr long max_steps = 400'000;  // takes hours
+constexpr long max_steps = 400'000;    // takes hours
+constexpr long foreseen_after = 1000;  // steps; after these the total number is extrapolated
 // The terms of a series bound a divisor or a square root from zero only within a part of its step.
 constexpr int most_halvings = 40;
-constexpr long foreseen_after = 1000;  // steps; after these the total number is extrapolated
 
 // exact sums and differences: times have few bits
 Ball exact_sum(const Ball& a, const Ball& b) {

@@ -8,16 +8,26 @@
 // 77-90): mu changes positions as lambda changes momenta, and nu changes the norms of quaternions. Both vanish except
 // for integration errors.
 //
-// Index 2 is not available where a body has no mass or a zero moment: the force of an added inertia
-// (Kind::added_inertia) has no counterpart among positions.
+// The forces of added inertias and armatures (Kind) constrain nothing: with index 2, too, they follow from their rows
+// of accelerations, and their mu are zero.
+//
+// Rows of joint coordinates (Kind::coordinate) require sum factor x = value(t), with its rate and acceleration. For
+// couplings the value is the offset. The angle x of a revolute joint follows from the attitudes of the two bodies, and
+// its revolutions from an integrated angle in the state.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
 #include <set>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "integrators/maximal/system.h"
+#include "motion/dual.h"
 
 namespace polhode::maximal {
 
@@ -31,19 +41,65 @@ struct Group {
     int color = 0;                    ///< no equation contains unknowns of two groups of one colour
 };
 
+/// The value that the coordinate of a locked joint, or the difference of coupled coordinates, must have.
+template <class P>
+struct CoordinateTarget {
+    P value{0}, rate{0}, acceleration{0};
+};
+
+/// The joints whose coordinates the equations need in the state of the system: with index 2, coupled and locked ones.
+inline std::vector<int> joints_to_count(const Scene& scene, Index index, std::span<const int> locked = {}) {
+    std::set<int> all;
+    if (index == Index::one) return {};
+    for (std::size_t j = 0; j < scene.joints.size(); ++j)
+        for (const Coupling& coupling : scene.couplings)
+            if (coupling.first == scene.joints[j].name || coupling.second == scene.joints[j].name)
+                all.insert(static_cast<int>(j));
+    all.insert(locked.begin(), locked.end());
+    return {all.begin(), all.end()};
+}
+
 /// Evaluates the equations and groups unknowns for a sparse Jacobian.
 template <class P>
 class ConstrainedEquations {
   public:
-    static constexpr int most_in_group = 14;  ///< q, p, L, P and nu; or 6 lambda, 6 mu, 2 angles
+    static constexpr int most_in_group = 14;  ///< q, p, L, P and nu; or 6 lambda, 6 mu, 2 coordinates
 
-    /// `system` must outlive this object.
-    ConstrainedEquations(const System<P>& system, Index index) : system_(&system), index_(index) {
+    /// `system` must outlive this object. With index 2, its state must have the coordinates of joints_to_count().
+    ConstrainedEquations(const System<P>& system, Index index)
+        : system_(&system), index_(index), added_rows_(system.dynamics().added_rows()) {
         lambda_ = system.dimension();
         mu_ = lambda_ + system.dynamics().rows();
         nu_ = index == Index::two ? mu_ + system.dynamics().rows() : mu_;
         count_ = nu_ + (index == Index::two ? system.angles() / System<P>::body_size : 0);
+        find_coordinate_rows();
         find_groups();
+    }
+
+    /// The values of the rows of coordinates: couplings in the scene's order, then locked joints. Constants, until they
+    /// are changed.
+    std::vector<CoordinateTarget<P>>& targets() { return targets_; }
+    /// The coordinate of a joint of one coordinate, from the positions of the bodies in a state z.
+    P coordinate(std::size_t joint, const P* z) const {
+        return coordinate_at(static_cast<int>(joint), system_->placements(z), z);
+    }
+    /// Sets z and its rates to consistent values for the given y: lambda from the accelerations, mu and nu zero.
+    void make_consistent(P* z, P* rate) const {
+        std::fill(z + lambda_, z + count_, P(0));
+        std::fill(rate, rate + count_, P(0));
+        const std::vector<Placement<P>> at = system_->placements(z);
+        Rows<P> rows = system_->dynamics().constraints(at);
+        for (std::size_t i = 0; i < coordinate_rows_.size(); ++i)
+            if (const CoordinateRow& one = coordinate_rows_[i]; one.row >= 0) {
+                Row<P>& row = rows[one.link].front();
+                row.bias = row.bias - targets_[i].acceleration;
+            }
+        std::vector<Wrench<P>> on(at.size());
+        add_forces(system_->mechanism(), system_->loads(), at, z + system_->angles(), on);
+        const std::vector<P> lambda = system_->dynamics().multipliers(at, rows, on);
+        system_->dynamics().add_constraint_forces(rows, lambda, on);
+        system_->put_rates(at, on, rate);
+        std::copy(lambda.begin(), lambda.end(), z + lambda_);
     }
 
     /// Number of unknowns: y, lambda and, with index 2, mu and nu.
@@ -71,6 +127,10 @@ class ConstrainedEquations {
         if (index_ == Index::one) {
             std::vector<S> still = dynamics.decelerations(at, rows, on);
             dynamics.add_compliance(z + lambda_, still);
+            for (std::size_t i = 0; i < coordinate_rows_.size(); ++i)
+                if (const int row = coordinate_rows_[i].row; row >= 0)
+                    still[static_cast<std::size_t>(row)] =
+                        still[static_cast<std::size_t>(row)] + targets_[i].acceleration;
             std::copy(still.begin(), still.end(), result + lambda_);
             return;
         }
@@ -93,14 +153,100 @@ class ConstrainedEquations {
         const std::vector<S> gaps = dynamics.gaps(at), velocity_errors = dynamics.velocity_errors(at, rows);
         std::copy(gaps.begin(), gaps.end(), result + lambda_);
         std::copy(velocity_errors.begin(), velocity_errors.end(), result + mu_);
+        add_corrections(at, moved, result);
+        add_coordinates(at, z, result);
+        if (added_rows_.empty()) return;
+        std::vector<S> still = dynamics.decelerations(at, rows, on);
+        dynamics.add_compliance(z + lambda_, still);
+        for (const int row : added_rows_)
+            result[lambda_ + row] = still[static_cast<std::size_t>(row)], result[mu_ + row] = z[mu_ + row];
     }
 
   private:
+    // A row of one or several coordinates; -1 if it is redundant.
+    struct CoordinateRow {
+        int row = -1;
+        std::size_t link = 0;                     // the link that has the row
+        std::vector<std::pair<int, P>> summands;  // joints, and the factors of their coordinates
+    };
+
     const System<P>* system_;
     Index index_;
+    std::vector<int> added_rows_;
+    std::vector<CoordinateRow> coordinate_rows_;
+    std::vector<CoordinateTarget<P>> targets_;
     int lambda_ = 0, mu_ = 0, nu_ = 0, count_ = 0;
     std::vector<Group> groups_;
     int colors_ = 0;
+
+    void find_coordinate_rows() {
+        const Mechanism<P>& mechanism = system_->mechanism();
+        for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
+            const Link<P>& link = mechanism.links[k];
+            if (link.kind != Kind::coordinate) continue;
+            if (link.partner < 0) {
+                const bool is_kept = !system_->dynamics().kept(k).empty();
+                coordinate_rows_.push_back({is_kept ? system_->dynamics().first_row(k) : -1, k, {}});
+                targets_.emplace_back();
+            }
+            coordinate_rows_.back().summands.emplace_back(link.joint, link.factor);
+        }
+        const std::vector<Coupling>& couplings = mechanism.scene().couplings;
+        for (std::size_t i = 0; i < couplings.size(); ++i) targets_[i].value = P(couplings[i].offset);
+    }
+    static const P& number_in(const P& x) { return x; }
+    template <int N>
+    static const P& number_in(const Dual<N, P>& x) {
+        return x.value;
+    }
+    // The coordinate of a joint, from the positions of its bodies.
+    template <class S>
+    S coordinate_at(int joint, const std::vector<Placement<S>>& at, const S* z) const {
+        const Link<P>& link = system_->mechanism().links[static_cast<std::size_t>(joint)];
+        const LinkView<P, S> view = system_->view(link, at);
+        if (link.kind == Kind::prismatic) return view.displacement();
+        // 2 tan((x - a) / 2) is zero at the number a that equals x, and has the derivatives of x
+        const auto [sine, cosine] = view.half_angle();
+        P half = std::atan2(number_in(sine), number_in(cosine));
+        const P s = std::sin(half), c = std::cos(half);
+        const S rest = P(2) * ((c * sine - s * cosine) / (c * cosine + s * sine));
+        const P counted = number_in(z[system_->angles() + link.angles]);
+        half = half + std::numbers::pi * std::round((counted - P(2) * half) / (2 * std::numbers::pi));
+        return P(2) * half + rest;
+    }
+    // The rates of counted coordinates that belong to the corrections of positions.
+    template <class S>
+    void add_corrections(std::vector<Placement<S>> at, const std::vector<Wrench<S>>& moved, S* result) const {
+        const Mechanism<P>& mechanism = system_->mechanism();
+        if (std::ranges::none_of(mechanism.links, &Link<P>::counted)) return;
+        for (int b = 0; b < mechanism.world(); ++b) {
+            if (!mechanism.movable(b)) continue;
+            const std::size_t body = static_cast<std::size_t>(b);
+            at[body].velocity_W = (P(1) / mechanism.bodies[body].mass) * moved[body].force_W;
+            at[body].angular_velocity_B = mechanism.bodies[body].inverse_inertia * moved[body].torque_B;
+        }
+        for (const Link<P>& link : mechanism.links) {
+            if (!link.counted) continue;
+            const std::array<S, 2> rates = system_->view(link, at).rates();
+            for (int i = 0; i < link.coordinates(); ++i) {
+                S& rate = result[system_->angles() + link.angles + i];
+                rate = rate + rates[static_cast<std::size_t>(i)];
+            }
+        }
+    }
+    // Index 2: the position and velocity errors of the rows of coordinates.
+    template <class S>
+    void add_coordinates(const std::vector<Placement<S>>& at, const S* z, S* result) const {
+        for (std::size_t i = 0; i < coordinate_rows_.size(); ++i) {
+            const CoordinateRow& one = coordinate_rows_[i];
+            if (one.row < 0) continue;
+            S gap(-targets_[i].value);
+            for (const std::pair<int, P>& summand : one.summands)
+                gap = gap + summand.second * coordinate_at(summand.first, at, z);
+            result[lambda_ + one.row] = gap;
+            result[mu_ + one.row] = result[mu_ + one.row] + targets_[i].rate;
+        }
+    }
 
     void find_groups() {
         const Mechanism<P>& mechanism = system_->mechanism();
@@ -112,11 +258,14 @@ class ConstrainedEquations {
             if (mechanism.movable(a) && mechanism.movable(b)) near[a].insert(b), near[b].insert(a);
         };
         for (int b = 0; b < bodies; ++b) join(b, b);
+        // two links of a coupling share a row and a group
+        std::vector<std::set<int>> bodies_of(links);
+        const auto owner = [&](int k) { return mechanism.links[k].partner < 0 ? k : mechanism.links[k].partner; };
         for (int k = 0; k < links; ++k) {
             const Link<P>& link = mechanism.links[k];
             join(link.from.body, link.to.body);
             for (const int b : {link.from.body, link.to.body})
-                if (mechanism.movable(b)) links_of[b].insert(k);
+                if (mechanism.movable(b)) links_of[b].insert(owner(k)), bodies_of[owner(k)].insert(b);
         }
         for (const Load& load : mechanism.scene().loads)
             if (const auto* tie = std::get_if<PointSpring>(&load))
@@ -139,6 +288,7 @@ class ConstrainedEquations {
             group.coupled_groups.assign(met.begin(), met.end());
         }
         for (int k = 0; k < links; ++k) {
+            if (owner(k) != k) continue;
             const Link<P>& link = mechanism.links[k];
             Group& group = groups_[bodies + k];
             const int row = system_->dynamics().first_row(k);
@@ -147,8 +297,7 @@ class ConstrainedEquations {
             if (index_ == Index::two) fill(group, mu_ + row, count);
             if (link.angles >= 0) fill(group, system_->angles() + link.angles, link.coordinates());
             std::set<int> met{bodies + k};
-            for (const int b : {link.from.body, link.to.body}) {
-                if (!mechanism.movable(b)) continue;
+            for (const int b : bodies_of[k]) {
                 met.insert(b);
                 for (const int other : links_of[b]) met.insert(bodies + other);
             }

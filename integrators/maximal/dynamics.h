@@ -112,6 +112,12 @@ class Dynamics {
         return solved(rows, std::move(right));
     }
 
+    /// The rows of added inertias and armatures.
+    std::vector<int> added_rows() const {
+        std::vector<int> all;
+        for_added([&](int, std::size_t k, std::size_t i) { all.push_back(first_row_[k] + static_cast<int>(i)); });
+        return all;
+    }
     /// Adds lambda / m' and lambda / j' to the rows of added inertias and -lambda / d to those of armatures, see Kind.
     template <class S>
     void add_compliance(const S* lambda, std::vector<S>& rows) const {

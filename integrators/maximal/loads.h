@@ -134,8 +134,8 @@ class Loads {
     }
 };
 
-/// Rows and magnitudes of the forces of a joint's spring, damper and motor. `angles`: the angles that count
-/// revolutions. The last placement is the world's.
+/// Rows and magnitudes of the forces of a joint's spring, damper and motor. `angles`: the joint coordinates in the
+/// state. The last placement is the world's.
 template <class P, class S>
 std::vector<std::pair<Row<S>, S>> joint_forces(const Mechanism<P>& mechanism, const Loads<P>& loads, std::size_t k,
                                                const std::vector<Placement<S>>& at, const S* angles) {

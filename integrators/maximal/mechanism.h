@@ -81,7 +81,8 @@ struct Link {
     Quaternion<P> rest_orientation;           ///< rest orientation of a spherical joint's spring
     std::array<P, 2> damping{P(0), P(0)};     ///< joint damper
     std::array<P, 2> coordinate{P(0), P(0)};  ///< at t = 0
-    int angles = -1;                          ///< index of its first angle that counts revolutions, or -1
+    int angles = -1;                          ///< index of its first coordinate in the state, or -1
+    bool counted = false;                     ///< its coordinates are in the state by request
     std::vector<int> rows;                    ///< indices of its constraints that are kept
     /// By row; added_inertia: 1 / m' and 1 / j'; armature: -1 / d.
     std::array<P, 6> compliance{P(0), P(0), P(0), P(0), P(0), P(0)};
@@ -126,13 +127,16 @@ std::array<Vector3<P>, 2> across(const Vector3<P>& a) {
 template <class P>
 class Mechanism {
   public:
-    /// `scene` must outlive this object. `locked`: indices of joints whose coordinates are locked.
-    explicit Mechanism(const Scene& scene, std::span<const int> locked = {}) : scene_(&scene) {
+    /// `scene` must outlive this object. `locked`: indices of joints whose coordinates are locked. `counted`: indices
+    /// of joints whose coordinates are components of the state, in addition to the angles that springs need.
+    explicit Mechanism(const Scene& scene, std::span<const int> locked = {}, std::span<const int> counted = {})
+        : scene_(&scene) {
         for (const NamedBody& named : scene.bodies) {
             const MassProperties<P> m = mass_properties<P>(named.body);
             bodies.push_back({m.mass, m.center, m.inertia, {}, true});
         }
         for (const Joint& joint : scene.joints) links.push_back(link_of(joint));
+        for (const int joint : counted) count_coordinates(links[static_cast<std::size_t>(joint)]);
         for (const Loop& loop : scene.loops) links.push_back(link_of(loop));
         find_depths();
         for (const Coupling& coupling : scene.couplings) {
@@ -149,7 +153,7 @@ class Mechanism {
     std::vector<Link<P>>
         links;               ///< joints in the scene's order, its loops, couplings and locks, added inertias, armatures
     std::vector<int> depth;  ///< by body: number of joints between it and its root
-    int turns = 0;           ///< number of angles that count revolutions
+    int turns = 0;           ///< number of joint coordinates in the state
 
     const Scene& scene() const { return *scene_; }
     /// The index that stands for the world.
@@ -194,10 +198,8 @@ class Mechanism {
         link.rest_orientation = normalized(cast<P>(joint.rest_orientation));
         // formulas may read any angle
         if ((link.kind == Kind::revolute || link.kind == Kind::universal) &&
-            (link.has_spring() || has_formula_loads(*scene_))) {
-            link.angles = turns;
-            turns += link.coordinates();
-        }
+            (link.has_spring() || has_formula_loads(*scene_)))
+            add_to_state(link);
         static constexpr int counts[] = {5, 5, 3, 4, 6};
         for (int i = 0; i < counts[static_cast<int>(joint.type)]; ++i) link.rows.push_back(i);
         return link;
@@ -269,6 +271,15 @@ class Mechanism {
         }
     }
 
+    void add_to_state(Link<P>& link) {
+        link.angles = turns;
+        turns += link.coordinates();
+    }
+    void count_coordinates(Link<P>& link) {
+        if (link.angles < 0) add_to_state(link);
+        link.counted = true;
+    }
+
     std::size_t joint_of(std::string_view name) const {
         std::size_t j = 0;
         while (scene_->joints[j].name != name) ++j;
@@ -278,7 +289,7 @@ class Mechanism {
     void add_coordinate(std::size_t joint, const P& factor, int partner) {
         Link<P> link = links[joint];
         link.of = link.kind, link.kind = Kind::coordinate, link.joint = static_cast<int>(joint);
-        link.closes = true, link.angles = -1, link.stiffness = link.damping = {P(0), P(0)};
+        link.closes = true, link.angles = -1, link.counted = false, link.stiffness = link.damping = {P(0), P(0)};
         link.rows = {0}, link.factor = factor, link.partner = partner;
         links.push_back(link);
     }
@@ -290,7 +301,7 @@ class Mechanism {
             if (joint.armature == std::array<double, 2>{}) continue;
             Link<P> link = links[j];
             link.of = link.kind, link.kind = Kind::armature, link.joint = static_cast<int>(j);
-            link.angles = -1, link.stiffness = link.damping = {P(0), P(0)};
+            link.angles = -1, link.counted = false, link.stiffness = link.damping = {P(0), P(0)};
             link.rows.clear();
             const bool is_spherical = link.of == Kind::spherical;
             for (int i = 0; i < (is_spherical ? 3 : links[j].coordinates()); ++i) {

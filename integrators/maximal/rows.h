@@ -166,6 +166,12 @@ class LinkView {
         }
         return rate;
     }
+    /// Sine and cosine of half the angle of a revolute joint, times the lengths of both quaternions. Their signs change
+    /// with those of the quaternions.
+    std::array<S, 2> half_angle() const {
+        const Quaternion<S> turn = conjugate(from_.q * link_.orientation) * to_.q;
+        return {dot(link_.axes_to[0], vector_part(turn)), turn.w};
+    }
     /// Displacement of a prismatic joint, m.
     S displacement() const { return dot(link_.axis_from, slide_arm_B() - cast<S>(link_.from.arm_B)); }
 

@@ -1,7 +1,8 @@
 // A mechanism in maximal coordinates as a first-order system dy/dt = f(y), over any scalar.
 //
 // State: q, p, L and P of each body that can move (momenta in world axes, L about the centre of mass), then the
-// angles of revolute and universal joints with a spring, because springs count revolutions. Constraints are enforced
+// angles of revolute and universal joints with a spring, because springs count revolutions, and the coordinates of
+// joints that the caller requests. Constraints are enforced
 // at acceleration level only. Momenta include the added inertia (Kind::added_inertia). Dynamics computes the
 // multipliers, Loads the forces.
 #pragma once
@@ -37,12 +38,13 @@ class System {
 
     /// `start`: the motion of every body at t = 0 before any impulse, in the scene's order: q, angular_velocity_B,
     /// position_W and velocity_W. `coordinates`: those of the joints at t = 0, where they differ from the scene's
-    /// (dependent joints). `locked`: indices of joints whose coordinates are locked. The scene must outlive this
-    /// object.
+    /// (dependent joints). `locked`: indices of joints whose coordinates are locked. `counted`: indices of joints whose
+    /// coordinates are components of the state. The scene must outlive this object.
     template <class Start>
     explicit System(const Scene& scene, const Start& start, std::span<const std::array<P, 2>> coordinates = {},
-                    LoopRows loops = LoopRows::shortest, std::span<const int> locked = {})
-        : mechanism_(std::make_shared<Mechanism<P>>(scene, locked)) {
+                    LoopRows loops = LoopRows::shortest, std::span<const int> locked = {},
+                    std::span<const int> counted = {})
+        : mechanism_(std::make_shared<Mechanism<P>>(scene, locked, counted)) {
         for (const auto& body : start)
             start_.push_back({body.q, body.angular_velocity_B, body.position_W, body.velocity_W});
         for (std::size_t k = 0; k < coordinates.size(); ++k) mechanism_->links[k].coordinate = coordinates[k];
@@ -64,7 +66,7 @@ class System {
     const Dynamics<P>& dynamics() const { return *dynamics_; }
     /// Index of a body's first component in y, or -1 if it does not move.
     int place(int body) const { return place_[body]; }
-    /// Index in y of the first angle that counts revolutions.
+    /// Index in y of the first joint coordinate.
     int angles() const { return angles_; }
     /// The loads of the piece that was entered last.
     const Loads<P>& loads() const { return loads_; }

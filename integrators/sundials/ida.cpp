@@ -17,17 +17,7 @@ std::string ida_refusal(const Problem& problem) {
         return "this method supports only scenes of several bodies";
     for (const Load& load : problem.scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques have no Jacobian";
-    if (!problem.scene.couplings.empty()) return "this method does not support couplings of joints";
     return "";
-}
-
-// the stabilised form corrects positions by the inverse of each body's mass and tensor
-std::string ida_index2_refusal(const Problem& problem) {
-    const std::string why = ida_refusal(problem);
-    for (const Joint& joint : problem.scene.joints)
-        if (why.empty() && joint.armature != std::array<double, 2>{})
-            return "this method does not support armature of joints";
-    return why.empty() ? body_without_inertia(problem.scene) : why;
 }
 
 constexpr Method ida_variants[] = {
@@ -36,7 +26,9 @@ constexpr Method ida_variants[] = {
          "IDA's backward differentiation formulas of order 1 to 5 on a mechanism in maximal coordinates. Attitude, "
          "position and both momenta of every body are differential unknowns, the joints' forces and torques are "
          "algebraic unknowns, and the constraints are imposed on accelerations (index 1). Positions are not corrected, "
-         "so joints drift apart as errors accumulate. Newton's method with the exact Jacobian and a sparse LU "
+         "so joints drift apart as errors accumulate. Couplings of joint coordinates are further constraints. The "
+         "torques of armatures and of the inertia that massless bodies need in this form are algebraic unknowns too. "
+         "Newton's method with the exact Jacobian and a sparse LU "
          "factorisation. Relative tolerance R, absolute tolerance R times the component's scale; the multipliers are "
          "excluded from the error test. Loop constraints that are redundant at the start are removed.",
      .conserves = "nothing",
@@ -45,12 +37,11 @@ constexpr Method ida_variants[] = {
      .documentation =
          "`ida_index1` in the stabilised form of index 2: the constraints are imposed on positions and on velocities, "
          "with a second set of multipliers that corrects positions and a third that keeps quaternions at unit length. "
-         "Joints stay closed to the tolerance of the nonlinear solver.",
+         "Joints stay closed and coupled to the tolerance of the nonlinear solver.",
      .source = "C. W. Gear, B. Leimkuhler & G. K. Gupta 1985, J. Comput. Appl. Math. 12-13, 77-90; IDA: Hindmarsh et "
                "al. 2005, ACM Trans. Math. Softw. 31, 363-396",
      .conserves = "joints closed, |q| = 1, to the tolerance",
-     .solve = [](const Problem& p, const Settings& s) { return solve_ida(p, s, maximal::Index::two); },
-     .refusal = ida_index2_refusal},
+     .solve = [](const Problem& p, const Settings& s) { return solve_ida(p, s, maximal::Index::two); }},
 };
 
 constexpr auto ida_family = apply_defaults(

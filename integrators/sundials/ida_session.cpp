@@ -25,7 +25,8 @@ std::vector<std::array<double, 2>> initial_coordinates(const Problem& problem) {
 IdaSession::IdaSession(const Problem& problem, maximal::Index index, double tolerance)
     : problem_(&problem),
       start_(mechanism_initial_motions(problem.scene)),
-      system_(problem.scene, start_, initial_coordinates(problem), maximal::LoopRows::independent),
+      system_(problem.scene, start_, initial_coordinates(problem), maximal::LoopRows::independent, {},
+              maximal::joints_to_count(problem.scene, index)),
       equations_(system_, index),
       n_(equations_.unknowns()),
       // smaller tolerances are rejected elsewhere; below this value the weights (reciprocals) would overflow
@@ -74,6 +75,9 @@ void IdaSession::set_tolerances() {
         std::fill_n(absolute + first + 10, 3, tolerance_ * body.mass * velocity);
     }
     std::fill(absolute + system_.angles(), absolute + equations_.differential(), tolerance_);
+    for (const maximal::Link<double>& link : mechanism.links)
+        if (link.angles >= 0 && link.kind == maximal::Kind::prismatic && scales.position > 0)
+            absolute[system_.angles() + link.angles] = tolerance_ * scales.position;
     // lambda: forces; mu: momenta; nu: rates
     double acceleration = speed * scales.angular_velocity;
     for (const Load& load : problem_->scene.loads)
@@ -137,11 +141,7 @@ Moment IdaSession::moment_at(double t, const double* z) const {
 
 // lambda from the accelerations; mu and nu vanish, and so do the rates of all three as far as IDA requires them
 void IdaSession::make_consistent() {
-    double *z = y(), *rate = N_VGetArrayPointer(state_rate_.get());
-    std::fill(z + equations_.differential(), z + n_, 0.0);
-    std::fill(rate, rate + n_, 0.0);
-    const std::vector<double> lambda = system_.rates(z, rate);
-    std::copy(lambda.begin(), lambda.end(), z + equations_.lambda());
+    equations_.make_consistent(y(), N_VGetArrayPointer(state_rate_.get()));
     ++evaluations_;
 }
 

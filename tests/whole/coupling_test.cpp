@@ -1,9 +1,11 @@
 // Couplings of joint coordinates against equivalent mechanisms.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "catalogue.h"
 #include "integrators/method.h"
 #include "integrators/series/real.h"
 #include "integrators/truth/fresh_cache.h"
@@ -44,7 +46,7 @@ TEST(Coupling, GearedRotorEqualsAnArmatureTo28Digits) {
     const Long torque = Long(one.reactions[1][4]);
     EXPECT_GT(abs(torque), 0.01);
     const Problem problem = pose(geared);
-    for (const char* name : {"dop853", "taylor", "radau", "reduced_semi_implicit_euler"}) {
+    for (const char* name : {"dop853", "taylor", "radau", "ida_index1", "ida_index2", "reduced_semi_implicit_euler"}) {
         const Method& method = *find_method(name);
         ASSERT_EQ(refusal(method, problem), "") << name;
         Settings settings;
@@ -59,7 +61,7 @@ TEST(Coupling, GearedRotorEqualsAnArmatureTo28Digits) {
                     method.control == Control::fixed_step ? 1e-2 : 1e-8)
             << name;
     }
-    for (const char* name : {"ida_index1", "variational_tree", "sequential_impulses_10"})
+    for (const char* name : {"variational_tree", "sequential_impulses_10"})
         if (const Method* method = find_method(name)) {
             EXPECT_NE(refusal(*method, problem), "") << name;
         }
@@ -86,6 +88,41 @@ TEST(Coupling, ChainOnAFreeBaseKeepsEnergyAndMomenta) {
         for (int i = 0; i < 3; ++i) {
             EXPECT_NEAR(at.angular_momentum_W[i].high, truth.system[0].angular_momentum_W[i].high, 1e-13);
             EXPECT_NEAR(at.linear_momentum_W[i].high, truth.system[0].linear_momentum_W[i].high, 1e-13);
+        }
+    }
+}
+
+// IDA has couplings as rows of constraints of the bodies.
+TEST(Coupling, ErrorsOfIdaFallWithTheTolerance) {
+    const FreshCache cache;
+    for (const char* name : {"joints/geared_double_pendulum", "joints/cardan_gear", "joints/arm_with_gripper"}) {
+        Problem problem = pose(find_scene(name));
+        problem.reactions = true;
+        const Reference truth = reference(problem.scene, 4, 17);
+        ASSERT_TRUE(truth.available) << truth.message;
+        for (const char* method : {"ida_index1", "ida_index2"}) {
+            double former = 1;
+            for (const double tolerance : {1e-6, 1e-9}) {
+                Settings settings;
+                settings.samples = 4, settings.tolerance = tolerance;
+                const Trajectory run = solve(problem, *find_method(method), settings);
+                ASSERT_EQ(run.status, Status::ok) << name << " " << method << ": " << run.message;
+                double position = 0, torque = 0, largest = 1;
+                for (std::size_t i = 0; i < run.samples.size(); ++i)
+                    position = std::max(position, length(Vector3<double>(run.samples[i].position_W -
+                                                                         truth.samples[i].rounded().position_W)));
+                ASSERT_EQ(run.reactions.size(), truth.reactions.size());
+                for (std::size_t i = 0; i < run.reactions.size(); ++i)
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const double expected = truth.reactions[i].torque_W[k].high;
+                        largest = std::max(largest, std::abs(expected));
+                        torque = std::max(torque, std::abs(run.reactions[i].torque_W[k] - expected));
+                    }
+                const double error = std::max(position, torque / largest);
+                EXPECT_LT(error, 5000 * tolerance) << name << " " << method;
+                EXPECT_LT(error, former / 30) << name << " " << method;
+                former = error;
+            }
         }
     }
 }

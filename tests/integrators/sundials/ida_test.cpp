@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "integrators/maximal/constrained.h"
 #include "integrators/method.h"
@@ -25,8 +27,15 @@ TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
             loop.name = "loop", loop.type = LoopType::distance, loop.first = "b2", loop.second = "b4", loop.length = 1;
             scene.loops = {loop};
         }
-        const System<double> system(scene, jointed_start<double>(scene));
+        // two joints of one coordinate: the violation of the coupling is a constant
+        std::vector<std::string> names;
+        for (const Joint& joint : scene.joints)
+            if (joint.type == JointType::revolute || joint.type == JointType::prismatic) names.push_back(joint.name);
+        if (seed % 2 == 0 && names.size() > 1) scene.couplings = {{names[0], names[1], -1.5, 0.25}};
+        scene.joints[0].armature[0] = seed % 3 == 1 && scene.joints[0].type != JointType::fixed ? 0.5 : 0;
         for (const Index index : {Index::one, Index::two}) {
+            const System<double> system(scene, jointed_start<double>(scene), {}, LoopRows::shortest, {},
+                                        joints_to_count(scene, index));
             const ConstrainedEquations<double> equations(system, index);
             using Number = Dual<ConstrainedEquations<double>::most_in_group>;
             const std::size_t n = static_cast<std::size_t>(equations.unknowns());

@@ -68,6 +68,9 @@ auto as_usage(const F& f, std::string_view before = "") {
 /// 2 for bad usage or input, 1 for all other errors.
 int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands);
 
+/// Prints that memory is exhausted, unless another thread has printed it. Returns the exit code. Does not allocate.
+int print_memory_error();
+
 /// Writes data to stdout, or atomically to `path` if it is not empty. Throws std::runtime_error.
 void write_output(const std::string& path, std::string_view text);
 

@@ -35,10 +35,7 @@ void add_engines_of_program() {
 }
 
 // Ends the process like run_program() does, for functions that cannot throw.
-[[noreturn]] void end_without_memory() {
-    std::fputs("polhode: out of memory\n", stderr);
-    std::_Exit(1);
-}
+[[noreturn]] void end_without_memory() { std::_Exit(print_memory_error()); }
 
 std::atomic<bool> was_short_of_memory{false};
 std::terminate_handler usual_end = nullptr;

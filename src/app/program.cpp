@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <new>
 #include <sstream>
 
@@ -29,12 +30,6 @@ int print_error(int exit_code, std::string_view message) {
     return exit_code;
 }
 
-// Does not allocate memory.
-int print_memory_error() {
-    std::fputs("polhode: out of memory\n", stderr);
-    return failed;
-}
-
 std::string versions() {
     std::string text = "polhode " POLHODE_VERSION;
     for (const auto& [name, version] : library_versions()) text += fmt::format("\n{} {}", name, version);
@@ -53,6 +48,15 @@ void require_command(const CLI::App& program, int argc, const char* const* argv)
 }
 
 }  // namespace
+
+int print_memory_error() {
+    static std::mutex mutex;
+    static bool printed = false;
+    const std::lock_guard lock(mutex);
+    if (!printed) std::fputs("polhode: out of memory\n", stderr);
+    printed = true;
+    return failed;
+}
 
 void require_positive(const char* option, double value) {
     if (!(std::isfinite(value) && value > 0))

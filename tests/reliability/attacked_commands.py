@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import zlib
 
@@ -56,6 +57,11 @@ def call(program: pathlib.Path, arguments: list[str], folder: pathlib.Path, limi
     """Runs the program in the folder. Raises subprocess.TimeoutExpired."""
     return subprocess.run([str(program), *arguments], cwd=folder, env=environment(folder, **more),
                           stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=limit)
+
+
+def aborted_by_glibc(made: subprocess.CompletedProcess) -> bool:
+    """Whether glibc aborted the run, as it does without memory to register the destructor of a thread's variable."""
+    return made.returncode == -signal.SIGABRT and "Fatal glibc error" in made.stderr
 
 
 def prepare(program: pathlib.Path, folder: pathlib.Path) -> None:

@@ -273,21 +273,30 @@ class Tree {
     void articulate_with_armature(TreeWork<S>& at) const;
     template <class S>
     void compute_accelerations(TreeWork<S>& at, S* rates) const;
+    template <bool along_axes, class S>
+    void compute_accelerations_of(TreeWork<S>& at, S* rates) const;
     template <class S>
     void solve_accelerations(TreeWork<S>& at, S* dy) const;
     template <class S>
     void respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) const;
+    template <bool along_axes, class S>
+    void respond_of(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) const;
     template <class S>
     std::vector<Reaction<S>> find_reactions(const Scene& scene, const S* y, TreeWork<S>& at,
                                             const std::vector<BodyLoad<S>>& applied) const;
     template <class S>
     void respond_to_rows(TreeWork<S>& at) const;
     template <class S>
-    S applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations, const S* rates) const;
+    [[gnu::always_inline]] inline S applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations,
+                                            const S* rates) const;
     template <class S>
     void add_generalized_force(int link, const S& size, TreeWork<S>& at) const;
     template <class S>
-    void start_response(std::size_t row, TreeWork<S>& at) const;
+    [[gnu::always_inline]] inline void start_response(std::size_t row, TreeWork<S>& at) const;
+    template <class S>
+    void start_coupling_response(const LinkLoop<P>& coupling, TreeWork<S>& at) const;
+    template <class S>
+    S applied_to_coupling(const LinkLoop<P>& coupling, const S* rates) const;
     void hold_rows(TreeWork<P>& at, const Pair6<P>* jumps, P* jump) const;
     template <class S>
     void solve_rows(TreeWork<S>& at, std::vector<S>& right) const;

@@ -288,7 +288,15 @@ void Tree<P>::articulate(TreeWork<S>& at) const {
 template <class P>
 template <class S>
 void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
+    if (!transmits_along_axes()) return compute_accelerations_of<false>(at, rates);
     at.locks.resize(locks_.size());
+    compute_accelerations_of<true>(at, rates);
+}
+
+/// `along_axes` is transmits_along_axes(), decided once and not per link.
+template <class P>
+template <bool along_axes, class S>
+void Tree<P>::compute_accelerations_of(TreeWork<S>& at, S* rates) const {
     for (std::size_t i = 0; i < links_.links.size(); ++i) {
         const Link<P>& link = links_.links[i];
         LinkWork<S>& w = at.links[i];
@@ -314,7 +322,7 @@ void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
         alpha = alpha + w.bias.turning;
         a = a + w.bias.linear;
         if (link.kind == LinkJoint::spherical) {
-            if (transmits_along_axes()) {
+            if constexpr (along_axes) {
                 const Vector3<S> own = w.inverse * Vector3<S>(w.force - I.J * alpha - I.B * a);
                 for (std::size_t k = 0; k < 3; ++k) out[k] = own[k];
                 alpha = alpha + own;
@@ -323,7 +331,7 @@ void Tree<P>::compute_accelerations(TreeWork<S>& at, S* rates) const {
             const Vector3<S> whole = w.inverse * Vector3<S>(w.force - I.B * a);
             for (std::size_t k = 0; k < 3; ++k) out[k] = whole[k] - alpha[k];
             alpha = whole;
-        } else if (const int lock = lock_of(i); lock >= 0) {
+        } else if (const int lock = along_axes ? lock_of(i) : -1; lock >= 0) {
             const int drive = locks_[static_cast<std::size_t>(lock)].drive;
             S& force = at.locks[static_cast<std::size_t>(lock)];
             // alpha and a contain a given acceleration
@@ -377,6 +385,7 @@ void Tree<P>::solve_accelerations(TreeWork<S>& at, S* dy) const {
     find_rows(at);
     respond_to_rows(at);
     const std::size_t n = links_.links.size(), rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
+    const std::size_t locks = locks_.size();
     std::vector<Pair6<S>>& now = at.wrench;
     for (std::size_t i = 0; i < n; ++i) now[i] = at.links[i].acceleration;
     at.multipliers.resize(rows);
@@ -396,8 +405,7 @@ void Tree<P>::solve_accelerations(TreeWork<S>& at, S* dy) const {
             a.turning = a.turning + multiplier * at.response[r * n + i].turning;
             a.linear = a.linear + multiplier * at.response[r * n + i].linear;
         }
-        for (std::size_t l = 0; l < locks_.size(); ++l)
-            at.locks[l] = at.locks[l] + multiplier * at.row_locks[r * locks_.size() + l];
+        for (std::size_t l = 0; l < locks; ++l) at.locks[l] = at.locks[l] + multiplier * at.row_locks[r * locks + l];
     }
 }
 

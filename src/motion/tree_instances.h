@@ -24,12 +24,18 @@ namespace polhode {
     EXTERN template void Tree<double>::articulate(TreeWork<S>&) const;                                            \
     EXTERN template void Tree<double>::articulate_with_armature(TreeWork<S>&) const;                              \
     EXTERN template void Tree<double>::compute_accelerations(TreeWork<S>&, S*) const;                             \
+    EXTERN template void Tree<double>::compute_accelerations_of<false>(TreeWork<S>&, S*) const;                   \
+    EXTERN template void Tree<double>::compute_accelerations_of<true>(TreeWork<S>&, S*) const;                    \
     EXTERN template void Tree<double>::solve_accelerations(TreeWork<S>&, S*) const;                               \
     EXTERN template void Tree<double>::respond(TreeWork<S>&, Pair6<S>*, S*, S*) const;                            \
+    EXTERN template void Tree<double>::respond_of<false>(TreeWork<S>&, Pair6<S>*, S*, S*) const;                  \
+    EXTERN template void Tree<double>::respond_of<true>(TreeWork<S>&, Pair6<S>*, S*, S*) const;                   \
     EXTERN template void Tree<double>::respond_to_rows(TreeWork<S>&) const;                                       \
     EXTERN template S Tree<double>::applied(std::size_t, const TreeWork<S>&, const Pair6<S>*, const S*) const;    \
     EXTERN template void Tree<double>::add_generalized_force(int, const S&, TreeWork<S>&) const;                  \
     EXTERN template void Tree<double>::start_response(std::size_t, TreeWork<S>&) const;                           \
+    EXTERN template void Tree<double>::start_coupling_response(const LinkLoop<double>&, TreeWork<S>&) const;      \
+    EXTERN template S Tree<double>::applied_to_coupling(const LinkLoop<double>&, const S*) const;                 \
     EXTERN template void Tree<double>::solve_rows(TreeWork<S>&, std::vector<S>&) const;                           \
     EXTERN template void Tree<double>::coordinate_rates(const S*, TreeWork<S>&, S*) const;                        \
     EXTERN template void Tree<double>::force_at(const LinkPoint<double>&, const Vector3<S>&, TreeWork<S>&) const;

@@ -94,14 +94,18 @@ void Tree<P>::find_rows(TreeWork<S>& at) const {
 
 template <class P>
 template <class S>
+S Tree<P>::applied_to_coupling(const LinkLoop<P>& coupling, const S* rates) const {
+    const auto rate = [&](int link) {
+        return rates[links_.links[static_cast<std::size_t>(link)].rate - links_.coordinates];
+    };
+    return S(rate(coupling.second.link) - coupling.ratio * rate(coupling.first.link));
+}
+
+template <class P>
+template <class S>
 S Tree<P>::applied(std::size_t row, const TreeWork<S>& at, const Pair6<S>* accelerations, const S* rates) const {
     const LinkLoop<P>& loop = loops_[static_cast<std::size_t>(loop_of_row_[row])];
-    if (loop.couples) {
-        const auto rate = [&](int link) {
-            return rates[links_.links[static_cast<std::size_t>(link)].rate - links_.coordinates];
-        };
-        return S(rate(loop.second.link) - loop.ratio * rate(loop.first.link));
-    }
+    if (loop.couples) return applied_to_coupling(loop, rates);
     S sum(0);
     const auto add = [&](int link, const Pair6<S>& side) {
         if (link < 0) return;
@@ -132,14 +136,17 @@ void Tree<P>::add_generalized_force(int link, const S& size, TreeWork<S>& at) co
 
 template <class P>
 template <class S>
+void Tree<P>::start_coupling_response(const LinkLoop<P>& coupling, TreeWork<S>& at) const {
+    add_generalized_force(coupling.second.link, S(P(1)), at);
+    add_generalized_force(coupling.first.link, S(-coupling.ratio), at);
+}
+
+template <class P>
+template <class S>
 void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
     const LinkLoop<P>& loop = loops_[static_cast<std::size_t>(loop_of_row_[row])];
     for (std::size_t i = 0; i < links_.links.size(); ++i) at.wrench[i] = {};
-    if (loop.couples) {
-        add_generalized_force(loop.second.link, S(P(1)), at);
-        add_generalized_force(loop.first.link, S(-loop.ratio), at);
-        return;
-    }
+    if (loop.couples) return start_coupling_response(loop, at);
     const auto add = [&](int link, const Pair6<S>& side) {
         if (link < 0) return;
         Pair6<S>& there = at.wrench[static_cast<std::size_t>(link)];
@@ -154,6 +161,14 @@ void Tree<P>::start_response(std::size_t row, TreeWork<S>& at) const {
 template <class P>
 template <class S>
 void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) const {
+    if (transmits_along_axes()) return respond_of<true>(at, response, rates, locks);
+    respond_of<false>(at, response, rates, locks);
+}
+
+/// `along_axes` is transmits_along_axes(), decided once and not per link.
+template <class P>
+template <bool along_axes, class S>
+void Tree<P>::respond_of(TreeWork<S>& at, Pair6<S>* response, S* rates, [[maybe_unused]] S* locks) const {
     const std::size_t n = links_.links.size();
     for (std::size_t i = n; i-- > 0;) {
         const Link<P>& link = links_.links[i];
@@ -163,13 +178,13 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) c
         Vector3<S> n_left = own.turning, f_left = own.linear;
         if (link.kind == LinkJoint::spherical) {
             const Vector3<S> step = w.inverse * own.turning;
-            n_left = transmits_along_axes() ? Vector3<S>(n_left - w.inertia.J * step) : Vector3<S>();
+            n_left = along_axes ? Vector3<S>(n_left - w.inertia.J * step) : Vector3<S>();
             f_left = f_left - transposed_times(w.inertia.B, step);
-        } else if (lock_of(i) < 0) {
+        } else if (!along_axes || lock_of(i) < 0) {
             const bool turns = link.kind == LinkJoint::revolute;
             const S step = w.inverse.xx * (turns ? own.turning[2] : own.linear[2]);
             n_left = n_left - step * w.U.turning, f_left = f_left - step * w.U.linear;
-            if (!transmits_along_axes()) (turns ? n_left : f_left)[2] = S(0);
+            if (!along_axes) (turns ? n_left : f_left)[2] = S(0);
         }
         Pair6<S>& parent = at.wrench[static_cast<std::size_t>(link.parent)];
         const Vector3<S> f = w.R * f_left;
@@ -198,7 +213,7 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) c
         }
         if (link.kind == LinkJoint::spherical) {
             const Vector3<S> torque = own.turning - w.inertia.B * a;
-            if (transmits_along_axes()) {
+            if constexpr (along_axes) {
                 const Vector3<S> step = w.inverse * Vector3<S>(torque - w.inertia.J * alpha);
                 for (std::size_t k = 0; k < 3; ++k) out[k] = step[k];
                 alpha = alpha + step;
@@ -210,7 +225,7 @@ void Tree<P>::respond(TreeWork<S>& at, Pair6<S>* response, S* rates, S* locks) c
         } else {
             const bool turns = link.kind == LinkJoint::revolute;
             const S force = turns ? own.turning[2] : own.linear[2];
-            if (const int lock = lock_of(i); lock >= 0) {
+            if (const int lock = along_axes ? lock_of(i) : -1; lock >= 0) {
                 out[0] = S(P(0));
                 if (locks) locks[lock] = dot(w.U.turning, alpha) + dot(w.U.linear, a) - force;
                 continue;
@@ -228,10 +243,12 @@ template <class S>
 void Tree<P>::respond_to_rows(TreeWork<S>& at) const {
     const std::size_t n = links_.links.size(), rows = chosen_.size(), rates = static_cast<std::size_t>(links_.rates);
     at.response.resize(rows * n), at.rates.resize(rows * rates), at.matrix.resize(rows * rows);
-    at.row_locks.resize(rows * locks_.size());
+    const std::size_t locks = locks_.size();
+    if (locks > 0) at.row_locks.resize(rows * locks);
     for (std::size_t r = 0; r < rows; ++r) {
         start_response(static_cast<std::size_t>(chosen_[r]), at);
-        respond(at, at.response.data() + r * n, at.rates.data() + r * rates, at.row_locks.data() + r * locks_.size());
+        respond(at, at.response.data() + r * n, at.rates.data() + r * rates,
+                locks > 0 ? at.row_locks.data() + r * locks : nullptr);
         for (std::size_t c = 0; c <= r; ++c)
             at.matrix[r * rows + c] = applied(static_cast<std::size_t>(chosen_[c]), at, at.response.data() + r * n,
                                               at.rates.data() + r * rates);

@@ -30,6 +30,7 @@
 
 #include "integrators/contact/contact_record.h"
 #include "integrators/contact/event_roots.h"
+#include "integrators/contact/mode_series.h"
 #include "integrators/contact/mode_step.h"
 #include "integrators/contact/mode_steps.h"
 #include "integrators/contact/rotation_friction.h"
@@ -284,12 +285,13 @@ class ContactDriver {
     std::vector<Leg> legs_;
     std::size_t leg_ = 0;  // the present leg
     bool is_in_leg_ = false;
-    std::optional<Series<T>> series_;  // expands the present mode
-    ModeSteps<P, Form> steps_;         // of another method, if the settings have one
-    double slip_scale_ = 0;            // slip by which its errors are measured there
-    double summed_slip_ = 0;           // bound of the slip's error after a sum of impacts
-    std::vector<P> y_;                 // the state of the mode
-    std::optional<Planned> planned_;   // refers to series_ or steps_
+    std::optional<ModeSeries<T>> series_;    // expands the present mode
+    std::optional<Series<T>> start_series_;  // a planned first step of a slip, whose path the equations contain
+    ModeSteps<P, Form> steps_;               // of another method, if the settings have one
+    double slip_scale_ = 0;                  // slip by which its errors are measured there
+    double summed_slip_ = 0;                 // bound of the slip's error after a sum of impacts
+    std::vector<P> y_;                       // the state of the mode
+    std::optional<Planned> planned_;         // refers to series_, start_series_ or steps_
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
         const Vector3<P> center = mass_properties<P>(scene.body).center;
@@ -1068,15 +1070,18 @@ class ContactDriver {
         series_.reset();
         steps_.end_mode();
     }
-    double step_of(const Series<T>& series, const std::vector<Block>& blocks) const {
+    template <class Expanded>
+    double step_of(const Expanded& series, const std::vector<Block>& blocks) const {
         return step_of(series, blocks, settings_.digits);
     }
-    double step_of(const Series<T>& series, const std::vector<Block>& blocks, double digits) const {
+    template <class Expanded>
+    double step_of(const Expanded& series, const std::vector<Block>& blocks, double digits) const {
         return settings_.step_factor * taylor_step(series, settings_.order, blocks, digits);
     }
     // The series of the observed functions must converge as well. Their sizes: the body's length for gaps, the contact
     // force for forces, and its square for the cone.
-    double observed_step(const Series<T>& series, const Step& step) const {
+    template <class Expanded>
+    double observed_step(const Expanded& series, const Step& step) const {
         const int first = step.clock + 1, own = form_.own_functions(), all = form_.first_variable() - first;
         const int rotation = rotation_.acts && contact_ ? form_.first_rotation_function() - first : own;
         double force = 0;
@@ -1452,13 +1457,13 @@ class ContactDriver {
         motion_.velocity_W = motion_.velocity_W + cross(Vector3<P>(spin - normal * axes.normal_W), arm);
     }
     // The slip is below the error of the steps and decreases: it ends after the time |u_t| / |d|u_t|/dt|.
-    void end_slip(const Series<T>& series, const P& square, const P& growth, std::vector<P>& y) {
+    void end_slip(const ModeSeries<T>& series, const P& square, const P& growth, std::vector<P>& y) {
         move_to_end(series, square, growth, y);
         remove_slip();
         transition(nullptr);
     }
     // Moves to the end of a slip or a rolling velocity whose square and its growth are given.
-    void move_to_end(const Series<T>& series, const P& square, const P& growth, std::vector<P>& y) {
+    void move_to_end(const ModeSeries<T>& series, const P& square, const P& growth, std::vector<P>& y) {
         // dy/dt = c_1 / |u_t|, d|u_t|/dt = growth / (2 |u_t|^2), and the remaining time is -|u_t| / (d|u_t|/dt)
         if (growth < P(0)) {
             const P factor = P(-2) * square / growth;
@@ -1502,8 +1507,7 @@ class ContactDriver {
                 find_path(rotation_.path, expand, {first, first + 2, acceleration / reach(), both, "rolling"});
         }
         if (fails()) return false;
-        series_.emplace(expand(order));
-        const Series<T>& series = *series_;
+        const Series<T>& series = start_series_.emplace(expand(order));
         Step step{series, clock, false};
         double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(series, step));
         for (const SlipPath<P>* curve : {&std::as_const(path), &std::as_const(rotation_.path)})

@@ -64,8 +64,8 @@ struct ModeStep {
 
 /// The length of a Taylor step for which |c_k| h^k <= 10^-digits scale for the last four coefficients of each block,
 /// because one may vanish by symmetry.
-template <class T>
-double taylor_step(const Series<T>& series, int order, const std::vector<Block>& blocks, double digits) {
+template <class Expanded>
+double taylor_step(const Expanded& series, int order, const std::vector<Block>& blocks, double digits) {
     double log2_step = std::numeric_limits<double>::infinity();
     for (const Block& block : blocks)
         for (int k = order - 3; k <= order; ++k) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "integrators/contact/contact_state.h"
+#include "integrators/contact/mode_series.h"
 #include "integrators/contact/step_polynomial.h"
 #include "integrators/series/limb_real.h"
 #include "integrators/series/series.h"
@@ -306,28 +307,38 @@ class StepExpansion {
     // NOLINTNEXTLINE(google-explicit-constructor)
     StepExpansion(const Series<T>& series) : series_(&series) {}
     // NOLINTNEXTLINE(google-explicit-constructor)
+    StepExpansion(const BinarySeries& series) requires std::same_as<P, double> : compiled_(&series) {}
+    // NOLINTNEXTLINE(google-explicit-constructor)
     StepExpansion(const StepPolynomial& polynomial) : polynomial_(&polynomial) {}
 
     int order() const {
-        if constexpr (std::same_as<P, double>)
+        if constexpr (std::same_as<P, double>) {
             if (polynomial_) return polynomial_->order();
+            if (compiled_) return compiled_->order();
+        }
         return series_->order();
     }
     bool is_of_method() const { return polynomial_ != nullptr; }
     /// The k-th coefficient of component i.
     P coefficient(int i, int k) const {
-        if constexpr (std::same_as<P, double>)
+        if constexpr (std::same_as<P, double>) {
             if (polynomial_) return polynomial_->coefficient(i, k);
+            if (compiled_) return compiled_->coefficient(i, k);
+        }
         return static_cast<P>(series_->coefficient(i, k));
     }
     void evaluate(const P& s, P* y) const {
-        if constexpr (std::same_as<P, double>)
+        if constexpr (std::same_as<P, double>) {
             if (polynomial_) return polynomial_->evaluate(s, y);
+            if (compiled_) return compiled_->evaluate(s, y);
+        }
         series_->evaluate(s, y);
     }
 
   private:
+    // exactly one is not null
     const Series<T>* series_ = nullptr;
+    const BinarySeries* compiled_ = nullptr;
     const StepPolynomial* polynomial_ = nullptr;
 };
 

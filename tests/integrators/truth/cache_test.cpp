@@ -106,6 +106,8 @@ TEST(TruthCache, TheProgramsKeyHoldsAllThatATruthIncludes) {
                                         "integrators/series",
                                         "integrators/closed_form",
                                         "integrators/maximal",
+                                        "integrators/lanes",
+                                        "integrators/tape",
                                         "integrators/contact",
                                         "integrators/truth"};
     int files = 0;

@@ -41,6 +41,7 @@ struct PairState {
     bool has_landed = false;      ///< an impact at this time has started the contact
     std::optional<P> separation;  ///< speed after an impact whose followers accumulate, m/s
     P restitution{0};
+    std::optional<double> flight_speed;   ///< largest normal speed since the last impact, m/s
     std::optional<std::size_t> interval;  ///< index in the pairs' record while it is open
 };
 
@@ -178,18 +179,28 @@ class ClusterDriver {
         planned_.reset();
         leave_system();
     }
-    /// The motions of all members at a time in the planned step.
+    /// The motions of all members at a time in the planned step. The end of a slip may have moved them ahead of the
+    /// caller's time by a time of the size of the errors.
     std::vector<BodyMotion<P>> motions_at(const P& t) {
+        if (t < t_) {
+            std::vector<BodyMotion<P>> earlier = motions_;
+            for (BodyMotion<P>& one : earlier) one.position_W = one.position_W - (t_ - t) * one.velocity_W;
+            return earlier;
+        }
         if (!planned_ || !planned_->step || !(t > t_)) return motions_;
-        std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
-        planned_->step->expansion.evaluate(planned_->step->when(t, t_), y.data());
-        return form_.motions(y.data());
+        return planned_->motions.at(t, [&] {
+            std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
+            planned_->step->expansion.evaluate(planned_->step->when(t, t_), y.data());
+            return form_.motions(y.data());
+        });
     }
     /// Returns the members to their drivers, which go on from here.
     void release() {
         for (std::size_t i = 0; i < members_.size(); ++i) drivers_[i]->resume(t_, motions_[i], legs_[leg_].begin);
         leave_system();
     }
+    /// Adds digits to the accuracy of the following steps.
+    void set_further_digits(double digits) { further_digits_ = digits; }
     /// Notes that an impulse acts on a sphere, so that its slips may change.
     void note_push(std::size_t body) {
         for (std::size_t k = 0; k < contacts_.size(); ++k)
@@ -212,6 +223,7 @@ class ClusterDriver {
         std::optional<Found> found;
         P reached{0};
         bool starts_slip = false;
+        KnownTimes<P, std::vector<BodyMotion<P>>> motions{};
     };
 
     const Scene* scene_;
@@ -227,6 +239,7 @@ class ClusterDriver {
     std::vector<BodyMotion<P>> motions_;
     Sizes sizes_;
     double reach_ = 0, acceleration_ = 0;
+    double further_digits_ = 0;                // for the accuracy of steps
     std::vector<ClusterContact<P>> contacts_;  // all pairs and planes of the members
     std::vector<bool> closed_, was_pushed_;
     std::vector<std::size_t> zeros_;  // known order of the zero of each gap at the start of the mode
@@ -293,6 +306,7 @@ class ClusterDriver {
         return all;
     }
     double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
+    double step_digits() const { return settings_.digits + further_digits_; }
     // relative error of velocities and forces
     double rounding() const { return std::max(error(2), 30 * settings_.step_error); }
     double speed() const { return sizes_.velocity + reach_ * sizes_.angular_velocity; }
@@ -316,7 +330,7 @@ class ClusterDriver {
     bool touches(std::size_t k) const {
         const ClusterContact<P>& c = contacts_[k];
         if (!c.is_pair()) return member(k).touches_plane(c.number);
-        const double tolerance = is_first_ ? 1e-12 : error(4);
+        const double tolerance = is_first_ ? 1e-12 : error(4 - further_digits_);
         return !(length(away(k)) - c.offset > P(tolerance) * c.offset);
     }
     Vector3<P> normal(std::size_t k) const {
@@ -651,7 +665,7 @@ class ClusterDriver {
         return plan_step(step, false);
     }
     double series_step() const {
-        return settings_.step_factor * taylor_step(*series_, settings_.order, form_.blocks(sizes_), settings_.digits);
+        return settings_.step_factor * taylor_step(*series_, settings_.order, form_.blocks(sizes_), step_digits());
     }
     // Ends a slip below the error of the steps that decreases. Returns whether the mode has changed.
     bool ends_slip(const Step& step) {
@@ -681,7 +695,7 @@ class ClusterDriver {
         const auto limit = [&](int index, double scale) {
             for (int k = settings_.order - 4; k < settings_.order && scale > 0; ++k) {
                 const double size = log2_magnitude(series_->coefficient(index, k + 1)) + std::log2(k + 1);
-                log2_step = std::min(log2_step, (std::log2(scale) - settings_.digits * std::log2(10.0) - size) / k);
+                log2_step = std::min(log2_step, (std::log2(scale) - step_digits() * std::log2(10.0) - size) / k);
             }
         };
         for (std::size_t c = 0; c < closed_index_.size(); ++c) {
@@ -734,7 +748,7 @@ class ClusterDriver {
             return expanded(order);
         };
         const auto step_of = [&](const Series<T>& series) {
-            return settings_.step_factor * taylor_step(series, settings_.order, form_.blocks(sizes_), settings_.digits);
+            return settings_.step_factor * taylor_step(series, settings_.order, form_.blocks(sizes_), step_digits());
         };
         const SlipStartFault why = find_slip_paths(
             starts_, {settings_.order, acceleration_, error(), std::max(error(6), 1e-9), false}, expand, step_of);
@@ -746,7 +760,7 @@ class ClusterDriver {
         series_.emplace(expand(settings_.order));
         Step step{*series_, form_.clock(), false};
         double longest = std::min(series_step(), observed_step(step));
-        for (const SlipStart<P>& start : starts_) longest = std::min(longest, path_step(*start.path, settings_.digits));
+        for (const SlipStart<P>& start : starts_) longest = std::min(longest, path_step(*start.path, step_digits()));
         if (std::isnan(longest)) {
             fail("the motion is not finite " + at_time());
             return false;

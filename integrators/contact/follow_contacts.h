@@ -25,6 +25,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -126,6 +127,8 @@ class ContactDriver {
         }
         planned_.reset(), leave_system();
     }
+    /// Adds digits to the accuracy of the following steps.
+    void set_further_digits(double digits) { further_digits_ = digits; }
     /// Adds to velocity and angular velocity (world axes).
     void add_velocity(const Vector3<P>& velocity_W, const Vector3<P>& angular_velocity_W) {
         motion_.velocity_W = motion_.velocity_W + velocity_W;
@@ -201,7 +204,7 @@ class ContactDriver {
     }
     bool rolls() const { return mode_ == System::rolling; }
     bool touches_plane(std::size_t plane) const {
-        return !(gap(plane * geometry_.pieces.size(), motion_) > P(reach() * error(4)));
+        return !(gap(plane * geometry_.pieces.size(), motion_) > P(reach() * error(4 - further_digits_)));
     }
     Run<P> finish() {
         close_interval();
@@ -211,12 +214,20 @@ class ContactDriver {
     const std::string& fault() const { return run_.fault; }
     const P& time() const { return t_; }
     const BodyMotion<P>& motion() const { return motion_; }
-    /// The motion at a time in the planned step; without one, the present motion.
+    /// The motion at a time in the planned step; without one, the present motion. The end of a slip or of a series of
+    /// impacts may have moved the body ahead of the caller's time by a time of the size of the errors.
     BodyMotion<P> motion_at(const P& t) {
+        if (t < t_) {
+            BodyMotion<P> earlier = motion_;
+            earlier.position_W = motion_.position_W - (t_ - t) * motion_.velocity_W;
+            return earlier;
+        }
         if (!planned_ || !(t > t_)) return motion_;
-        std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
-        planned_->step.expansion.evaluate(planned_->step.when(t, t_), y.data());
-        return form_.motion(y.data());
+        return planned_->motions.at(t, [&] {
+            std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
+            planned_->step.expansion.evaluate(planned_->step.when(t, t_), y.data());
+            return form_.motion(y.data());
+        });
     }
     const ContactGeometry<P>& geometry() const { return geometry_; }
     /// Bound of the speeds of the motion so far, m/s.
@@ -251,6 +262,7 @@ class ContactDriver {
         std::optional<Found> found;  // the event at its end
         P reached{0};                // time at its end
         bool starts_slip = false, starts_rolling = false;
+        KnownTimes<P, BodyMotion<P>> motions{};
     };
 
     const Scene* scene_;
@@ -291,6 +303,7 @@ class ContactDriver {
     double slip_scale_ = 0;                  // slip by which its errors are measured there
     double summed_slip_ = 0;                 // bound of the slip's error after a sum of impacts
     std::vector<P> y_;                       // the state of the mode
+    double further_digits_ = 0;              // for the accuracy of steps
     std::optional<Planned> planned_;         // refers to series_, start_series_ or steps_
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
@@ -321,6 +334,7 @@ class ContactDriver {
     }
     std::string plane_at(Pair pair) const { return plane_name(*scene_, pair.plane); }
     double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
+    double step_digits() const { return settings_.digits + further_digits_; }
     double reach() const { return static_cast<double>(geometry_.reach); }
     double speed() const { return sizes_.velocity + reach() * sizes_.angular_velocity; }
     /// A slip below it is zero.
@@ -372,7 +386,7 @@ class ContactDriver {
             const bool lasts = (contact_ && *contact_ == pair) ||
                                (two_ && (two_->pairs[0] == pair || two_->pairs[1] == pair)) ||
                                std::find(face_.begin(), face_.end(), pair) != face_.end();
-            const double tolerance = !has_started_ ? std::min(error(4), 1e-10) : error(lasts ? 8 : 4);
+            const double tolerance = !has_started_ ? std::min(error(4), 1e-10) : error(lasts ? 8 : 4 - further_digits_);
             if (!(gap(k, motion_) > P(reach() * tolerance))) all.push_back(k);
         }
         return all;
@@ -412,6 +426,11 @@ class ContactDriver {
                 continue;
             }
             resting_pairs.push_back(pair);
+            if (Elementary<P>::magnitude(at.acceleration[2]) <= P(error(2)) * length(at.acceleration)) {
+                // a contact on which nothing presses: its gap stays zero up to rounding
+                zeros_[k] = 3;
+                continue;
+            }
             if (at.acceleration[2] > P(0) || !(at.acceleration[2] < P(0))) {
                 const bool lifted = arrived && *arrived == EventKind::lifts_off;
                 zeros_[k] = lifted ? 3 : 2;
@@ -422,9 +441,11 @@ class ContactDriver {
         if (former_two && arrived) std::erase(all, *lifted_);
         if (resting_pairs.size() == 2 && is_ball() && !lifted_) {
             const std::array<bool, 2> presses = pressed_planes({resting_pairs[0], resting_pairs[1]});
-            if (presses[0] && presses[1])
+            if (presses[0] && presses[1]) {
+                if (impacts.accumulated) record(*impacts.accumulated, EventKind::accumulates);
                 return enter_two({resting_pairs[0], resting_pairs[1]},
                                  {first, former, former_contact, former_two, impacts.landed});
+            }
             for (std::size_t i = 0; i < 2; ++i)
                 if (presses[1 - i] && !presses[i] && std::erase(all, resting_pairs[i]) > 0)
                     zeros_[index_of(resting_pairs[i])] = 2;
@@ -876,11 +897,6 @@ class ContactDriver {
                                       normal, impulse - normal * axes.normal_W});
         if (!separates || accumulates) {
             landed = true;
-            if (accumulates && contact_ && contact_->plane != pair.plane) {
-                fail(fmt::format("impacts on {} that accumulate while the body touches {} are not supported, {}",
-                                 plane_at(pair), plane_at(*contact_), at_time()));
-                return false;
-            }
             if (accumulates) accumulated = pair, sum_impacts(pair, separation, P(separation / -before.velocity[2]));
         }
         note_sizes();
@@ -937,7 +953,28 @@ class ContactDriver {
         return -e * shock.approach - normal;
     }
 
+    /// The impact of a ball. K is diagonal, so the slip keeps its direction and the normal motion is independent of
+    /// friction. All laws of restitution give the normal impulse p = -(1 + e) u_n / K_nn, and friction gives the
+    /// smaller of mu p and |u_t| / K_tt against the slip.
+    void strike_ball(Pair pair, const ContactResponse<P>& before, const Plane& plane) {
+        const P normal = -(P(1) + P(plane.restitution)) * before.velocity[2] / before.matrix[2][2];
+        Vector3<P> impulse(P(0), P(0), normal);
+        const P slip =
+            square_root(P(before.velocity[0] * before.velocity[0] + before.velocity[1] * before.velocity[1]));
+        if (slip > P(0)) {
+            const P share = std::min(P(mu(pair) * normal), P(slip / before.matrix[0][0])) / slip;
+            impulse[0] = -share * before.velocity[0], impulse[1] = -share * before.velocity[1];
+        }
+        const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
+        form_.push(motion_, pair, axes.to_world(impulse));
+    }
     bool resolve_shock(Pair pair, const ContactResponse<P>& before, const Plane& plane) {
+        // binary64 follows the equations, which the reference so checks independently
+        if constexpr (!std::is_same_v<P, double>)
+            if (is_ball()) {
+                strike_ball(pair, before, plane);
+                return true;
+            }
         Shock shock;
         shock.approach = before.velocity[2];
         shock.speed = static_cast<double>(length(before.velocity));
@@ -1072,7 +1109,7 @@ class ContactDriver {
     }
     template <class Expanded>
     double step_of(const Expanded& series, const std::vector<Block>& blocks) const {
-        return step_of(series, blocks, settings_.digits);
+        return step_of(series, blocks, step_digits());
     }
     template <class Expanded>
     double step_of(const Expanded& series, const std::vector<Block>& blocks, double digits) const {
@@ -1100,7 +1137,7 @@ class ContactDriver {
                                                  : force;
             for (int k = settings_.order - 4; k < settings_.order; ++k) {
                 const double size = log2_magnitude(series.coefficient(first + i, k + 1)) + std::log2(k + 1);
-                log2_step = std::min(log2_step, (std::log2(scale) - settings_.digits * std::log2(10.0) - size) / k);
+                log2_step = std::min(log2_step, (std::log2(scale) - step_digits() * std::log2(10.0) - size) / k);
             }
         }
         return settings_.step_factor * std::exp2(std::min(log2_step, 1000.0));
@@ -1129,6 +1166,13 @@ class ContactDriver {
         const auto root = FirstRoot<P>(function, zeros, step.length, 0).find();
         if (root && (!first || *root < first->s)) first = Found{*root, what, 0};
     }
+    // Relative rounding error of a gap with a zero of this order at the start of the step. Nothing may press on a
+    // contact with a zero of order 3, so that its gap consists of rounding errors.
+    double gap_rounding(std::size_t zeros) const {
+        const double least = 1e-6 * error() * error();
+        if (zeros < 3) return least;
+        return std::max(least, std::min(1e3 * static_cast<double>(Elementary<P>::epsilon()), 1e-30));
+    }
     // the first event within the step
     std::optional<Found> first_event(const Step& step) const {
         std::optional<Found> first;
@@ -1152,7 +1196,7 @@ class ContactDriver {
             if (std::find(face_.begin(), face_.end(), form_.pair_at(gaps[i])) != face_.end())
                 ++next;
             else
-                look(next++, zeros_[gaps[i]], reach() * 1e-6 * error() * error(), Found::What::gap, gaps[i]);
+                look(next++, zeros_[gaps[i]], reach() * gap_rounding(zeros_[gaps[i]]), Found::What::gap, gaps[i]);
         for (std::size_t i = 0; two_ && i < 2; ++i) {
             const int normal = step.clock + 1 + static_cast<int>(i);
             look(normal, 0, 0, Found::What::normal_force, i);
@@ -1511,7 +1555,7 @@ class ContactDriver {
         Step step{series, clock, false};
         double longest = std::min(step_of(series, form_.blocks(sizes_, 0)), observed_step(series, step));
         for (const SlipPath<P>* curve : {&std::as_const(path), &std::as_const(rotation_.path)})
-            longest = std::min(longest, path_step(*curve, settings_.digits));
+            longest = std::min(longest, path_step(*curve, step_digits()));
         if (!may_step()) return false;
         if (std::isnan(longest)) {
             fail("the motion is not finite " + at_time());

@@ -10,6 +10,10 @@
 // Spheres that touch and neither approach nor separate form a cluster, which a ClusterDriver (follow_cluster.h) moves
 // until their contacts open.
 //
+// Impacts of a pair may accumulate, with impacts on planes and ends of slips within each flight. The flights shorten
+// geometrically to 10^-d of the motion. Steps are then accurate relative to the speed of the flight (set_digits()), and
+// gaps that are comparable with rounding errors are integrated from their rates (Bounce).
+//
 // Simultaneous impacts are resolved one after another in the order of the pairs, repeated until no pair approaches. An
 // impact on a sphere that rests on a third one ends the run: the laws for pairs do not determine it.
 #pragma once
@@ -119,6 +123,7 @@ class SphereDriver {
     SphereRun<P> run() {
         for (const auto& body : bodies_) body->start();
         while (!fails()) {
+            set_digits();
             for (std::size_t i = 0; i < bodies_.size(); ++i)
                 if (!cluster_of(i) && !bodies_[i]->has_planned_step()) bodies_[i]->plan();
             for (const auto& cluster : clusters_)
@@ -190,18 +195,31 @@ class SphereDriver {
     }
 
     Centers centers(const P& t) const {
+        std::vector<std::size_t> all;
+        for (std::size_t i = 0; i < bodies_.size(); ++i) all.push_back(i);
+        return centers_of(all, t);
+    }
+    // of some bodies only; the others have no values
+    Centers centers_of(const std::vector<std::size_t>& which, const P& t) const {
         Centers all;
         all.position_W.resize(bodies_.size()), all.velocity_W.resize(bodies_.size());
         const auto set = [&](std::size_t i, const BodyMotion<P>& m) {
             all.position_W[i] = m.position_W, all.velocity_W[i] = m.velocity_W;
         };
-        for (std::size_t i = 0; i < bodies_.size(); ++i)
-            if (!cluster_of(i)) set(i, bodies_[i]->motion_at(t));
-        for (const auto& cluster : clusters_) {
+        for (const std::size_t i : which) {
+            Touching* cluster = cluster_of(i);
+            if (!cluster) {
+                set(i, bodies_[i]->motion_at(t));
+                continue;
+            }
             const std::vector<BodyMotion<P>> motions = cluster->motions_at(t);
-            for (std::size_t i = 0; i < motions.size(); ++i) set(cluster->members()[i], motions[i]);
+            for (std::size_t k = 0; k < motions.size(); ++k) set(cluster->members()[k], motions[k]);
         }
         return all;
+    }
+    // the centres of the spheres of one pair
+    Centers centers_of_pair(std::size_t k, const P& t) const {
+        return centers_of({pairs_[k].first, pairs_[k].second}, t);
     }
     // the gaps of some pairs
     SphereGaps<P> gaps_of(const std::vector<std::size_t>& which) const {
@@ -214,6 +232,36 @@ class SphereDriver {
         std::vector<std::size_t> all;
         for (std::size_t k = 0; k < pairs_.size(); ++k) all.push_back(k);
         return all;
+    }
+    /// Adds digits to the steps of spheres in short flights between impacts. A flight with the speed u lasts 2 u / c,
+    /// and an error d of its gap changes that by d / u, so d must decrease with u.
+    void set_digits() {
+        std::vector<double> further(bodies_.size(), 0);
+        for (std::size_t k = 0; k < pairs_.size(); ++k) {
+            std::optional<double>& flight = states_[k].flight_speed;
+            if (!flight) continue;
+            if (states_[k].closed) {
+                flight.reset();
+                continue;
+            }
+            flight = std::max(*flight, std::abs(static_cast<double>(rate(k))));
+            const double digits = further_digits(*flight);
+            for (const std::size_t i : {pairs_[k].first, pairs_[k].second}) further[i] = std::max(further[i], digits);
+        }
+        for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->set_further_digits(further[i]);
+        for (const auto& cluster : clusters_) {
+            double most = 0;
+            for (const std::size_t i : cluster->members()) most = std::max(most, further[i]);
+            cluster->set_further_digits(most);
+        }
+    }
+    /// Digits of the steps for flights with a speed, beyond those of the motion.
+    double further_digits(double flight_speed) const {
+        // fewer are not worth shorter steps; more than the arithmetic has are useless
+        constexpr double least = 3, spare = 2;
+        const double wanted = std::log10(speed() / flight_speed),
+                     most = -std::log10(static_cast<double>(Elementary<P>::epsilon())) - spare - settings_.digits;
+        return wanted < least ? 0 : std::max(0.0, std::min(wanted, most));
     }
     // spheres that touch to 10^-12 at the start touch exactly
     void touch_exactly() {
@@ -289,9 +337,11 @@ class SphereDriver {
             if (found.t && *found.t < end) first = Approach{*found.t, i}, end = *found.t;
         }
         if (may_close.empty()) return first;
-        // the ends of a step bound the speeds within it up to the curvature of the motion
-        P bound(speed());
-        for (const Vector3<P>& v : (first ? centers(end) : step.back()).velocity_W) bound = std::max(bound, length(v));
+        // the start, middle and end of a step bound the rates within it up to the curvature of the motion
+        P bound(0);
+        const SphereGaps<P> close = gaps_of(may_close);
+        for (std::size_t k = 0; k < may_close.size(); ++k)
+            for (const Centers& at : step) bound = std::max(bound, Elementary<P>::magnitude(close.gap(k, at).rate));
         if (const std::optional<P> t = search(may_close, t_, end, P(P(4) * bound))) return Approach{*t, {}};
         return first;
     }
@@ -311,6 +361,10 @@ class SphereDriver {
         const SphereGaps<P> gaps = gaps_of(pairs);
         return ContactSearch<P, decltype(at), SphereGaps<P>>(gaps, at, bound).first(begin, end);
     }
+    // whether a distance exceeds the rounding errors of gaps by far
+    static bool is_clear(const P& distance, const SphereGaps<P>& gaps) {
+        return Elementary<P>::magnitude(distance) > P(1e10) * gaps.rounding(0);
+    }
     struct BounceEnd {
         bool is_known = false;  // whether the search on gaps is unnecessary
         std::optional<P> t;     // the gap closes
@@ -320,14 +374,19 @@ class SphereDriver {
     /// of the gap from the impact on.
     BounceEnd end_of_bounce(const Bounce& bounce, const P& end) const {
         const SphereGaps<P> gaps = gaps_of({bounce.pair});
-        const auto rate_after = [&](const P& time) { return gaps.gap(0, centers(t_ + time)).rate; };
+        const auto rate_after = [&](const P& time) {
+            return gaps.gap(0, centers_of_pair(bounce.pair, t_ + time)).rate;
+        };
         const auto change_of_gap = [&](const P& from, const P& to) {
             return P((to - from) * (rate_after(from) + P(4) * rate_after((from + to) / P(2)) + rate_after(to)) / P(6));
         };
         const P length = end - t_;
         const auto close = [&](const P& from, const P& gap, P flight) {
+            const bool is_measured = is_clear(P(flight * rate_after(flight)), gaps);
             for (int i = 0; i < 12; ++i) {
-                const P change = (gap + change_of_gap(from, flight)) / rate_after(flight);
+                const P left = is_measured ? gaps.gap(0, centers_of_pair(bounce.pair, t_ + flight)).distance
+                                           : P(gap + change_of_gap(from, flight));
+                const P change = left / rate_after(flight);
                 flight = flight - change;
                 if (!(Elementary<P>::magnitude(change) > P(4) * Elementary<P>::epsilon() * flight)) break;
             }
@@ -377,8 +436,11 @@ class SphereDriver {
         const double most = std::sqrt(static_cast<double>(Elementary<P>::epsilon()));
         std::erase_if(bounced_, [&](Bounce& bounce) {
             const SphereGaps<P> gaps = gaps_of({bounce.pair});
-            const auto rate_at = [&](const P& time) { return gaps.gap(0, centers(time)).rate; };
+            const auto rate_at = [&](const P& time) { return gaps.gap(0, centers_of_pair(bounce.pair, time)).rate; };
             bounce.gap = bounce.gap + (t - t_) * (rate_at(t_) + P(4) * rate_at((t_ + t) / P(2)) + rate_at(t)) / P(6);
+            // the difference of the positions is more accurate unless it is a rounding error
+            const P measured = gaps.gap(0, centers_of_pair(bounce.pair, t)).distance;
+            if (is_clear(measured, gaps)) bounce.gap = measured;
             return !(bounce.gap < P(most) * gaps.size_of(0));
         });
     }
@@ -435,13 +497,15 @@ class SphereDriver {
     }
     // The gaps of pairs that touch and separate are rounding errors, also if the impact was earlier.
     void note_flights(const Resolution& now) {
+        for (std::size_t k = 0; k < pairs_.size(); ++k)
+            if (now.collided[k]) states_[k].flight_speed = static_cast<double>(rate(k));
         for (const std::size_t k : now.touching) {
             const bool is_noted = std::ranges::any_of(bounced_, [&](const Bounce& one) { return one.pair == k; });
             const Touching* cluster = cluster_of(pairs_[k].first);
             if (!is_noted && !(cluster && cluster->has(pairs_[k].second)) && rate(k) > P(0)) bounced_.push_back({k});
         }
     }
-    P rate(std::size_t k) const { return gaps_of({k}).gap(0, centers(t_)).rate; }
+    P rate(std::size_t k) const { return gaps_of({k}).gap(0, centers_of_pair(k, t_)).rate; }
     void find_touching(Resolution& now) const {
         const double tolerance = has_started_ ? std::pow(10.0, 4 - settings_.event_digits) : 1e-12;
         const SphereGaps<P> gaps = gaps_of(all_pairs());

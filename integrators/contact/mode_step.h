@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "body/algebra.h"
@@ -60,6 +62,27 @@ struct ModeStep {
     Vector3<P> observed_vector(int first, const P& s) const {
         return {observed(first, s), observed(first + 1, s), observed(first + 2, s)};
     }
+};
+
+/// The last values of a function of time that is expensive to evaluate.
+template <class P, class Value>
+class KnownTimes {
+  public:
+    /// The value at t: a known one or compute().
+    template <class Compute>
+    const Value& at(const P& t, const Compute& compute) {
+        for (const auto& [time, value] : known_)
+            if (time == t) return value;
+        if (known_.size() < most) return known_.emplace_back(t, compute()).second;
+        next_ = (next_ + 1) % most;
+        known_[next_] = {t, compute()};
+        return known_[next_].second;
+    }
+
+  private:
+    static constexpr std::size_t most = 4;
+    std::vector<std::pair<P, Value>> known_;
+    std::size_t next_ = most - 1;
 };
 
 /// The length of a Taylor step for which |c_k| h^k <= 10^-digits scale for the last four coefficients of each block,

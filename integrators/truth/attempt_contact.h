@@ -41,7 +41,8 @@ struct LimitGroup {
         while (end < events.size() && events[end].t - begin <= window) ++end;
         int impacts = 0;
         for (std::size_t i = end; i-- > 0 && begin - events[i].t <= window;) {
-            impacts += events[i].kind == contact::EventKind::impact;
+            // impacts without restitution land; a few may follow each other at one time on another one with restitution
+            impacts += events[i].kind == contact::EventKind::impact || events[i].kind == contact::EventKind::lands;
             has_limit = has_limit || events[i].kind == contact::EventKind::accumulates || impacts == many;
         }
     }

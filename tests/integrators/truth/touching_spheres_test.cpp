@@ -17,9 +17,10 @@ std::string ball_entry(const std::string& name, const std::string& initial) {
     return R"({"name": ")" + name +
            R"(", "body": {"shape": {"type": "sphere", "radius": 0.125}, "mass": 1}, "initial": {)" + initial + "}}";
 }
-Scene touching_scene(const std::string& bodies, const std::string& more, double duration) {
+Scene touching_scene(const std::string& bodies, const std::string& more, double duration,
+                     const std::string& gravity = "[0, 0, -10]") {
     return parse_scene(R"({"name": "touching", "duration": )" + std::to_string(duration) + R"(, "bodies": [)" + bodies +
-                           R"(], "loads": [{"type": "gravity", "acceleration": [0, 0, -10]}], )" + more + "}",
+                           R"(], "loads": [{"type": "gravity", "acceleration": )" + gravity + "}], " + more + "}",
                        "touching.json");
 }
 // rows of two bodies at the start, the middle and the end
@@ -106,6 +107,48 @@ TEST(TouchingSpheres, AccumulationsWithinAnAccumulation) {
             const std::string& exact = truth.columns[4 + body][touching_place + static_cast<std::size_t>(axis)];
             EXPECT_NEAR(run.samples[4 + body].position_W[axis], std::stod(exact), 1e-9);
         }
+}
+
+// Checks m v + (I / r) n x w, summed over two balls of mass 1 on a horizontal floor. Smooth impacts between the balls
+// and friction on the floor do not change it; gravity along y does.
+void expect_momentum(const DecimalReference& truth, double duration, double gravity_y) {
+    constexpr std::size_t place_of_rotation = 4;
+    constexpr long double moment_by_radius = 0.4L * 0.125L;
+    for (std::size_t row = 2; row < 6; row += 2) {
+        long double along_x = 0, along_y = 0;
+        for (std::size_t body = row; body < row + 2; ++body) {
+            const auto& at = truth.columns[body];
+            along_x += std::stold(at[touching_rate]) + moment_by_radius * std::stold(at[place_of_rotation + 1]);
+            along_y += std::stold(at[touching_rate + 1]) - moment_by_radius * std::stold(at[place_of_rotation]);
+        }
+        const double time = duration * static_cast<double>(row) / 4;
+        EXPECT_LE(std::abs(along_x), 1e-17L);
+        EXPECT_LE(std::abs(along_y - 2 * gravity_y * time), 1e-17L);
+    }
+}
+
+// Each flight of the upper ball contains a limit of impacts on the floor and the end of a slip. The flights shorten to
+// 1e-31 s, so errors relative to the size of the scene would exceed their gaps.
+TEST(TouchingSpheres, FlightsShortenToALimit) {
+    const DecimalReference truth = touching_truth(touching_scene(
+        ball_entry("a", R"("position": [0, 0, 0.125])") + "," + ball_entry("b", R"("position": [0.03125, 0, 0.40625])"),
+        R"("planes": [{"normal": [0, 0, 1], "offset": 0, "restitution": 0.5, "friction": 0.25}],
+           "contacts": [{"all": true, "restitution": 0.5, "friction": 0}])",
+        0.5, "[0, 1.25, -10]"));
+    EXPECT_GE(truth.contact_events.size(), 1000u);
+    expect_momentum(truth, 0.5, 1.25);
+}
+
+// Impacts on the upper ball and without restitution on the floor alternate at one instant. The runs may stop after
+// different numbers of them.
+TEST(TouchingSpheres, ImpactsAlternateAtOneInstant) {
+    const DecimalReference truth = touching_truth(touching_scene(
+        ball_entry("a", R"("position": [0, 0, 0.125])") + "," + ball_entry("b", R"("position": [0.03125, 0, 0.40625])"),
+        R"("planes": [{"normal": [0, 0, 1], "offset": 0, "restitution": 0, "friction": 0.25}],
+           "contacts": [{"all": true, "restitution": 0.5, "friction": 0}])",
+        0.5, "[0, 1.25, -10]"));
+    EXPECT_GE(truth.contact_events.size(), 100u);
+    expect_momentum(truth, 0.5, 1.25);
 }
 
 }  // namespace

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::size_t place = 7, rate = 10;  // columns of a row of the reference after t
 
-std::string plane_text(const std::string& name, const std::string& normal, double friction) {
-    return R"({"restitution": 0, "offset": 0, "name": ")" + name + R"(", "normal": )" + normal + R"(, "friction": )" +
-           std::to_string(friction) + "}";
+std::string plane_text(const std::string& name, const std::string& normal, double friction, double restitution = 0) {
+    return R"({"restitution": )" + std::to_string(restitution) + R"(, "offset": 0, "name": ")" + name +
+           R"(", "normal": )" + normal + R"(, "friction": )" + std::to_string(friction) + "}";
 }
 
 // gravity is the first load
@@ -147,6 +147,35 @@ TEST(TwoContacts, BallLandsOnTheWall) {
     expect_digits(truth.contact_events[0].tangential_impulse[0], -0.25L * v, 1e-17L);
     expect_digits(truth.contact_events[1].t, arrives + rolls, 1e-18L);
     expect_digits(truth.columns[2][rate], 4 - 0.125L * v - 0.4375L * rolls);
+}
+
+/// A ball slides on a smooth floor and is pressed to the wall with 3 m/s^2. It arrives at 0.5 s with 1.5 m/s and
+/// bounces with e = 0.5, so that the impacts end 1 s later. It then touches both planes.
+TEST(TwoContacts, ImpactsOnTheWallAccumulateOnTheFloor) {
+    const DecimalReference truth = truth_of(
+        two_planes_scene(0.5, R"({"position": [0, 0.875, 0.5], "velocity": [1, 0, 0]})", "[0, -3, -8]}",
+                         plane_text("floor", "[0, 0, 1]", 0, 0.5) + ", " + plane_text("wall", "[0, 1, 0]", 0, 0.5), 2));
+    ASSERT_GE(truth.contact_events.size(), 50u);
+    for (const DecimalContactEvent& event : truth.contact_events) EXPECT_EQ(event.plane, 1u);
+    expect_digits(truth.contact_events.front().t, 0.5L, 1e-18L);
+    EXPECT_EQ(truth.contact_events.back().event, "accumulates");
+    expect_digits(truth.contact_events.back().t, 1.5L, 1e-18L);
+    expect_digits(truth.columns[2][place], 2);
+    expect_digits(truth.columns[2][place + 1], 0.5L);
+}
+
+/// A ball on a smooth floor lands on a smooth wall, to which no load presses it. It slides along the wall; rounding
+/// errors of the acceleration are no further events.
+TEST(TwoContacts, NothingPressesTheBallToTheWall) {
+    const DecimalReference truth = truth_of(two_planes_scene(
+        0.5, R"({"position": [1, 0.5, 0.5], "velocity": [-1, 0, 0], "angular_velocity": [1, 2, 3]})", "[0, 0, -8]}",
+        plane_text("floor", "[0, 0, 1]", 0) + ", " + plane_text("wall", "[3, 4, 0]", 0), 2));
+    ASSERT_EQ(sequence_of(truth).substr(0, 9), "lands 1, ");
+    const long double arrives = 5.0L / 6, left = 2 - arrives;
+    expect_digits(truth.contact_events[0].t, arrives, 1e-18L);
+    expect_digits(truth.columns[2][place], 1 - arrives - 0.64L * left);
+    expect_digits(truth.columns[2][place + 1], 0.5L + 0.48L * left);
+    EXPECT_LE(truth.contact_events.size(), 2u) << sequence_of(truth);
 }
 
 TEST(TwoContacts, UndeterminedMotionsAreNamed) {

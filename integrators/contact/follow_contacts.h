@@ -396,12 +396,12 @@ class ContactDriver {
     /// here, if the transition is not an impact.
     void transition(const EventKind* arrived) {
         form_.set_time(t_);
+        const std::vector<std::size_t> near = touching();
         if (t_ == stalled_at_) {
-            if (++stalled_ > 1000) return fail("too many events " + at_time());
+            if (++stalled_ > 1000) return fail(stalled_fault(near));
         } else {
             stalled_ = 0, stalled_at_ = t_;
         }
-        const std::vector<std::size_t> near = touching();
         const bool first = !has_started_;
         has_started_ = true;
         const System former = mode_;
@@ -536,6 +536,17 @@ class ContactDriver {
     std::string two_planes(const std::array<Pair, 2>& pairs) const {
         return fmt::format("{} and {} {}", plane_at(pairs[0]), plane_at(pairs[1]), at_time());
     }
+    // Why events repeat at one time. Friction at one plane may press a rotating ball to the other one, whose friction
+    // lifts it.
+    std::string stalled_fault(const std::vector<std::size_t>& near) const {
+        if (near.size() == 2 && is_ball() && near[0] / geometry_.pieces.size() != near[1] / geometry_.pieces.size())
+            return rotation_fault({form_.pair_at(near[0]), form_.pair_at(near[1])});
+        return "too many events " + at_time();
+    }
+    std::string rotation_fault(const std::array<Pair, 2>& pairs) const {
+        return "rotation about the line of two planes with friction is not supported: the ball touches " +
+               two_planes(pairs);
+    }
     // why the modes do not cover two contacts; empty if they do
     std::string two_contacts_fault(const BallBetweenPlanes<P>& ball, const std::array<Pair, 2>& pairs) const {
         for (const Pair& pair : pairs)
@@ -547,9 +558,7 @@ class ContactDriver {
         const bool rubs = ball.friction[0] > P(0) || ball.friction[1] > P(0);
         // the steps of a method do not keep a zero spin
         const double zero = std::max(error(3), settings_.steps ? std::sqrt(settings_.tolerance) : 0);
-        if (rubs && Elementary<P>::magnitude(spin) > P(zero * speed()))
-            return "rotation about the line of two planes with friction is not supported: the ball touches " +
-                   two_planes(pairs);
+        if (rubs && Elementary<P>::magnitude(spin) > P(zero * speed())) return rotation_fault(pairs);
         const P twist = Elementary<P>::magnitude(dot(ball.line_W, ball.torque_W));
         if (rubs && twist > P(error(2)) * ball.mass * ball.radius * length(ball.acceleration_W))
             return "torques about the line of two planes with friction are not supported: the ball touches " +

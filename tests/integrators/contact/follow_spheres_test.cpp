@@ -158,6 +158,29 @@ TEST(FollowSpheres, PassesVelocityAlongACradleWithGaps) {
     expect_near(run.motions[2][1].position_W, Vector3<double>(0.53125, 0, 0), 1e-14);
 }
 
+// A ball of 64 kg falls with 2 m/s on a ball of 1 kg at rest on the floor. Hundreds of impacts between them and with
+// the floor at one instant bring both to rest. Each series transmits the momentum of 128 N s.
+TEST(FollowSpheres, ManyImpactsAtOneInstantEnd) {
+    const std::string heavy = R"({"name": "b", "body": {"shape": {"type": "sphere", "radius": 0.125}, "mass": 64},
+                                  "initial": {"position": [0, 0, 0.575]}})";
+    const Scene scene = scene_of_balls(ball("a", R"("position": [0, 0, 0.125])") + "," + heavy,
+                                       R"("loads": [{"type": "gravity", "acceleration": [0, 0, -10]}],
+                                          "planes": [{"normal": [0, 0, 1], "offset": 0, "restitution": 0.5}],
+                                          "contacts": [{"all": true, "restitution": 0.5}])",
+                                       1);
+    const SphereRun<double> run = run_both(scene);
+    for (std::size_t i = 0; i < 2; ++i) {
+        expect_near(run.motions.back()[i].position_W, {0, 0, 0.125 + 0.25 * static_cast<double>(i)}, 1e-12);
+        expect_near(run.motions.back()[i].velocity_W, {0, 0, 0}, 1e-12);
+    }
+    ASSERT_GE(run.records.back().events.size(), 300u);
+    for (const std::size_t k : {std::size_t{0}, run.records.size() - 1}) {
+        double sum = 0;
+        for (const Event<double>& event : run.records[k].events) sum += event.normal_impulse;
+        EXPECT_NEAR(sum, 128, 1e-8);
+    }
+}
+
 // A cradle without gaps is not determined by the laws for pairs.
 TEST(FollowSpheres, EndsAtAnImpactOnTouchingSpheres) {
     const std::string touching = ball("a", R"("velocity": [2, 0, 0])") + "," + ball("b", R"("position": [0.5, 0, 0])") +

@@ -1,11 +1,12 @@
 // The attempt for one body in contact with planes. Each working precision is instantiated in its own file.
 //
 // Both runs pass through the same events, except that a series of impacts with a limit may end a few impacts earlier in
-// one of them. match_events() pairs the events and measures the differences of their times and impulses, which count in
-// the bound.
+// one of them, and that events at one time may be in another order. match_events() pairs the events and measures the
+// differences of their times and impulses, which count in the bound.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,7 +50,7 @@ struct LimitGroup {
 };
 
 template <class P>
-EventDifference<P> match_events(const contact::Record<P>& a, const contact::Record<P>& b) {
+EventDifference<P> match_events(const contact::Record<P>& a, contact::Record<P> b) {
     using Kind = contact::EventKind;
     EventDifference<P> result;
     std::size_t i = 0, j = 0;
@@ -62,6 +63,18 @@ EventDifference<P> match_events(const contact::Record<P>& a, const contact::Reco
             result.time = std::max(result.time, P(abs(a.events[first.end - 1].t - b.events[second.end - 1].t)));
         i = first.end, j = second.end;
         return true;
+    };
+    // moves the event of b that matches the next one of a to the front of those at the same time
+    const auto reorder = [&] {
+        const contact::Event<P>& x = a.events[i];
+        for (std::size_t k = j + 1; k < b.events.size() && b.events[k].t - b.events[j].t <= P(1e-20) * x.t; ++k) {
+            if (b.events[k].kind != x.kind || b.events[k].plane != x.plane) continue;
+            const auto begin = b.events.begin();
+            std::rotate(begin + static_cast<std::ptrdiff_t>(j), begin + static_cast<std::ptrdiff_t>(k),
+                        begin + static_cast<std::ptrdiff_t>(k) + 1);
+            return true;
+        }
+        return false;
     };
     while (i < a.events.size() || j < b.events.size()) {
         if (i == a.events.size() || j == b.events.size()) {
@@ -79,7 +92,7 @@ EventDifference<P> match_events(const contact::Record<P>& a, const contact::Reco
             continue;
         }
         if (x.kind != y.kind || x.plane != y.plane) {
-            if (!skip_group(std::min(x.t, y.t))) break;
+            if (!skip_group(std::min(x.t, y.t)) && !reorder()) break;
             continue;
         }
         result.time = std::max(result.time, P(abs(x.t - y.t)));

@@ -151,9 +151,11 @@ constexpr std::array<Method, count> apply_defaults(const Method& defaults, const
 std::shared_ptr<const Method> make_method(const Method& description,
                                           std::function<Trajectory(const Problem&, const Settings&)> solve);
 
-/// Whether the method follows contact with friction and the limits and dry friction of joints from event to event, with
-/// a record of the events. False for the reference, whose events DecimalReference lists.
+/// Whether the method follows the limits and dry friction of joints from event to event, with a record of the events.
+/// False for the reference, whose events DecimalReference lists.
 bool follows_events(const Method& method);
+/// Whether the method also follows contact with friction from event to event.
+bool follows_contacts(const Method& method);
 
 /// Why the method does not support the problem (planes, loads, bodies), in one line. Empty if it may support it. A run
 /// can still end as `unsupported` for reasons that appear only during the run or depend on the step.

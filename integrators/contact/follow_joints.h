@@ -1,7 +1,7 @@
 // Follows a mechanism whose joints have limits and Coulomb friction from event to event, for any formulation and
 // scalar.
 //
-// JointDriver integrates a formulation (joint_tree_form.h, truth/joint_maximal_form.h) by Taylor series (A. Jorba and
+// JointDriver integrates a formulation (joint_tree_form.h, joint_maximal_form.h) by Taylor series (A. Jorba and
 // M. Zou 2005, Exp. Math. 14, 99) or, in binary64, by the steps of another method (mode_steps.h). Each mode is a smooth
 // system: a joint moves without friction, forward or backward against its friction, or is held by friction or at a
 // limit. A mode ends where an event function falls to zero (event_roots.h): the distance from a limit, the rate of a
@@ -710,6 +710,16 @@ class JointDriver {
                 rate[k] = expansion.coefficient(form_.rate(e), static_cast<int>(k));
             if (states_[e].rate_zeros > 0) refine(rate, form_.rate(e), h);
             for (std::size_t k = 0; k < rate.size(); ++k) x[k + 1] = rate[k] / P(static_cast<double>(k + 1));
+        } else if constexpr (requires { form_.rate_function(e); }) {
+            const int place = form_.rate_function(e);
+            rate = function_coefficients(expansion, place);
+            if (states_[e].rate_zeros > 0) {
+                std::vector<P> exact;
+                for (int k = 0; k < order_of_starts; ++k)
+                    exact.push_back(P(k + 1) * P(series_->coefficient(place, k + 1)));
+                refine(rate, exact, h);
+            }
+            for (std::size_t k = 0; k < rate.size(); ++k) x[k + 1] = rate[k] / P(static_cast<double>(k + 1));
         }
     }
     // A force that is at its bound up to rounding falls below it only by more than rounding.
@@ -755,6 +765,9 @@ class JointDriver {
     void refine(std::vector<P>& x, int place, const P& h) const {
         std::vector<P> exact;
         for (int k = 0; k <= order_of_starts; ++k) exact.push_back(P(series_->coefficient(place, k)));
+        refine(x, exact, h);
+    }
+    static void refine(std::vector<P>& x, const std::vector<P>& exact, const P& h) {
         P size(0), power(1);
         for (const P& c : x) size = std::max(size, Elementary<P>::magnitude(P(c * power))), power = power * h;
         refine_coefficients(x, exact, h, static_cast<double>(size));

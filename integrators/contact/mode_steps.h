@@ -81,6 +81,7 @@ class ModeModel : public ErasedModel {
         form_->derivative(y, dy);
     }
     long evaluations() const { return evaluations_; }
+    const Form& form() const { return *form_; }
     /// Whether functions may change while the state does not.
     bool has_formulas() const {
         if constexpr (requires { form_->has_formulas(); }) return form_->has_formulas();
@@ -123,7 +124,7 @@ class ModeSteps<double, Form> {
 
     bool is_running() const { return steps_ != nullptr; }
     void end_mode() {
-        if (model_) evaluations_ += model_->evaluations();
+        count_evaluations();
         steps_.reset(), model_.reset();
     }
     /// Starts a mode from the state y of `scales.size()` components. `form` must not change until end_mode().
@@ -174,7 +175,9 @@ class ModeSteps<double, Form> {
     }
     const std::string& fault() const { return fault_; }
     const StepPolynomial& polynomial() const { return polynomial_; }
-    long evaluations() const { return evaluations_ + (model_ ? model_->evaluations() : 0); }
+    long evaluations() const {
+        return evaluations_ + (model_ ? model_->evaluations() : 0) + (steps_ ? steps_->evaluations() : 0);
+    }
 
   private:
     MakeSystemSteps make_;
@@ -193,8 +196,9 @@ class ModeSteps<double, Form> {
     long evaluations_ = 0;
 
     // starts the method from state_
+    void count_evaluations() { evaluations_ = evaluations(); }
     void restart() {
-        if (model_) evaluations_ += model_->evaluations();
+        count_evaluations();
         steps_.reset();
         model_ = std::make_shared<ModeModel<Form>>(*form_, state_, scales_);
         problem_ = pose_model(model_, duration_);

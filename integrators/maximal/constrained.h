@@ -26,6 +26,7 @@
 #include <utility>
 #include <vector>
 
+#include "integrators/maximal/formulas.h"
 #include "integrators/maximal/system.h"
 #include "motion/dual.h"
 
@@ -83,6 +84,45 @@ class ConstrainedEquations {
     P coordinate(std::size_t joint, const P* z) const {
         return coordinate_at(static_cast<int>(joint), system_->placements(z), z);
     }
+    /// Moves y onto the constraints: positions by Newton's method, with changes that are smallest in the norm of the
+    /// masses, then velocities. Requires index 2.
+    void project(P* y) const {
+        constexpr int most_rounds = 5;
+        const Dynamics<P>& dynamics = system_->dynamics();
+        for (int round = 0;; ++round) {
+            const std::vector<Placement<P>> at = system_->placements(y);
+            const Rows<P> rows = dynamics.constraints(at);
+            std::vector<P> gaps = dynamics.gaps(at), rates = dynamics.velocity_errors(at, rows);
+            for (std::size_t i = 0; i < coordinate_rows_.size(); ++i)
+                if (const int row = coordinate_rows_[i].row; row >= 0) {
+                    gaps[static_cast<std::size_t>(row)] = coordinate_gap(i, at, y);
+                    rates[static_cast<std::size_t>(row)] = rates[static_cast<std::size_t>(row)] + targets_[i].rate;
+                }
+            for (const int row : added_rows_)
+                gaps[static_cast<std::size_t>(row)] = rates[static_cast<std::size_t>(row)] = P(0);
+            P largest(0);
+            for (P& gap : gaps) {
+                largest = std::max(largest, P(std::abs(gap)));
+                gap = -gap;
+            }
+            std::vector<Wrench<P>> moved(at.size());
+            if (largest > P(1e-14) && round < most_rounds) {
+                dynamics.add_constraint_forces(rows, dynamics.solve(rows, std::move(gaps)), moved);
+                move(at, moved, y);
+                continue;
+            }
+            dynamics.add_constraint_forces(rows, dynamics.solve(rows, std::move(rates)), moved);
+            for (int b = 0; b < system_->mechanism().world(); ++b) {
+                const int first = system_->place(b);
+                if (first < 0) continue;
+                const Wrench<P>& by = moved[static_cast<std::size_t>(b)];
+                const Placement<P>& body = at[static_cast<std::size_t>(b)];
+                put(y, first + 7, vector_at(y, first + 7) + by.torque_W + body.world(by.torque_B));
+                put(y, first + 10, vector_at(y, first + 10) + by.force_W);
+            }
+            return;
+        }
+    }
     /// Sets z and its rates to consistent values for the given y: lambda from the accelerations, mu and nu zero.
     void make_consistent(P* z, P* rate) const {
         std::fill(z + lambda_, z + count_, P(0));
@@ -96,11 +136,27 @@ class ConstrainedEquations {
             }
         std::vector<Wrench<P>> on(at.size());
         add_forces(system_->mechanism(), system_->loads(), at, z + system_->angles(), on);
+        add_formulas(at, z, on);
         const std::vector<P> lambda = system_->dynamics().multipliers(at, rows, on);
         system_->dynamics().add_constraint_forces(rows, lambda, on);
         system_->put_rates(at, on, rate);
         std::copy(lambda.begin(), lambda.end(), z + lambda_);
     }
+
+    /// Adds loads given by formulas, with the signs of their switches. `variables`: those of the formulas, which must
+    /// not change. `formulas` must outlive this object.
+    void set_formulas(const Formulas<P>& formulas, std::vector<P> variables) {
+        formulas_ = &formulas, formula_variables_ = std::move(variables);
+        // formulas may read the motion of any body
+        std::vector<int> all;
+        for (std::size_t g = 0; g < groups_.size(); ++g)
+            if (!groups_[g].unknowns.empty()) all.push_back(static_cast<int>(g));
+        for (Group& group : groups_)
+            if (!group.unknowns.empty()) group.coupled_groups = all, group.color = 0;
+        color_groups();
+    }
+    /// Sets the time that formulas read, s.
+    void set_time(const P& t) { time_ = t; }
 
     /// Number of unknowns: y, lambda and, with index 2, mu and nu.
     int unknowns() const { return count_; }
@@ -121,6 +177,7 @@ class ConstrainedEquations {
         const Rows<S> rows = dynamics.constraints(at);
         std::vector<Wrench<S>> on(at.size()), moved(at.size());
         add_forces(mechanism, system_->loads(), at, z + system_->angles(), on);
+        add_formulas(at, z, on);
         dynamics.add_constraint_forces(rows, std::vector<S>(z + lambda_, z + mu_), on);
         if (index_ == Index::two) dynamics.add_constraint_forces(rows, std::vector<S>(z + mu_, z + nu_), moved);
         system_->put_rates(at, on, result);
@@ -154,7 +211,12 @@ class ConstrainedEquations {
         std::copy(gaps.begin(), gaps.end(), result + lambda_);
         std::copy(velocity_errors.begin(), velocity_errors.end(), result + mu_);
         add_corrections(at, moved, result);
-        add_coordinates(at, z, result);
+        for (std::size_t i = 0; i < coordinate_rows_.size(); ++i) {
+            const CoordinateRow& one = coordinate_rows_[i];
+            if (one.row < 0) continue;
+            result[lambda_ + one.row] = coordinate_gap(i, at, z);
+            result[mu_ + one.row] = result[mu_ + one.row] + targets_[i].rate;
+        }
         if (added_rows_.empty()) return;
         std::vector<S> still = dynamics.decelerations(at, rows, on);
         dynamics.add_compliance(z + lambda_, still);
@@ -175,10 +237,23 @@ class ConstrainedEquations {
     std::vector<int> added_rows_;
     std::vector<CoordinateRow> coordinate_rows_;
     std::vector<CoordinateTarget<P>> targets_;
+    const Formulas<P>* formulas_ = nullptr;
+    std::vector<P> formula_variables_;
+    P time_{0};
     int lambda_ = 0, mu_ = 0, nu_ = 0, count_ = 0;
     std::vector<Group> groups_;
     int colors_ = 0;
 
+    template <class S>
+    void add_formulas(const std::vector<Placement<S>>& at, const S* z, std::vector<Wrench<S>>& on) const {
+        if (!formulas_) return;
+        // the state of the system, the time, and the variables of the formulas
+        std::vector<S> y(z, z + lambda_);
+        y.push_back(S(time_));
+        for (const P& variable : formula_variables_) y.push_back(S(variable));
+        const MechanismState<S> state = formulas_->state(*system_, y.data(), at, lambda_, lambda_ + 1);
+        formulas_->add(*system_, formulas_->terms().template evaluate<S>(state, y.data() + lambda_ + 1, true), at, on);
+    }
     void find_coordinate_rows() {
         const Mechanism<P>& mechanism = system_->mechanism();
         for (std::size_t k = 0; k < mechanism.links.size(); ++k) {
@@ -214,7 +289,7 @@ class ConstrainedEquations {
         half = half + std::numbers::pi * std::round((counted - P(2) * half) / (2 * std::numbers::pi));
         return P(2) * half + rest;
     }
-    // The rates of counted coordinates that belong to the corrections of positions.
+    // Adds the changes of counted coordinates that belong to changes of positions by M^-1 times momenta.
     template <class S>
     void add_corrections(std::vector<Placement<S>> at, const std::vector<Wrench<S>>& moved, S* result) const {
         const Mechanism<P>& mechanism = system_->mechanism();
@@ -234,18 +309,28 @@ class ConstrainedEquations {
             }
         }
     }
-    // Index 2: the position and velocity errors of the rows of coordinates.
+    // The position error of a row of coordinates.
     template <class S>
-    void add_coordinates(const std::vector<Placement<S>>& at, const S* z, S* result) const {
-        for (std::size_t i = 0; i < coordinate_rows_.size(); ++i) {
-            const CoordinateRow& one = coordinate_rows_[i];
-            if (one.row < 0) continue;
-            S gap(-targets_[i].value);
-            for (const std::pair<int, P>& summand : one.summands)
-                gap = gap + summand.second * coordinate_at(summand.first, at, z);
-            result[lambda_ + one.row] = gap;
-            result[mu_ + one.row] = result[mu_ + one.row] + targets_[i].rate;
+    S coordinate_gap(std::size_t i, const std::vector<Placement<S>>& at, const S* z) const {
+        S gap(-targets_[i].value);
+        for (const std::pair<int, P>& summand : coordinate_rows_[i].summands)
+            gap = gap + summand.second * coordinate_at(summand.first, at, z);
+        return gap;
+    }
+    // Moves the positions in y by M^-1 times momenta, with the counted coordinates.
+    void move(const std::vector<Placement<P>>& at, const std::vector<Wrench<P>>& moved, P* y) const {
+        const Mechanism<P>& mechanism = system_->mechanism();
+        for (int b = 0; b < mechanism.world(); ++b) {
+            const int first = system_->place(b);
+            if (first < 0) continue;
+            const MaximalBody<P>& body = mechanism.bodies[static_cast<std::size_t>(b)];
+            const Wrench<P>& by = moved[static_cast<std::size_t>(b)];
+            const Placement<P>& from = at[static_cast<std::size_t>(b)];
+            const Vector3<P> half = (P(1) / P(2)) * (body.inverse_inertia * by.torque_B);
+            put(y, first, normalized(from.q * Quaternion<P>{P(1), half[0], half[1], half[2]}));
+            put(y, first + 4, from.position_W + (P(1) / body.mass) * by.force_W);
         }
+        add_corrections(at, moved, y);
     }
 
     void find_groups() {

@@ -79,6 +79,11 @@ class Dynamics {
         }
         return result;
     }
+    /// The vector x with (G M^-1 G^T) x = right.
+    template <class S>
+    std::vector<S> solve(const Rows<S>& rows, std::vector<S> right) const {
+        return solved(rows, std::move(right));
+    }
     /// The multipliers for which the acceleration along every row vanishes, under all that acts on the bodies.
     template <class S>
     std::vector<S> multipliers(const std::vector<Placement<S>>& at, const Rows<S>& rows,

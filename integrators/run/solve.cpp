@@ -98,9 +98,13 @@ static std::string joint_law_refusal(const Method& method, const Scene& scene) {
 
 bool follows_events(const Method& method) { return method.steps || method.family == Family::series; }
 
+bool follows_contacts(const Method& method) {
+    return follows_events(method) && method.steps.coordinates() == StepCoordinates::joints;
+}
+
 std::string refusal(const Method& method, const Problem& problem) {
     if (std::string why = joint_law_refusal(method, problem.scene); !why.empty()) return why;
-    const bool has_contact_modes = follows_events(method) || method.family == Family::reference;
+    const bool has_contact_modes = follows_contacts(method) || method.family == Family::reference;
     if (has_sphere_contacts(problem.scene) && !has_contact_modes && method.family != Family::engine)
         return fmt::format("{} does not support contacts of several bodies; use taylor or truth", method.name);
     if (!problem.scene.planes.empty() && !method.planes && !has_contact_modes)

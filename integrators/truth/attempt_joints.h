@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "integrators/contact/follow_joints.h"
+#include "integrators/contact/joint_maximal_form.h"
 #include "integrators/contact/joint_tree_form.h"
 #include "integrators/truth/attempt_taylor.h"
-#include "integrators/truth/joint_maximal_form.h"
 #include "motion/formula_mechanism.h"
 
 namespace polhode::truth {
@@ -105,10 +105,11 @@ Attempt attempt_by_joint_events(const Problem& problem, const std::vector<double
     const Motions<P> motions = tree.motion(start.data());
     const std::vector<std::array<P, 2>> coordinates = tree.joint_coordinates(start.data());
     auto second = in_thread([&] {
-        JointMaximalForm<P> bodies(scene, motions, coordinates);
+        contact::JointMaximalForm<P> bodies(scene, motions, coordinates);
         auto blocks = bodies.blocks(problem.scales);
-        return contact::JointDriver<P, JointMaximalForm<P>>(scene, problem.scales, std::move(bodies), std::move(blocks),
-                                                            sample_times, joint_settings(runs.coarse))
+        return contact::JointDriver<P, contact::JointMaximalForm<P>>(scene, problem.scales, std::move(bodies),
+                                                                     std::move(blocks), sample_times,
+                                                                     joint_settings(runs.coarse))
             .run();
     });
     auto blocks = tree.blocks(tree_scales(problem));
@@ -131,7 +132,7 @@ Attempt attempt_by_joint_events(const Problem& problem, const std::vector<double
         fmt::format("Taylor series in {} digits: {} at order {} in {} steps, {} at order {} in {} steps; {} event{} of "
                     "joints, times differ by at most {:.1e} s",
                     working, contact::JointTreeForm<P>::name, runs.fine.order, parts.first.steps,
-                    JointMaximalForm<P>::name, runs.coarse.order, other_parts.first.steps, first.events.size(),
+                    contact::JointMaximalForm<P>::name, runs.coarse.order, other_parts.first.steps, first.events.size(),
                     first.events.size() == 1 ? "" : "s", time),
         static_cast<int>(working), parts.second, other_parts.second);
     const double worst = std::max(time, events.impulse.template convert_to<double>());

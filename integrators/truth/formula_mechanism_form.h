@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "integrators/maximal/formulas.h"
 #include "integrators/truth/attempt_mechanism.h"
 #include "integrators/truth/formula_form.h"
-#include "integrators/truth/maximal_formulas.h"
 #include "motion/formula_tree.h"
 
 namespace polhode::truth {
@@ -143,7 +143,7 @@ class FormulaMaximalForm {
   private:
     const Scene* scene_;
     System system_;
-    MaximalFormulas<P> formulas_;
+    maximal::Formulas<P> formulas_;
 
     std::vector<Reaction<P>> reactions(const P* y) const {
         const std::vector<maximal::Placement<P>> at = system_.placements(y);

@@ -145,8 +145,7 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
                      const Settings& settings) {
     if (!options.contacts.any()) return true;
-    const bool follows = follows_events(method);
-    if (contact::has_joint_events(problem.scene) && follows)
+    if (contact::has_joint_events(problem.scene) && follows_events(method))
         return write_joint_events(problem.scene, options.contacts,
                                   contact::follow_joints_in_binary64(problem, settings, method.steps).events);
     const bool to_stdout = !options.output.empty();
@@ -155,7 +154,7 @@ bool report_contacts(const SolveOptions& options, const Problem& problem, const 
         return write_contacts(problem.scene, options.contacts,
                               decimal_reference(problem.scene, options.samples, digits), to_stdout);
     }
-    if (follows)
+    if (follows_contacts(method))
         return write_contacts(problem.scene, options.contacts,
                               contact::record_contacts(problem, settings, method.steps), to_stdout);
     std::fputs(

@@ -1,6 +1,7 @@
 // Single steps of a method through a system, for drivers that end steps at events.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -25,10 +26,39 @@ class SystemSteps {
     virtual void inside([[maybe_unused]] double s, [[maybe_unused]] double* y) {}
     /// Returns to the start of the last step. Called only for methods without dense output.
     virtual void undo() {}
+    /// Number of evaluations of equations that are not calls of the problem's model.
+    virtual long evaluations() { return 0; }
+};
+
+/// The coordinates of the equations that a method's steps solve in mechanisms.
+enum class StepCoordinates {
+    joints,  ///< the system of the problem, in joint coordinates
+    bodies   ///< all coordinates of each body, with constraints (integrators/contact/constrained_joint_form.h)
 };
 
 /// Makes the steps of a method through the first segment of a problem with a user-defined system, to a tolerance as in
-/// Settings (integrators/method.h). The problem must outlive the result.
-using MakeSystemSteps = std::unique_ptr<SystemSteps> (*)(const Problem& problem, double tolerance);
+/// Settings (integrators/method.h). The problem must outlive the result. May be null.
+class MakeSystemSteps {
+  public:
+    using Function = std::unique_ptr<SystemSteps> (*)(const Problem& problem, double tolerance);
+
+    constexpr MakeSystemSteps() = default;
+    // NOLINTNEXTLINE(google-explicit-constructor)
+    constexpr MakeSystemSteps(std::nullptr_t) {}
+    // NOLINTNEXTLINE(google-explicit-constructor)
+    constexpr MakeSystemSteps(Function function, StepCoordinates coordinates = StepCoordinates::joints)
+        : function_(function), coordinates_(coordinates) {}
+
+    std::unique_ptr<SystemSteps> operator()(const Problem& problem, double tolerance) const {
+        return function_(problem, tolerance);
+    }
+    explicit constexpr operator bool() const { return function_ != nullptr; }
+    constexpr bool operator==(const MakeSystemSteps&) const = default;
+    constexpr StepCoordinates coordinates() const { return coordinates_; }
+
+  private:
+    Function function_ = nullptr;
+    StepCoordinates coordinates_ = StepCoordinates::joints;
+};
 
 }  // namespace polhode

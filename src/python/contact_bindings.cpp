@@ -22,7 +22,8 @@ const Method& recording_method(const SolvedScene& solved) {
     if (!contact::has_events(solved.scene->scene()))
         throw UsageError("the scene has no planes or contacts, and no joint has friction or limits");
     const Method* method = find_method(solved.method);
-    if (!solved.settings || !method || !follows_events(*method))
+    const bool has_joints = contact::has_joint_events(solved.scene->scene());
+    if (!solved.settings || !method || !(has_joints ? follows_events(*method) : follows_contacts(*method)))
         throw UsageError(fmt::format("{} does not record events; use taylor or polhode.truth()", solved.method));
     return *method;
 }

@@ -34,7 +34,7 @@ ContactErrors measure_contacts(const Method& method, const Problem& problem, con
     if (has_sphere_contacts(problem.scene)) return result;  // the error of their events is not measured
     EventComparison compared = compare_impacts(trajectory, reference);
     // a method of this program, not a user-defined one
-    const bool records_events = follows_events(method) && find_method(method.name) == &method;
+    const bool records_events = follows_contacts(method) && find_method(method.name) == &method;
     if (records_events) {
         const std::vector<ContactEvent> events = reference_events(problem.scene, settings.samples);
         // without contact modes there is no record

@@ -210,7 +210,7 @@ TEST(Planes, AreUnsupportedByMethodsThatKnowNone) {
         // some support only inelastic impacts
         const bool bounces = !method->planes || refusal(*method, elastic).empty();
         const Trajectory run = solve(bouncing(bounces ? 1 : 0, 0.1), *method, {});
-        EXPECT_EQ(run.status == Status::unsupported, !method->planes && !follows_events(*method))
+        EXPECT_EQ(run.status == Status::unsupported, !method->planes && !follows_contacts(*method))
             << method->name << ": " << run.message;
     }
 }

@@ -70,6 +70,26 @@ TEST(IdaMechanism, ColoursGiveTheWholeJacobian) {
     }
 }
 
+TEST(IdaMechanism, ProjectionClosesJointsAndRemovesTheirVelocityErrors) {
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        const Scene scene = random_tree(seed, 6, seed % 2 == 0);
+        const System<double> system(scene, jointed_start<double>(scene));
+        const ConstrainedEquations<double> equations(system, Index::two);
+        std::vector<double> y(static_cast<std::size_t>(system.dimension()));
+        system.initial(y.data());
+        Dice dice(seed);
+        for (double& component : y) component += 1e-3 * dice.number();
+        const JointGap<double> open = system.gap(y.data());
+        EXPECT_GT(open.point, 1e-4);
+        EXPECT_GT(open.velocity, 1e-4);
+        equations.project(y.data());
+        const JointGap<double> closed = system.gap(y.data());
+        EXPECT_LT(closed.point, 1e-13) << seed;
+        EXPECT_LT(closed.turn, 1e-13) << seed;
+        EXPECT_LT(closed.velocity, 1e-12) << seed;
+    }
+}
+
 Trajectory run(const Scene& scene, const char* method, double tolerance, bool reactions = false) {
     Problem problem = pose(scene);
     problem.reactions = reactions;

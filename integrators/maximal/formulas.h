@@ -1,4 +1,4 @@
-// The formula loads of a mechanism in maximal coordinates (integrators/maximal), over any scalar. The inputs of the
+// The formula loads of a mechanism in maximal coordinates, over any scalar. The inputs of the
 // formulas and their forces are computed independently of motion/formula_tree.h; the operations of the formulas are the
 // same.
 #pragma once
@@ -8,15 +8,15 @@
 #include "integrators/maximal/system.h"
 #include "motion/formula_tree.h"
 
-namespace polhode::truth {
+namespace polhode::maximal {
 
 template <class P>
-class MaximalFormulas {
+class Formulas {
     using System = maximal::System<P>;
 
   public:
     /// `system`: of the same scene, which must outlive this object. Later calls may pass another one of this scene.
-    MaximalFormulas(const Scene& scene, const System& system)
+    Formulas(const Scene& scene, const System& system)
         : scene_(&scene),
           terms_(compile_formulas(scene, scene.name),
                  mechanism_formula_constants<P>(scene, bodies_mass_properties<P>(scene))),
@@ -163,4 +163,4 @@ class MaximalFormulas {
     }
 };
 
-}  // namespace polhode::truth
+}  // namespace polhode::maximal

@@ -1,6 +1,8 @@
-// Second formulation of a mechanism with limits and friction of joints, written independently: every body in maximal
-// coordinates (integrators/maximal). A joint that is held has a row of constraints for its coordinate; the multiplier
-// is the force that holds it. Impulses act on the momenta of all bodies and are propagated by the joints' multipliers.
+// Second formulation of a mechanism with limits and friction of joints, written independently of joint_tree_form.h:
+// every body in maximal coordinates (integrators/maximal). The truth verifies the first formulation by it, and IDA's
+// methods solve it (constrained_joint_form.h). A joint that is held has a row of constraints for its coordinate; the
+// multiplier is the force that holds it. Impulses act on the momenta of all bodies and are propagated by the joints'
+// multipliers.
 //
 // State: that of maximal::System, then the coordinates of the joints with limits or friction, integrated from their
 // rates, the time and the variables of the formulas where needed, and the time integrals of the forces that hold joints
@@ -15,35 +17,39 @@
 #include "integrators/contact/contact_state.h"
 #include "integrators/contact/joint_events.h"
 #include "integrators/contact/prescribed_motions.h"
+#include "integrators/maximal/formulas.h"
 #include "integrators/maximal/system.h"
-#include "integrators/truth/maximal_formulas.h"
-#include "integrators/truth/motion.h"
 
-namespace polhode::truth {
+namespace polhode::contact {
 
 template <class P>
 class JointMaximalForm {
   public:
     static constexpr const char* name = "maximal coordinates";
     using System = maximal::System<P>;
+    using Motions = std::vector<BodyMotion<P>>;
 
-    /// `start`: motions of the bodies at t = 0; `coordinates`: of the joints. The scene must outlive the form.
-    JointMaximalForm(const Scene& scene, Motions<P> start, std::vector<std::array<P, 2>> coordinates)
+    /// `start`: motions of the bodies at t = 0; `coordinates`: of the joints. `counted`: joints whose coordinates are
+    /// in the state of the bodies' equations. The scene must outlive the form.
+    JointMaximalForm(const Scene& scene, Motions start, std::vector<std::array<P, 2>> coordinates,
+                     std::vector<int> counted = {})
         : scene_(&scene),
           start_(std::move(start)),
           coordinates_(std::move(coordinates)),
-          joints_(contact::event_joints<P>(scene)),
+          counted_(std::move(counted)),
+          joints_(event_joints<P>(scene)),
           motions_(scene),
           driven_(joints_with_motions(motions_)),
-          free_(scene, start_, std::span<const std::array<P, 2>>(coordinates_), maximal::LoopRows::shortest, driven_) {
+          free_(scene, start_, std::span<const std::array<P, 2>>(coordinates_), maximal::LoopRows::shortest, driven_,
+                counted_) {
         if (has_formula_loads(scene)) formulas_.emplace(scene, free_);
     }
 
-    const std::vector<contact::EventJoint<P>>& joints() const { return joints_; }
+    const std::vector<EventJoint<P>>& joints() const { return joints_; }
     std::vector<P> initial() const {
         std::vector<P> y(static_cast<std::size_t>(free_.dimension()));
         free_.initial(y.data());
-        for (const contact::EventJoint<P>& one : joints_) y.push_back(coordinates_[one.joint][0]);
+        for (const EventJoint<P>& one : joints_) y.push_back(coordinates_[one.joint][0]);
         y.resize(static_cast<std::size_t>(base_dimension()), P(0));
         return y;
     }
@@ -71,7 +77,7 @@ class JointMaximalForm {
         if (formulas_) hold_for_formulas(held);
         arguments_ = formulas_ ? terms().active_switches().size() : 0;
         system_.emplace(*scene_, start_, std::span<const std::array<P, 2>>(coordinates_), maximal::LoopRows::shortest,
-                        locked);
+                        locked, counted_);
         system_->select_loads(begin_);
         for (std::size_t e = 0; e < joints_.size(); ++e) system_->add_motor(joints_[e].joint, forces[e]);
     }
@@ -117,7 +123,7 @@ class JointMaximalForm {
     std::vector<P> rates(const P* y) const {
         const std::vector<maximal::Placement<P>> at = free_.placements(y);
         std::vector<P> all;
-        for (const contact::EventJoint<P>& one : joints_)
+        for (const EventJoint<P>& one : joints_)
             all.push_back(free_.view(free_.mechanism().links[one.joint], at).rates()[0]);
         return all;
     }
@@ -140,9 +146,9 @@ class JointMaximalForm {
     /// The rate is a function of momenta, which remain as they are; it is zero up to rounding.
     void stop(std::size_t, P*) const {}
 
-    Motions<P> motion(const P* y) const {
-        Motions<P> all = free_.motions(y);
-        for (Motion<P>& body : all) body.q = normalized(body.q);
+    Motions motion(const P* y) const {
+        Motions all = free_.motions(y);
+        for (BodyMotion<P>& body : all) body.q = normalized(body.q);
         return all;
     }
     std::vector<Reaction<P>> reactions(const P* y) const {
@@ -155,8 +161,8 @@ class JointMaximalForm {
         return formulas_->reactions(*system_, values, y, multipliers.data());
     }
 
-    std::vector<contact::Block> blocks(const Scales& scales) const {
-        std::vector<contact::Block> all;
+    std::vector<Block> blocks(const Scales& scales) const {
+        std::vector<Block> all;
         const maximal::Mechanism<P>& mechanism = free_.mechanism();
         for (int b = 0; b < mechanism.world(); ++b) {
             const int first = free_.place(b);
@@ -174,20 +180,34 @@ class JointMaximalForm {
         return all;
     }
 
+  protected:
+    const Scene& scene() const { return *scene_; }
+    /// The equations without locks of held joints, and those of the selected mode.
+    const System& free_system() const { return free_; }
+    const System& mode_system() const { return *system_; }
+    const PrescribedMotions<P>& prescribed() const { return motions_; }
+    double mode_begin() const { return begin_; }
+    /// The loads given by formulas, or null, and their variables in a state.
+    const maximal::Formulas<P>* formulas() const { return formulas_ ? &*formulas_ : nullptr; }
+    std::vector<P> formula_variables(const P* y) const { return {y + time() + 1, y + motion_variables()}; }
+    /// Index of the time in the state, if motions are prescribed or loads are formulas.
+    int time() const { return free_.dimension() + static_cast<int>(joints_.size()); }
+    bool has_time() const { return formulas_ || !driven_.empty(); }
+
   private:
     const Scene* scene_;
-    Motions<P> start_;
+    Motions start_;
     std::vector<std::array<P, 2>> coordinates_;
-    std::vector<contact::EventJoint<P>> joints_;
-    contact::PrescribedMotions<P> motions_;
+    std::vector<int> counted_;
+    std::vector<EventJoint<P>> joints_;
+    PrescribedMotions<P> motions_;
     std::vector<int> driven_;       // joints with prescribed motions
     System free_;                   // no joint is held; driven joints are locked
     std::optional<System> system_;  // the equations in the current mode
-    std::optional<MaximalFormulas<P>> formulas_;
+    std::optional<maximal::Formulas<P>> formulas_;
     double begin_ = 0;
     std::size_t held_ = 0, arguments_ = 0;
 
-    bool has_time() const { return formulas_ || !driven_.empty(); }
     // index of the first variable of prescribed motions
     int motion_variables() const {
         return time() + (has_time() ? 1 : 0) + (formulas_ ? formulas_->terms().auxiliaries() : 0);
@@ -219,7 +239,7 @@ class JointMaximalForm {
         return all;
     }
 
-    static std::vector<int> joints_with_motions(const contact::PrescribedMotions<P>& motions) {
+    static std::vector<int> joints_with_motions(const PrescribedMotions<P>& motions) {
         std::vector<int> all;
         for (std::size_t k = 0; k < motions.size(); ++k) all.push_back(static_cast<int>(motions.joint(k)));
         return all;
@@ -242,8 +262,6 @@ class JointMaximalForm {
     std::size_t first_lock() const {
         return scene_->joints.size() + scene_->loops.size() + 2 * scene_->couplings.size();
     }
-    // Index of the time in the state, if motions are prescribed.
-    int time() const { return free_.dimension() + static_cast<int>(joints_.size()); }
     // The rates of the state without functions. Returns the multipliers. Like System::rates(), with the accelerations
     // of driven joints in place of zero, and with formulas.
     template <class S>
@@ -284,4 +302,4 @@ class JointMaximalForm {
     }
 };
 
-}  // namespace polhode::truth
+}  // namespace polhode::contact

@@ -3,6 +3,11 @@
 // VariedTree is the tree whose constants are dual numbers, with the scene's formula loads (motion/formula_tree.h);
 // TreeConstants lists the constants of a tree in a fixed order, so that those of three trees can be paired.
 // VariationalRun integrates and samples.
+//
+// Where the equations change at a time T that depends on p, S jumps by (f- - f+) dT/dp, with the rates f- before and f+
+// after T. At an event given by its time, such as an impulse, dT/dp is that of the time, and the change between f- and
+// f+ applies to y + f- dT. A switch of a formula changes where its argument g reaches the threshold: dT/dp =
+// -(dg/dp) / (dg/dt) at constant t (Hairer, Norsett & Wanner 1993, Solving Ordinary Differential Equations I, II.6).
 #include "integrators/analysis/sensitivity.h"
 
 #include <fmt/format.h>
@@ -10,7 +15,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -19,6 +26,7 @@
 #include "integrators/run/processor_time.h"
 #include "motion/dual.h"
 #include "motion/formula_mechanism.h"
+#include "motion/formula_switches.h"
 #include "motion/formula_tree.h"
 #include "motion/itinerary.h"
 #include "motion/mechanism.h"
@@ -139,7 +147,8 @@ struct ExactTree {
     explicit ExactTree(const Scene& any)
         : scene(as_mechanism(any)),
           form(scene, compile_formulas(scene, scene.name), bodies_mass_properties<Wide>(scene)),
-          start(any.initial) {
+          start(any.initial),
+          times(event_times(any)) {
         rates_in_world = any.pivot && start.angular_velocity_frame == Frame::world;
     }
 
@@ -159,6 +168,7 @@ struct ExactTree {
     Scene scene;
     FormulaTree<Wide> form;
     Initial start;
+    std::vector<double> times;    // of events, s
     bool rates_in_world = false;  // a pivoted body whose initial angular velocity is given in world axes
 };
 
@@ -186,7 +196,8 @@ class VariedTree {
     // Why the derivative does not exist; empty if it does.
     const std::string& fault() const { return fault_; }
     const Tree<Varied>& tree() const { return form_.tree(); }
-    void derivative(const Varied* y, Varied* dy) const { form_.derivative(y, dy); }
+    // With the branches of the current signs of switches.
+    void derivative(const Varied* y, Varied* dy) const { form_.derivative_by(y, dy, true); }
 
     std::vector<Varied> initial() {
         std::vector<Varied> y = varied(base_.initial());
@@ -196,33 +207,67 @@ class VariedTree {
         return y;
     }
 
-    // Applies the impulses at t (s) to y, and sets the loads that act from then on.
-    void enter(double t, std::vector<Varied>& y) {
-        apply_impulses(t, y);
-        y[static_cast<std::size_t>(form_.time_index())] = Varied(t);
-        form_.terms().enter(t);
-        if (form_.terms().holds() > 0) {
-            fault_ = "values of formulas that are held are not supported";
-            return;
+    // Processes the event at the start of a leg: applies its impulses to y, sets the loads that act from then on, and
+    // samples the values that are held.
+    void enter(const Leg& leg, std::vector<Varied>& y) {
+        const std::array<double, columns> shift = shifts_of(leg.index);
+        const bool shifts = shift != std::array<double, columns>{};
+        if (shifts) add_motion(y, shift, 1);
+        apply_impulses(leg, y);
+        const std::size_t time = static_cast<std::size_t>(form_.time_index());
+        y[time] = Varied(leg.begin);
+        y[time].slope = shift;
+        set_loads(leg);
+        if (!fault_.empty()) return;
+        form_.terms().sample(
+            leg.begin, [&] { return form_.formula_state(y.data()); }, y.data() + time + 1);
+        std::vector<double> values = values_of(y);
+        FormulaSwitches<FormulaTree<double>>(rounded_, base_.scene.duration).resolve_signs(values.data());
+        copy_signs();
+        if (shifts) add_motion(y, shift, -1);
+        y[time].slope = {};
+        require_distance(y);
+    }
+
+    // Switches of the formulas that act, under the current signs.
+    bool has_switches() const { return !form_.terms().active_switches().empty(); }
+    // For each, the distance of its argument from the threshold on its present side, with the derivative at constant
+    // time; infinite if it stays there.
+    std::vector<Varied> distances(const std::vector<Varied>& y) const {
+        std::vector<Varied> all = form_.switch_arguments(y.data());
+        const std::vector<int>& active = form_.terms().active_switches();
+        for (std::size_t k = 0; k < active.size(); ++k) {
+            const double sign = form_.terms().sign(active[k]);
+            all[k] = sign == 0 ? Varied(std::numeric_limits<double>::infinity())
+                               : sign * (all[k] - form_.terms().switch_threshold(active[k]));
         }
-        if (form_.terms().has_switches()) {
-            fault_ = "loads given by formulas that switch are not supported";
-            return;
+        return all;
+    }
+    // Changes the sign of the k-th of them at the state y, at which its argument is at the threshold. Returns why the
+    // motion or its derivative does not continue, or an empty string.
+    std::string cross(std::size_t k, std::vector<Varied>& y) {
+        const int which = form_.terms().active_switches()[k];
+        const Varied distance = distances(y)[k];
+        std::vector<double> values = values_of(y);
+        const double approach = form_.terms().sign(which) * rounded_.switch_rate(which, values.data());
+        const std::vector<double> before = rates_of(values);
+        const std::string fault = FormulaSwitches<FormulaTree<double>>(rounded_, 0).cross(which, values.data());
+        copy_signs();
+        if (!fault.empty()) return fault;
+        if (approach == 0)
+            return fmt::format("the argument of \"{}\" only touches its threshold", form_.terms().switch_text(which));
+        const std::vector<double> after = rates_of(values);
+        for (std::size_t c = 0; c < columns; ++c) {
+            const double shift = -distance.slope[c] / approach;
+            for (std::size_t i = 0; i < y.size(); ++i) y[i].slope[c] += (before[i] - after[i]) * shift;
         }
-        auto& rounded = const_cast<Tree<double>&>(rounded_.tree());  // NOLINT
-        rounded.convert_loads(base_.tree().loads_at(base_.scene, t));
-        LinkLoads<Varied> loads = cast<Varied>(rounded.loads());
-        TreeConstants<Varied> constants;
-        constants.add(loads);
-        set_slopes(constants, [&](const ExactTree& side) { return constants_of(side.tree().loads_at(side.scene, t)); });
-        const_cast<Tree<Varied>&>(tree()).convert_loads(loads);  // NOLINT
+        return "";
     }
 
     // Projects y onto the closed loops.
     void project(std::vector<Varied>& y) const {
         if (!tree().has_loops()) return;
-        std::vector<double> values;
-        for (const Varied& number : y) values.push_back(number.value);
+        std::vector<double> values = values_of(y);
         rounded_.tree().project(values.data());
         for (std::size_t i = 0; i < y.size(); ++i) y[i].value = values[i];
     }
@@ -268,11 +313,63 @@ class VariedTree {
         }
     }
 
-    void apply_impulses(double t, std::vector<Varied>& y) const {
+    static std::vector<double> values_of(const std::vector<Varied>& y) {
+        std::vector<double> values;
+        for (const Varied& number : y) values.push_back(number.value);
+        return values;
+    }
+    std::vector<double> rates_of(const std::vector<double>& y) const {
+        std::vector<double> dy(y.size());
+        rounded_.derivative_by(y.data(), dy.data(), true);
+        return dy;
+    }
+    // The derivatives of the time of an event.
+    std::array<double, columns> shifts_of(std::size_t event) const {
+        std::array<double, columns> all{};
+        for (std::size_t c = 0; c < sides_.size(); ++c)
+            all[c] = (sides_[c].ahead.times[event] - sides_[c].behind.times[event]) / sides_[c].by;
+        return all;
+    }
+    // Adds `factor` times the present motion over the shifts of an event's time to the derivatives.
+    void add_motion(std::vector<Varied>& y, const std::array<double, columns>& shift, double factor) const {
+        const std::vector<double> rates = rates_of(values_of(y));
+        for (std::size_t i = 0; i < y.size(); ++i)
+            for (std::size_t c = 0; c < columns; ++c) y[i].slope[c] += factor * shift[c] * rates[i];
+    }
+    void set_loads(const Leg& leg) {
+        rounded_.tree().convert_loads(base_.tree().loads_at(base_.scene, leg.begin));
+        rounded_.terms().enter(leg.begin);
+        form_.terms().enter(leg.begin);
+        LinkLoads<Varied> loads = cast<Varied>(rounded_.tree().loads());
+        TreeConstants<Varied> constants;
+        constants.add(loads);
+        set_slopes(constants, [&](const ExactTree& side) {
+            return constants_of(side.tree().loads_at(side.scene, side.times[leg.index]));
+        });
+        form_.tree().convert_loads(loads);
+    }
+    void copy_signs() {
+        const int count = static_cast<int>(form_.terms().set().expression.switches().size());
+        for (int which = 0; which < count; ++which) form_.terms().set_sign(which, rounded_.terms().sign(which));
+    }
+    // A motion that stays at the threshold of a switch leaves it with a change of a number.
+    void require_distance(const std::vector<Varied>& y) {
+        const std::vector<Varied> arguments = form_.switch_arguments(y.data());
+        const std::vector<int>& active = form_.terms().active_switches();
+        for (std::size_t k = 0; k < active.size(); ++k) {
+            if (form_.terms().sign(active[k]) != 0) continue;
+            const Varied distance = arguments[k] - form_.terms().switch_threshold(active[k]);
+            if (std::ranges::any_of(distance.slope, [](double slope) { return slope != 0; }))
+                fault_ = fmt::format("the argument of \"{}\" stays at its threshold, where the derivative jumps",
+                                     form_.terms().switch_text(active[k]));
+        }
+    }
+
+    void apply_impulses(const Leg& leg, std::vector<Varied>& y) const {
         std::vector<Wide> values;
         for (const Varied& number : y) values.push_back(Wide(number.value));
         std::vector<Wide> after = values;
-        if (!base_.tree().apply_impulses(base_.scene, t, after.data())) return;
+        if (!base_.tree().apply_impulses(base_.scene, leg.begin, after.data())) return;
         for (std::size_t i = 0; i < y.size(); ++i) y[i].value = static_cast<double>(after[i]);
         for (std::size_t c = 0; c < sides_.size(); ++c) {
             const Side& side = sides_[c];
@@ -281,8 +378,8 @@ class VariedTree {
                 const Wide change = Wide(side.by) / 2 * Wide(y[i].slope[c]);
                 ahead[i] += change, behind[i] -= change;
             }
-            side.ahead.tree().apply_impulses(side.ahead.scene, t, ahead.data());
-            side.behind.tree().apply_impulses(side.behind.scene, t, behind.data());
+            side.ahead.tree().apply_impulses(side.ahead.scene, side.ahead.times[leg.index], ahead.data());
+            side.behind.tree().apply_impulses(side.behind.scene, side.behind.times[leg.index], behind.data());
             for (std::size_t i = 0; i < y.size(); ++i)
                 y[i].slope[c] = static_cast<double>((ahead[i] - behind[i]) / Wide(side.by));
         }
@@ -302,7 +399,7 @@ class VariationalRun {
         : scales_(scales_of(problem)), tree_(tree), tolerance_(tolerance), limits_(limits), y_(tree.initial()) {}
 
     void enter(const Leg& leg) {
-        tree_.enter(leg.begin, y_);
+        tree_.enter(leg, y_);
         t_ = leg.begin;
         if (h_ == 0) h_ = (leg.end - leg.begin) / 1000;
     }
@@ -333,10 +430,12 @@ class VariationalRun {
                 if (t_ + h_ == t_) return fail("the step size is below the spacing of numbers");
                 continue;
             }
-            t_ = last ? stop : t_ + h;
             h_ = last ? std::max(h_, next) : next;
+            const std::optional<Crossing> crossing = find_crossing(h);
+            t_ = crossing ? t_ + crossing->after : last ? stop : t_ + h;
             y_ = next_;
             tree_.project(y_);
+            if (crossing && !cross(crossing->which)) return false;
         }
         return true;
     }
@@ -352,6 +451,75 @@ class VariationalRun {
     std::array<State, dop853_stages> rates_;
     double t_ = 0, h_ = 0;  // s
     std::string fault_;
+
+    // The end of a step at a switch.
+    struct Crossing {
+        std::size_t which = 0;
+        double after = 0;  // s, from the start of the step
+    };
+    static constexpr long most_crossings = 100'000;
+    long crossings_ = 0;
+
+    // Finds the first switch whose argument is beyond its threshold at the end of the step h, and repeats the step up
+    // to there. Two crossings of one switch within a step are not found.
+    std::optional<Crossing> find_crossing(double h) {
+        if (!tree_.has_switches()) return {};
+        const std::vector<Varied> from = tree_.distances(y_), to = tree_.distances(next_);
+        std::optional<Crossing> first;
+        for (std::size_t k = 0; k < to.size(); ++k) {
+            double high = h, at_high = to[k].value;
+            if (first) {
+                attempt(high = first->after);
+                at_high = tree_.distances(next_)[k].value;
+            }
+            if (at_high < 0) first = Crossing{k, locate(k, from[k].value, high, at_high)};
+        }
+        if (first) attempt(first->after);
+        return first;
+    }
+    // Locates the zero of a distance that is `at_high` < 0 at `high`, to the spacing of times, by false position with
+    // halved weights (M. Dowell & P. Jarratt 1971, BIT 11, 168).
+    double locate(std::size_t which, double at_low, double high, double at_high) {
+        const auto distance = [&](double h) {
+            attempt(h);
+            return tree_.distances(next_)[which].value;
+        };
+        double low = 0;
+        // after a crossing the step starts at the threshold
+        constexpr int halvings = 60;
+        for (int i = 0; i < halvings && !(at_low > 0); ++i) {
+            const double middle = high / 2, value = distance(middle);
+            if (value > 0)
+                low = middle, at_low = value;
+            else
+                high = middle, at_high = value;
+        }
+        if (!(at_low > 0)) return high;
+        const double spacing = 2 * std::numeric_limits<double>::epsilon() * std::max(t_, high);
+        int side = 0;
+        while (high - low > spacing) {
+            double middle = (low * at_high - high * at_low) / (at_high - at_low);
+            if (!(middle > low && middle < high)) middle = low + (high - low) / 2;
+            if (!(middle > low && middle < high)) break;
+            const double value = distance(middle);
+            if (value > 0) {
+                low = middle, at_low = value;
+                if (side == 1) at_high /= 2;
+                side = 1;
+            } else {
+                high = middle, at_high = value;
+                if (side == -1) at_low /= 2;
+                side = -1;
+            }
+            if (value == 0) break;
+        }
+        return high;
+    }
+    bool cross(std::size_t which) {
+        if (++crossings_ > most_crossings) return fail("too many switches");
+        const std::string fault = tree_.cross(which, y_);
+        return fault.empty() || fail(fault);
+    }
 
     // The scales of the tree's components, then of the time and of auxiliaries, which these equations do not use.
     static std::vector<double> scales_of(const Problem& problem) {
@@ -498,10 +666,11 @@ Sensitivities sensitivities(const Scene& scene, std::span<const SceneChange> cha
         return result;
     }
     require_times(times, scene.duration);
+    const std::size_t events = event_times(scene).size();
     for (const SceneChange& change : changes)
-        if (event_times(change.ahead) != event_times(scene) || event_times(change.behind) != event_times(scene)) {
+        if (event_times(change.ahead).size() != events || event_times(change.behind).size() != events) {
             result.status = Status::unsupported;
-            result.message = "derivatives with respect to the time of an event are not supported";
+            result.message = "the order of events changes with it";
             return result;
         }
     const Problem problem = pose(as_mechanism(scene));

@@ -78,6 +78,8 @@ class FormulaCompiler {
             add_mechanism();
         else
             add_state();
+        // definitions may use the quantities of the only body without its name
+        if (scene_.bodies.size() == 1 && bodies_.contains(0)) select_body(0);
         for (const FormulaTable& table : scene_.tables)
             scope_.tables[table.name] = {table.x, table.y, table.between == TableInterpolation::cubic};
         for (const FormulaDefinition& definition : scene_.let)

@@ -150,14 +150,15 @@ def sensitivity(
     """Computes the derivatives of a motion with respect to numbers of the scene.
 
     The variational equation is integrated on dual numbers together with the motion, so that derivatives have the
-    accuracy of the motion: no step size of differences limits it. Impulses are differentiated. A number of a
+    accuracy of the motion: no step size of differences limits it. At impulses, the ends of windows, sampling times and
+    switches of formulas, the derivatives jump as the time of the event changes with the number. A number of a
     normalised quantity (a quaternion, an axis) acts through the normalisation. For an off-diagonal number of an
     inertia matrix, both entries change.
 
     Parameters
     ----------
     scene : scene, str, path or mapping
-        A scene of one or several bodies, without planes, user-defined torques, and formulas that switch.
+        A scene of one or several bodies, without planes, user-defined torques, and limits and friction of joints.
     with_respect_to : sequence of str
         JSON pointers of numbers that the scene contains, such as "/body/inertia/0" or "/loads/1/stiffness".
     times : array_like, optional

@@ -147,22 +147,118 @@ TEST(Sensitivities, OfAMotorGivenByAFormula) {
     EXPECT_NEAR(derivative(found, 0, rate_z, 0), -4 / 0.5 * std::exp(-0.8 / 0.5), 1e-11);
 }
 
+// A body in uniform motion until x = X, then with the acceleration a: with T = X/v0, x = v0 t + a (t - T)^2 / 2.
+TEST(Sensitivities, JumpAtASwitchOfAFormula) {
+    const Scene scene = parse_scene(R"({"name": "line", "duration": 2, "body": {"mass": 1, "inertia": [1, 1, 1]},
+        "initial": {"velocity": [1.5, 0, 0]}, "parameters": {"a": 0.7, "X": 1.1},
+        "loads": [{"type": "force", "frame": "world", "formula": "[if(p.x < X, 0, a), 0, 0]"}]})",
+                                    "line.json");
+    const SceneChange changes[] = {change_of(scene, [](Scene& s) -> double& { return parameter(s, 0); }),
+                                   change_of(scene, [](Scene& s) -> double& { return parameter(s, 1); }),
+                                   change_of(scene, [](Scene& s) -> double& { return s.initial.velocity_W[0]; })};
+    const double t = 2, a = 0.7, X = 1.1, v0 = 1.5, T = X / v0;
+    const Sensitivities found = sensitivities(scene, changes, {0.5, t});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    EXPECT_EQ(derivative(found, 0, position_x, 1), 0);
+    EXPECT_NEAR(derivative(found, 0, position_x, 2), 0.5, 1e-12);
+    EXPECT_NEAR(derivative(found, 1, position_x, 0), (t - T) * (t - T) / 2, 1e-12);
+    EXPECT_NEAR(derivative(found, 1, position_x, 1), -a * (t - T) / v0, 1e-12);
+    EXPECT_NEAR(derivative(found, 1, velocity_x, 1), -a / v0, 1e-12);
+    EXPECT_NEAR(derivative(found, 1, position_x, 2), t + a * (t - T) * T / v0, 1e-12);
+}
+
+// x'' = -sign(x) from x = A at rest. After n crossings, with r = sqrt(2 A) and s = t - (2 n - 1) r:
+// x = (-1)^n (r s - s^2 / 2).
+TEST(Sensitivities, PassManySwitches) {
+    const Scene scene = parse_scene(R"({"name": "oscillator", "duration": 10, "body": {"mass": 1, "inertia": [1, 1, 1]},
+        "initial": {"position": [0.4, 0, 0]},
+        "loads": [{"type": "force", "frame": "world", "formula": "[-sign(p.x), 0, 0]"}]})",
+                                    "oscillator.json");
+    const SceneChange changes[] = {change_of(scene, [](Scene& s) -> double& { return s.initial.position_W[0]; })};
+    const std::vector<double> times{1.25, 4, 10};
+    const Sensitivities found = sensitivities(scene, changes, times);
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        const double r = std::sqrt(0.8), n = std::floor((times[k] / r + 1) / 2), s = times[k] - (2 * n - 1) * r;
+        const double sign = std::fmod(n, 2) == 1 ? -1 : 1;
+        EXPECT_NEAR(found.samples[k].position_W[0], sign * (r * s - s * s / 2), 1e-11);
+        // dr/dA = 1/r, ds/dA = -(2 n - 1)/r
+        EXPECT_NEAR(derivative(found, k, position_x, 0), sign * (s / r - (2 * n - 1) * (r - s) / r), 1e-10);
+    }
+}
+
+// A force that is held between sampling times: two steps of x_{k+1} = x_k + h v_k - g h^2 x_k / 2.
+TEST(Sensitivities, OfHeldValues) {
+    const Scene scene = parse_scene(R"({"name": "sampled", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]},
+        "initial": {"position": [1, 0, 0], "velocity": [0.3, 0, 0]}, "parameters": {"g": 0.8},
+        "loads": [{"type": "force", "frame": "world", "formula": "[-g*p.x, 0, 0]", "hold": 0.5}]})",
+                                    "sampled.json");
+    const SceneChange changes[] = {change_of(scene, [](Scene& s) -> double& { return parameter(s, 0); }),
+                                   change_of(scene, [](Scene& s) -> double& { return s.initial.position_W[0]; })};
+    const Sensitivities found = sensitivities(scene, changes, {1});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    const double h = 0.5, g = 0.8, x0 = 1, v0 = 0.3, x1 = x0 + h * v0 - g * h * h * x0 / 2;
+    const double x1_g = -h * h * x0 / 2, v1_g = -h * x0;
+    EXPECT_NEAR(derivative(found, 0, position_x, 0), x1_g + h * v1_g - h * h * (x1 + g * x1_g) / 2, 1e-13);
+    EXPECT_NEAR(derivative(found, 0, velocity_x, 0), v1_g - h * (x1 + g * x1_g), 1e-13);
+    const double x1_x = 1 - g * h * h / 2, v1_x = -g * h;
+    EXPECT_NEAR(derivative(found, 0, position_x, 1), x1_x + h * v1_x - g * h * h * x1_x / 2, 1e-13);
+}
+
+// The puck of OfAnImpulseAndDrag by the time of its impulse, and a rotor by the end of its torque.
+TEST(Sensitivities, ByTheTimesOfEvents) {
+    Scene puck;
+    puck.name = "puck", puck.duration = 2;
+    puck.body.mass = 2;
+    puck.initial.velocity_W = {3, 0, 0};
+    puck.loads.push_back(Drag{{}, 0.5, {}});
+    puck.loads.push_back(Impulse{{4, 0, 0}, Frame::world, {}, Frame::body, 0.5});
+    const SceneChange of_puck[] = {
+        change_of(puck, [](Scene& s) -> double& { return std::get<Impulse>(s.loads[1]).at; })};
+    const Sensitivities hit = sensitivities(puck, of_puck, {0.25, 2});
+    ASSERT_EQ(hit.status, Status::ok) << hit.message;
+    const double decay = std::exp(-0.5 * 1.5 / 2);
+    EXPECT_EQ(derivative(hit, 0, position_x, 0), 0);
+    EXPECT_NEAR(derivative(hit, 1, velocity_x, 0), 4.0 / 2 * 0.5 / 2 * decay, 1e-12);
+    EXPECT_NEAR(derivative(hit, 1, position_x, 0), -4.0 / 2 * decay, 1e-12);
+
+    Scene rotor;
+    rotor.name = "rotor", rotor.duration = 1;
+    rotor.body.inertia_B = diagonal(Vector3<double>(1, 1, 1.5));
+    rotor.loads.push_back(Torque{{0, 0, 1}, Frame::body, {0.25, 0.75}});
+    const SceneChange of_rotor[] = {
+        change_of(rotor, [](Scene& s) -> double& { return std::get<Torque>(s.loads[0]).window.from; }),
+        change_of(rotor, [](Scene& s) -> double& { return std::get<Torque>(s.loads[0]).window.until; })};
+    const Sensitivities turned = sensitivities(rotor, of_rotor, {1});
+    ASSERT_EQ(turned.status, Status::ok) << turned.message;
+    // rate = (until - from) / I,  angle = (until - from) (t - (from + until) / 2) / I
+    EXPECT_NEAR(derivative(turned, 0, rate_z, 0), -1 / 1.5, 1e-12);
+    EXPECT_NEAR(derivative(turned, 0, rate_z, 1), 1 / 1.5, 1e-12);
+    EXPECT_NEAR(derivative(turned, 0, rotation_z, 0), -(1 - 0.25) / 1.5, 1e-12);
+    EXPECT_NEAR(derivative(turned, 0, rotation_z, 1), (1 - 0.75) / 1.5, 1e-12);
+}
+
 TEST(Sensitivities, RefuseWhatTheyDoNotSupport) {
     Scene scene;
     scene.name = "body", scene.duration = 1;
-    scene.loads.push_back(Torque{{0, 0, 1}, Frame::body, {0.25, 0.75}});
+    scene.loads.push_back(Torque{{0, 0, 1}, Frame::body, {0, 0.75}});
     const SceneChange changes[] = {
-        change_of(scene, [](Scene& s) -> double& { return std::get<Torque>(s.loads[0]).window.until; })};
-    EXPECT_EQ(sensitivities(scene, changes, {1}).status, Status::unsupported);
+        change_of(scene, [](Scene& s) -> double& { return std::get<Torque>(s.loads[0]).window.from; })};
+    // an event at the start becomes a later one
+    EXPECT_EQ(sensitivities(scene, changes, {1}).message, "the order of events changes with it");
     EXPECT_THROW(sensitivities(scene, {}, {0.5, 0.5}), std::invalid_argument);
     EXPECT_THROW(sensitivities(scene, {}, {2}), std::invalid_argument);
     EXPECT_EQ(sensitivities(scene, {}, {1}, {.max_steps = 1}).status, Status::failed);
     scene.planes.push_back({});
     EXPECT_EQ(sensitivities(scene, {}, {1}).status, Status::unsupported);
-    const Scene switching = parse_scene(R"({"name": "limited", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]},
-        "loads": [{"type": "torque", "frame": "body", "formula": "[clamp(1 - w.x, -0.1, 0.1), 0, 0]"}]})",
-                                        "limited.json");
-    EXPECT_EQ(sensitivities(switching, {}, {1}).message, "loads given by formulas that switch are not supported");
+    const Scene chattering = parse_scene(R"({"name": "dry", "duration": 1, "body": {"mass": 1, "inertia": [1, 1, 1]},
+        "initial": {"velocity": [0.25, 0, 0]},
+        "loads": [{"type": "force", "frame": "world", "formula": "[-sign(v.x), 0, 0]"}]})",
+                                         "dry.json");
+    const Sensitivities ended = sensitivities(chattering, {}, {1});
+    EXPECT_EQ(ended.status, Status::failed);
+    EXPECT_NE(ended.message.find("chattering"), std::string::npos) << ended.message;
+    EXPECT_NE(ended.message.find("t = 0.25 s"), std::string::npos) << ended.message;
 }
 
 }  // namespace

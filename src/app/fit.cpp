@@ -1,5 +1,5 @@
 // polhode fit: fits numbers of a scene to measured motion.
-#include "integrators/analysis/fit.h"
+#include "integrators/fit/fit.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Derivatives of motions with respect to numbers of the scene.
-#include "integrators/analysis/sensitivity.h"
+#include "integrators/fit/scene_sensitivities.h"
 #include "python/bindings.h"
 
 namespace polhode::python {
@@ -19,7 +19,7 @@ py::tuple sensitivity_arrays(
     const std::vector<double> at(times.data(), times.data() + times.size());
     SensitivitySettings settings;
     settings.tolerance = tolerance, settings.seconds_limit = max_seconds;
-    Sensitivities found = call([&] { return sensitivities(scene.scene(), changes, at, settings); });
+    Sensitivities found = call([&] { return scene_sensitivities(scene.scene(), changes, at, settings); });
     std::vector<double> rows;
     for (const Sample& s : found.samples) {
         const Vector3<double> w = angular_velocity_W(s);

@@ -21,12 +21,6 @@ namespace {
 
 constexpr int digits_shown = 20;
 
-Wide power_of_ten(int exponent) {
-    Wide power = 1;
-    for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
-    return exponent < 0 ? 1 / power : power;
-}
-
 // The angle of a point of the plane, in (-pi, pi]: the binary64 result, corrected by the remaining angle.
 Wide angle_of(const Wide& sine, const Wide& cosine) {
     const Wide guess = std::atan2(static_cast<double>(sine), static_cast<double>(cosine));
@@ -198,21 +192,6 @@ void add_four_bar(FigureComparison& comparison, const figures::FourBarFigures& s
 }
 
 }  // namespace
-
-Wide parse_wide(std::string_view text) {
-    const std::size_t mark = text.find_first_of("eE");
-    int exponent = mark == text.npos ? 0 : std::stoi(std::string(text.substr(mark + 1)));
-    Wide value = 0;
-    bool fraction = false;
-    for (const char c : text.substr(0, mark)) {
-        if (c == '.') fraction = true;
-        if (c < '0' || c > '9') continue;
-        value = 10 * value + (c - '0');
-        if (fraction) --exponent;
-    }
-    value *= power_of_ten(exponent);
-    return text.starts_with('-') ? -value : value;
-}
 
 std::string format_wide(const Wide& value, int digits) {
     Wide rest = Elementary<Wide>::magnitude(value);

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "body/wide.h"
+#include "body/wide_decimal.h"
 
 namespace polhode {
 
@@ -24,9 +24,6 @@ struct PublishedFigure {
 /// All comparisons: Andrews' squeezing mechanism, Kane's babyboot, the double four-bar (mechanism_figures.h). `quick`:
 /// only the last one, whose motion is a pendulum's. `samples`: of the truths, so that cached ones can be used.
 std::vector<PublishedFigure> compare_figures(bool quick, long samples);
-
-/// Parses a decimal such as "-929.47" or "1e-3" in 128 bits, with a relative error of some 1e-33.
-Wide parse_wide(std::string_view text);
 
 /// Formats a number with `digits` significant digits, at most 30: positional from 1e-4 to 1e9, else scientific.
 std::string format_wide(const Wide& value, int digits);

@@ -151,14 +151,16 @@ def sensitivity(
 
     The variational equation is integrated on dual numbers together with the motion, so that derivatives have the
     accuracy of the motion: no step size of differences limits it. At impulses, the ends of windows, sampling times and
-    switches of formulas, the derivatives jump as the time of the event changes with the number. A number of a
+    switches of formulas, the derivatives jump as the time of the event changes with the number. With planes, or with
+    limits, friction or prescribed motions of joints, the derivatives are central differences of the reference in 34
+    digits, with errors of about 1e-20; this takes two references for each number. A number of a
     normalised quantity (a quaternion, an axis) acts through the normalisation. For an off-diagonal number of an
     inertia matrix, both entries change.
 
     Parameters
     ----------
     scene : scene, str, path or mapping
-        A scene of one or several bodies, without planes, user-defined torques, and limits and friction of joints.
+        A scene of one or several bodies, without user-defined torques.
     with_respect_to : sequence of str
         JSON pointers of numbers that the scene contains, such as "/body/inertia/0" or "/loads/1/stiffness".
     times : array_like, optional

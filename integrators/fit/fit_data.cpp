@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "integrators/analysis/fit.h"
+#include "integrators/fit/fit.h"
 #include "text/csv_lines.h"
 #include "text/decimal.h"
 #include "text/message.h"

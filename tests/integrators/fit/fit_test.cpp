@@ -1,5 +1,5 @@
 // Fits with a closed form, and what is refused. tests/python/test_sensitivity.py tests error bars on noisy data.
-#include "integrators/analysis/fit.h"
+#include "integrators/fit/fit.h"
 
 #include <gtest/gtest.h>
 

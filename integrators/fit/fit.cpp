@@ -1,4 +1,4 @@
-#include "integrators/analysis/fit.h"
+#include "integrators/fit/fit.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 #include "body/algebra.h"
 #include "body/mass_properties.h"
-#include "integrators/analysis/sensitivity.h"
+#include "integrators/fit/scene_sensitivities.h"
 #include "integrators/series/levenberg_marquardt.h"
 #include "text/message.h"
 
@@ -175,7 +175,7 @@ class FitProblem : public Eigen::DenseFunctor<double> {
         scene.duration = std::max(scene.duration, data_.times.back());
         SensitivitySettings settings;
         settings.tolerance = settings_.tolerance, settings.seconds_limit = settings_.seconds_limit;
-        const Sensitivities found = sensitivities(scene, changes, data_.times, settings);
+        const Sensitivities found = scene_sensitivities(scene, changes, data_.times, settings);
         if (found.status != Status::ok)
             throw InputError(scene.name, "", "the derivatives cannot be computed", found.message);
         return compare(found);

@@ -132,6 +132,7 @@ Scene as_mechanism(const Scene& scene) {
 
 std::string unsupported_part(const Scene& scene) {
     if (!scene.planes.empty()) return "impacts on planes are not supported";
+    if (!scene.contacts.empty()) return "contacts of spheres are not supported";
     for (const Joint& joint : scene.joints) {
         if (joint.friction != 0 || joint.limits.any()) return "friction and limits of joints are not supported";
         if (!joint.motion.empty()) return "prescribed motions of joints are not supported";

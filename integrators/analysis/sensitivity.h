@@ -49,9 +49,9 @@ struct Sensitivities {
 /// Computes the derivatives of the motion at the given times, s, which must increase from 0 or later to at most the
 /// scene's duration, with respect to the number that each change concerns. Solves the variational equation by DOP853,
 /// eight parameters in a pass. Where an event changes the equations, the derivatives jump, as its time depends on the
-/// number (switches of formulas, times of impulses, windows and samples). Unsupported: planes, limits and friction of
-/// joints, prescribed motions, and user-defined torques; failed: a motion that slides along a switching surface. Throws
-/// InputError if the scene is invalid, std::invalid_argument if the times are.
+/// number (switches of formulas, times of impulses, windows and samples). Unsupported: planes, contacts of spheres,
+/// limits and friction of joints, prescribed motions, and user-defined torques; failed: a motion that slides along a
+/// switching surface. Throws InputError if the scene is invalid, std::invalid_argument if the times are.
 Sensitivities sensitivities(const Scene& scene, std::span<const SceneChange> changes, const std::vector<double>& times,
                             const SensitivitySettings& settings = {});
 

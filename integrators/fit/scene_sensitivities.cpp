@@ -69,6 +69,7 @@ Sample sample_of(double t, const WideState& state) {
 
 std::string why_by_differences(const Scene& scene) {
     if (!scene.planes.empty()) return "the scene has planes";
+    if (!scene.contacts.empty()) return "spheres collide";
     for (const Joint& joint : scene.joints) {
         if (joint.friction != 0 || joint.limits.any()) return "joints have friction or limits";
         if (!joint.motion.empty()) return "joints have prescribed motions";

@@ -8,8 +8,9 @@
 
 namespace polhode {
 
-/// Why the derivatives of a scene's motion are those of the reference and not of the variational equation: planes, or
-/// limits, friction or prescribed motions of joints, whose events that equation does not follow. Empty otherwise.
+/// Why the derivatives of a scene's motion are those of the reference and not of the variational equation: planes,
+/// contacts of spheres, or limits, friction or prescribed motions of joints, whose events that equation does not
+/// follow. Empty otherwise.
 std::string why_by_differences(const Scene& scene);
 
 /// Computes the derivatives by central differences of the reference (truth/reference.h) in 34 digits. With a change of

@@ -85,6 +85,30 @@ TEST(SceneSensitivities, OfASliderWithFriction) {
     EXPECT_NEAR(entry(found, 0, place_x, 1), 1.5 * 1.5 / (2 * 3), 1e-13);
 }
 
+// A central impact of two spheres: the second one leaves with (1 + e) m1 v / (m1 + m2) at t = 1/v.
+TEST(SceneSensitivities, OfTwoSpheresThatCollide) {
+    const Scene scene = parse_scene(R"({"name": "balls", "duration": 2,
+        "bodies": [{"name": "first", "body": {"shape": {"type": "sphere", "radius": 0.25}, "mass": 3},
+                    "initial": {"position": [-1.5, 0, 0], "velocity": [2, 0, 0]}},
+                   {"name": "second", "body": {"shape": {"type": "sphere", "radius": 0.25}, "mass": 1}}],
+        "contacts": [{"all": true, "restitution": 0.5, "friction": 0}]})",
+                                    "balls.json");
+    const SceneChange changes[] = {
+        small_change_of(scene, [](Scene& s) -> double& { return s.contacts[0].restitution; }),
+        small_change_of(scene, [](Scene& s) -> double& { return s.bodies[0].initial.velocity_W[0]; })};
+    const Sensitivities found = scene_sensitivities(scene, changes, {2});
+    ASSERT_EQ(found.status, Status::ok) << found.message;
+    // the quantities of the second body follow those of the first
+    const auto of_second = [&](std::size_t quantity, std::size_t parameter) {
+        return entry(found, 1, quantity, parameter);
+    };
+    const double share = 3.0 / 4, v = 2, e = 0.5, T = 0.5, t = 2;
+    EXPECT_NEAR(of_second(speed_x, 0), share * v, 1e-13);
+    EXPECT_NEAR(of_second(place_x, 0), share * v * (t - T), 1e-13);
+    // x = (1 + e) share (v t - 1)
+    EXPECT_NEAR(of_second(place_x, 1), (1 + e) * share * t, 1e-13);
+}
+
 // The impact at t = 1/2 is later or earlier with another height: at that time the velocity has no derivative.
 TEST(SceneSensitivities, FailWhereThereIsNoDerivative) {
     const Scene scene = parse_scene(R"({"name": "ball", "duration": 1,

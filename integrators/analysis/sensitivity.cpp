@@ -131,15 +131,9 @@ Scene as_mechanism(const Scene& scene) {
 }
 
 std::string unsupported_part(const Scene& scene) {
-    if (!scene.planes.empty()) return "impacts on planes are not supported";
-    if (!scene.contacts.empty()) return "contacts of spheres are not supported";
-    for (const Joint& joint : scene.joints) {
-        if (joint.friction != 0 || joint.limits.any()) return "friction and limits of joints are not supported";
-        if (!joint.motion.empty()) return "prescribed motions of joints are not supported";
-    }
-    for (const Load& load : scene.loads) {
+    if (const std::string part = part_with_events(scene); !part.empty()) return part + " are not supported";
+    for (const Load& load : scene.loads)
         if (std::holds_alternative<UserTorque>(load)) return "user-defined torques are not supported";
-    }
     return "";
 }
 
@@ -656,6 +650,16 @@ void run_pass(const Scene& scene, const Problem& problem, std::span<const SceneC
 }
 
 }  // namespace
+
+std::string part_with_events(const Scene& scene) {
+    if (!scene.planes.empty()) return "impacts on planes";
+    if (!scene.contacts.empty()) return "contacts of spheres";
+    for (const Joint& joint : scene.joints) {
+        if (joint.friction != 0 || joint.limits.any()) return "friction and limits of joints";
+        if (!joint.motion.empty()) return "prescribed motions of joints";
+    }
+    return "";
+}
 
 Sensitivities sensitivities(const Scene& scene, std::span<const SceneChange> changes, const std::vector<double>& times,
                             const SensitivitySettings& settings) {

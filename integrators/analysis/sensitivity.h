@@ -46,6 +46,10 @@ struct Sensitivities {
     static constexpr std::size_t quantities = 12;
 };
 
+/// The part of a scene whose events sensitivities() does not follow: planes, contacts of spheres, limits, friction or
+/// prescribed motions of joints. Empty if there is none.
+std::string part_with_events(const Scene& scene);
+
 /// Computes the derivatives of the motion at the given times, s, which must increase from 0 or later to at most the
 /// scene's duration, with respect to the number that each change concerns. Solves the variational equation by DOP853,
 /// eight parameters in a pass. Where an event changes the equations, the derivatives jump, as its time depends on the

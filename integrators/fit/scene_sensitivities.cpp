@@ -67,16 +67,6 @@ Sample sample_of(double t, const WideState& state) {
 
 }  // namespace
 
-std::string why_by_differences(const Scene& scene) {
-    if (!scene.planes.empty()) return "the scene has planes";
-    if (!scene.contacts.empty()) return "spheres collide";
-    for (const Joint& joint : scene.joints) {
-        if (joint.friction != 0 || joint.limits.any()) return "joints have friction or limits";
-        if (!joint.motion.empty()) return "joints have prescribed motions";
-    }
-    return "";
-}
-
 Sensitivities difference_sensitivities(const Scene& scene, std::span<const SceneChange> changes,
                                        const std::vector<double>& times, const SensitivitySettings& settings) {
     // a smooth motion deviates from the mean of its neighbours by the square of the change, 1e-12 of the derivative
@@ -120,8 +110,8 @@ Sensitivities difference_sensitivities(const Scene& scene, std::span<const Scene
 
 Sensitivities scene_sensitivities(const Scene& scene, std::span<const SceneChange> changes,
                                   const std::vector<double>& times, const SensitivitySettings& settings) {
-    return why_by_differences(scene).empty() ? sensitivities(scene, changes, times, settings)
-                                             : difference_sensitivities(scene, changes, times, settings);
+    return part_with_events(scene).empty() ? sensitivities(scene, changes, times, settings)
+                                           : difference_sensitivities(scene, changes, times, settings);
 }
 
 }  // namespace polhode

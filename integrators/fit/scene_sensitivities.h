@@ -8,11 +8,6 @@
 
 namespace polhode {
 
-/// Why the derivatives of a scene's motion are those of the reference and not of the variational equation: planes,
-/// contacts of spheres, or limits, friction or prescribed motions of joints, whose events that equation does not
-/// follow. Empty otherwise.
-std::string why_by_differences(const Scene& scene);
-
 /// Computes the derivatives by central differences of the reference (truth/reference.h) in 34 digits. With a change of
 /// the number by 2^-42 of its size, the error is about 1e-20. Failed if a reference is unavailable, or where the
 /// derivative is not defined, as at the time of an event whose time changes with the number: there, the motion itself
@@ -20,7 +15,7 @@ std::string why_by_differences(const Scene& scene);
 Sensitivities difference_sensitivities(const Scene& scene, std::span<const SceneChange> changes,
                                        const std::vector<double>& times, const SensitivitySettings& settings = {});
 
-/// Computes the derivatives by difference_sensitivities() if why_by_differences() gives a reason, else by
+/// Computes the derivatives by difference_sensitivities() if the scene has a part_with_events(), else by
 /// sensitivities().
 Sensitivities scene_sensitivities(const Scene& scene, std::span<const SceneChange> changes,
                                   const std::vector<double>& times, const SensitivitySettings& settings = {});

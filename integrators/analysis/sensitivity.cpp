@@ -246,7 +246,7 @@ class VariedTree {
         std::vector<double> values = values_of(y);
         const double approach = form_.terms().sign(which) * rounded_.switch_rate(which, values.data());
         const std::vector<double> before = rates_of(values);
-        const std::string fault = FormulaSwitches<FormulaTree<double>>(rounded_, 0).cross(which, values.data());
+        std::string fault = FormulaSwitches<FormulaTree<double>>(rounded_, 0).cross(which, values.data());
         copy_signs();
         if (!fault.empty()) return fault;
         if (approach == 0)

@@ -68,6 +68,9 @@ auto as_usage(const F& f, std::string_view before = "") {
 /// 2 for bad usage or input, 1 for all other errors.
 int run_program(int argc, const char* const* argv, std::span<const AddCommand> commands);
 
+/// Lets the program end with a message if memory is exhausted, also where an exception cannot be thrown or caught.
+void set_memory_handlers() noexcept;
+
 /// Prints that memory is exhausted, unless another thread has printed it. Returns the exit code. Does not allocate.
 int print_memory_error();
 

@@ -55,13 +55,17 @@ void throw_out_of_memory() {
 
 }  // namespace
 
+void set_memory_handlers() noexcept {
+    std::set_new_handler(throw_out_of_memory);
+    if (std::get_terminate() != end_by_terminate) usual_end = std::set_terminate(end_by_terminate);
+}
+
 int run_laboratory(int argc, const char* const* argv, std::span<const Method> own) {
     reserve_standard_streams();
     // exceeding the file size limit fails the write instead of ending the process
     std::signal(SIGXFSZ, SIG_IGN);
     truth::set_out_of_memory_handler(end_without_memory);
-    std::set_new_handler(throw_out_of_memory);
-    usual_end = std::set_terminate(end_by_terminate);
+    set_memory_handlers();
     try {
         add_methods(own);
         add_engines_of_program();

@@ -40,20 +40,27 @@ enum class StepCoordinates {
 /// Settings (integrators/method.h). The problem must outlive the result. May be null.
 class MakeSystemSteps {
   public:
+    /// Makes the steps.
     using Function = std::unique_ptr<SystemSteps> (*)(const Problem& problem, double tolerance);
 
     constexpr MakeSystemSteps() = default;
+    /// Null.
     // NOLINTNEXTLINE(google-explicit-constructor)
     constexpr MakeSystemSteps(std::nullptr_t) {}
+    /// `coordinates`: of mechanisms whose joints have events.
     // NOLINTNEXTLINE(google-explicit-constructor)
     constexpr MakeSystemSteps(Function function, StepCoordinates coordinates = StepCoordinates::joints)
         : function_(function), coordinates_(coordinates) {}
 
+    /// Makes the steps; must not be null.
     std::unique_ptr<SystemSteps> operator()(const Problem& problem, double tolerance) const {
         return function_(problem, tolerance);
     }
+    /// Whether it is not null.
     explicit constexpr operator bool() const { return function_ != nullptr; }
+    /// Whether function and coordinates are equal.
     constexpr bool operator==(const MakeSystemSteps&) const = default;
+    /// The coordinates of mechanisms whose joints have events.
     constexpr StepCoordinates coordinates() const { return coordinates_; }
 
   private:

@@ -37,7 +37,7 @@ WideMotion wide_motion(const Scene& scene, const std::vector<double>& times, dou
         return motion;
     }
     for (const DecimalColumns& columns : truth.columns) {
-        std::array<Wide, 13> x;
+        std::array<Wide, 13> x{};
         std::ranges::transform(columns, x.begin(), [](const std::string& text) { return parse_wide(text); });
         motion.states.push_back(
             {{x[0], x[1], x[2], x[3]}, {x[4], x[5], x[6]}, {x[7], x[8], x[9]}, {x[10], x[11], x[12]}});

@@ -47,7 +47,7 @@ struct Sensitivities {
 };
 
 /// The part of a scene whose events sensitivities() does not follow: planes, contacts of spheres, limits, friction or
-/// prescribed motions of joints. Empty if there is none.
+/// prescribed motions of joints. Empty if the scene has none of these.
 std::string part_with_events(const Scene& scene);
 
 /// Computes the derivatives of the motion at the given times, s, which must increase from 0 or later to at most the

@@ -978,7 +978,7 @@ class ContactDriver {
         form_.push(motion_, pair, axes.to_world(impulse));
     }
     bool resolve_shock(Pair pair, const ContactResponse<P>& before, const Plane& plane) {
-        // binary64 follows the equations, which the reference so checks independently
+        // in binary64 the shock equations are integrated, so that the two check each other
         if constexpr (!std::is_same_v<P, double>)
             if (is_ball()) {
                 strike_ball(pair, before, plane);

@@ -64,7 +64,7 @@ void IdaSolver::set_tolerances(const maximal::System<double>& system, const Scal
         const int first = system.place(b);
         if (first < 0) continue;
         const maximal::MaximalBody<double>& body = mechanism.bodies[b];
-        // centres that do not move have no scale of their own
+        // centres that do not move have no scale
         const double reach = body.reach(), velocity = std::max(scales.velocity, scales.angular_velocity * reach);
         mass += body.mass, speed = std::max(speed, velocity);
         std::fill_n(absolute + first, 4, tolerance_);

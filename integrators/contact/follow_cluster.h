@@ -140,7 +140,10 @@ class ClusterDriver {
     ClusterEvent take_planned_step() {
         const Planned planned = std::move(*planned_);
         planned_.reset();
-        if (planned.step) move_to(*planned.step, planned.reached, planned.found.has_value());
+        if (planned.step) {
+            note_length(planned.step->length);
+            move_to(*planned.step, planned.reached, planned.found.has_value());
+        }
         if (!planned.found) {
             if (planned.starts_slip) continue_slips();
             return is_connected() ? ClusterEvent::none : ClusterEvent::splits;
@@ -155,7 +158,7 @@ class ClusterDriver {
                 place_members();
                 return ClusterEvent::leg;
             case Found::What::normal_force:
-                open(found.contact);
+                open(found.contact, *planned.step);
                 break;
             case Found::What::cone:
                 start_to_slide(found.contact, *planned.step);
@@ -174,6 +177,7 @@ class ClusterDriver {
         if (planned_ && planned_->step && t > t_) {
             Step step = *planned_->step;
             step.length = step.when(t, t_);
+            note_length(step.length);
             move_to(step, t, true);
         }
         planned_.reset();
@@ -212,6 +216,7 @@ class ClusterDriver {
   private:
     using T = typename SeriesScalar<P>::Type;
     using Step = ModeStep<P>;
+    static constexpr bool adapts_order = StepOrder::is_for<P>;
 
     struct Found {
         P s{0};
@@ -240,6 +245,7 @@ class ClusterDriver {
     Sizes sizes_;
     double reach_ = 0, acceleration_ = 0;
     double further_digits_ = 0;                // for the accuracy of steps
+    double allowed_ = 0;                       // length of the planned step without events
     std::vector<ClusterContact<P>> contacts_;  // all pairs and planes of the members
     std::vector<bool> closed_, was_pushed_;
     std::vector<std::size_t> zeros_;  // known order of the zero of each gap at the start of the mode
@@ -307,6 +313,17 @@ class ClusterDriver {
     }
     double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
     double step_digits() const { return settings_.digits + further_digits_; }
+    int step_order() const {
+        int highest = 0;
+        for (Member* driver : drivers_) highest = std::max(highest, driver->step_order().next());
+        return highest;
+    }
+    void note_length(const P& length) {
+        if (!adapts_order) return;
+        for (Member* driver : drivers_)
+            driver->step_order().note(series_->order(), step_digits(), allowed_, static_cast<double>(length),
+                                      -std::log10(static_cast<double>(Elementary<P>::epsilon())));
+    }
     // relative error of velocities and forces
     double rounding() const { return std::max(error(2), 30 * settings_.step_error); }
     double speed() const { return sizes_.velocity + reach_ * sizes_.angular_velocity; }
@@ -562,11 +579,17 @@ class ClusterDriver {
         }
     }
 
-    // A contact whose normal force has fallen to zero opens.
-    void open(std::size_t k) {
-        closed_[k] = false;
+    // A contact whose normal force has fallen to zero opens, and all others whose forces vanish then, as those of a
+    // sphere that falls between two equal ones do.
+    void open(std::size_t k, const Step& step) {
+        for (std::size_t c = 0; c < closed_index_.size(); ++c) {
+            const std::size_t other = closed_index_[c];
+            const P force = step.observed(form_.function(c), step.length);
+            if (other != k && !(force <= P(4 * rounding() * force_scale(mode_.closed[c])))) continue;
+            closed_[other] = false;
+            zeros_[other] = 3;
+        }
         continue_slips();
-        zeros_[k] = 3;
         note_modes();
     }
     // A contact that sticks starts to slide, against the friction that it needed.
@@ -639,17 +662,16 @@ class ClusterDriver {
         y_.assign(static_cast<std::size_t>(form_.dimension()), P(0));
         form_.start(motions_, t_, y_.data());
     }
-    Series<T> expanded(int order) {
-        Series<T> series(cast_recording<T>(polhode::record<P>(form_, form_.dimension())), order);
-        series.expand(y_.data());
-        return series;
+    Series<T> series_of_mode(int order) const {
+        return Series<T>(cast_recording<T>(polhode::record<P>(form_, form_.dimension())), order);
     }
     bool plan_step_of_mode() {
         if (!series_) {
             start_state();
-            series_.emplace(expanded(settings_.steps ? order_of_starts : settings_.order));
+            series_.emplace(series_of_mode(settings_.steps ? order_of_starts : settings_.order));
         }
         if (!may_step()) return false;
+        if (adapts_order) series_->set_order(step_order());
         const int clock = form_.clock();
         std::fill(y_.begin() + clock + 1, y_.end(), P(0));
         series_->expand(y_.data());
@@ -665,7 +687,7 @@ class ClusterDriver {
         return plan_step(step, false);
     }
     double series_step() const {
-        return settings_.step_factor * taylor_step(*series_, settings_.order, form_.blocks(sizes_), step_digits());
+        return settings_.step_factor * taylor_step(*series_, series_->order(), form_.blocks(sizes_), step_digits());
     }
     // Ends a slip below the error of the steps that decreases. Returns whether the mode has changed.
     bool ends_slip(const Step& step) {
@@ -693,7 +715,7 @@ class ClusterDriver {
     double observed_step(const Step& step) const {
         double log2_step = std::numeric_limits<double>::infinity();
         const auto limit = [&](int index, double scale) {
-            for (int k = settings_.order - 4; k < settings_.order && scale > 0; ++k) {
+            for (int k = step.order() - 4; k < step.order() && scale > 0; ++k) {
                 const double size = log2_magnitude(series_->coefficient(index, k + 1)) + std::log2(k + 1);
                 log2_step = std::min(log2_step, (std::log2(scale) - step_digits() * std::log2(10.0) - size) / k);
             }
@@ -745,19 +767,21 @@ class ClusterDriver {
                 starts_.push_back({&mode_.closed[c].path, form_.function(c) + 1, form_.function(c) + 2});
         const auto expand = [&](int order) {
             form_.set_mode(mode_);
-            return expanded(order);
+            Series<T> series = series_of_mode(order);
+            series.expand(y_.data());
+            return series;
         };
         const auto step_of = [&](const Series<T>& series) {
-            return settings_.step_factor * taylor_step(series, settings_.order, form_.blocks(sizes_), step_digits());
+            return settings_.step_factor * taylor_step(series, series.order(), form_.blocks(sizes_), step_digits());
         };
         const SlipStartFault why = find_slip_paths(
-            starts_, {settings_.order, acceleration_, error(), std::max(error(6), 1e-9), false}, expand, step_of);
+            starts_, {step_order(), acceleration_, error(), std::max(error(6), 1e-9), false}, expand, step_of);
         if (why != SlipStartFault::none) {
             fail(fmt::format("a slip between {} does not grow from its start {}", names(), at_time()));
             return false;
         }
         for (std::size_t c = 0; c < closed_index_.size(); ++c) contacts_[closed_index_[c]].path = mode_.closed[c].path;
-        series_.emplace(expand(settings_.order));
+        series_.emplace(expand(step_order()));
         Step step{*series_, form_.clock(), false};
         double longest = std::min(series_step(), observed_step(step));
         for (const SlipStart<P>& start : starts_) longest = std::min(longest, path_step(*start.path, step_digits()));
@@ -769,6 +793,7 @@ class ClusterDriver {
         return plan_step(step, true);
     }
     bool plan_step(Step step, bool starts_slip) {
+        allowed_ = static_cast<double>(step.length);
         const Leg& leg = legs_[leg_];
         bool to_end = false;
         if (!step.stretched) {

@@ -69,7 +69,8 @@ class ContactDriver {
           form_(scene, geometry_),
           settings_(settings),
           samples_(sample_times),
-          steps_(settings.steps, settings.tolerance, scene.duration) {}
+          steps_(settings.steps, settings.tolerance, scene.duration),
+          order_(settings.order) {}
 
     Run<P> run() {
         start();
@@ -108,6 +109,7 @@ class ContactDriver {
     void take_planned_step() {
         const Planned planned = *planned_;
         planned_.reset();
+        note_length(planned.step);
         move_to(planned.step, planned.reached, planned.found.has_value());
         if (!planned.found) check_face();
         const bool continues = !fails() && !planned.found;
@@ -123,10 +125,12 @@ class ContactDriver {
         if (planned_ && t > t_) {
             Step step = planned_->step;
             step.length = step.when(t, t_);
+            note_length(step);
             move_to(step, t, true);
         }
         planned_.reset(), leave_system();
     }
+    StepOrder& step_order() { return order_; }
     /// Adds digits to the accuracy of the following steps.
     void set_further_digits(double digits) { further_digits_ = digits; }
     /// Adds to velocity and angular velocity (world axes).
@@ -237,6 +241,7 @@ class ContactDriver {
     using T = typename SeriesScalar<P>::Type;
 
     using Step = ModeStep<P>;
+    static constexpr bool adapts_order = StepOrder::is_for<P>;
     /// What impacts with planes at one time have led to.
     struct Impacts {
         bool landed = false;
@@ -304,7 +309,9 @@ class ContactDriver {
     double summed_slip_ = 0;                 // bound of the slip's error after a sum of impacts
     std::vector<P> y_;                       // the state of the mode
     double further_digits_ = 0;              // for the accuracy of steps
-    std::optional<Planned> planned_;         // refers to series_, start_series_ or steps_
+    StepOrder order_;
+    double allowed_ = 0;              // length of the planned step without events
+    std::optional<Planned> planned_;  // refers to series_, start_series_ or steps_
 
     static ContactGeometry<P> make_geometry(const Scene& scene) {
         const Vector3<P> center = mass_properties<P>(scene.body).center;
@@ -335,6 +342,11 @@ class ContactDriver {
     std::string plane_at(Pair pair) const { return plane_name(*scene_, pair.plane); }
     double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
     double step_digits() const { return settings_.digits + further_digits_; }
+    void note_length(const Step& step) {
+        if (adapts_order)
+            order_.note(step.order(), step_digits(), allowed_, static_cast<double>(step.length),
+                        -std::log10(static_cast<double>(Elementary<P>::epsilon())));
+    }
     double reach() const { return static_cast<double>(geometry_.reach); }
     double speed() const { return sizes_.velocity + reach() * sizes_.angular_velocity; }
     /// A slip below it is zero.
@@ -1122,7 +1134,7 @@ class ContactDriver {
     }
     template <class Expanded>
     double step_of(const Expanded& series, const std::vector<Block>& blocks, double digits) const {
-        return settings_.step_factor * taylor_step(series, settings_.order, blocks, digits);
+        return settings_.step_factor * taylor_step(series, series.order(), blocks, digits);
     }
     // The series of the observed functions must converge as well. Their sizes: the body's length for gaps, the contact
     // force for forces, and its square for the cone.
@@ -1144,7 +1156,7 @@ class ContactDriver {
                                  : i >= rotation ? rotation_scale(i - rotation, force)
                                  : i == 1        ? force * force
                                                  : force;
-            for (int k = settings_.order - 4; k < settings_.order; ++k) {
+            for (int k = series.order() - 4; k < series.order(); ++k) {
                 const double size = log2_magnitude(series.coefficient(first + i, k + 1)) + std::log2(k + 1);
                 log2_step = std::min(log2_step, (std::log2(scale) - step_digits() * std::log2(10.0) - size) / k);
             }
@@ -1258,6 +1270,7 @@ class ContactDriver {
         form_.set_time(t_);
         std::fill(y_.begin() + clock + 1, y_.begin() + form_.first_variable(), P(0));
         form_.refresh(y_.data());
+        if constexpr (adapts_order) series_->set_order(order_.next());
         series_->expand(y_.data());
         Step step{*series_, clock, form_.is_stretched()};
         double slip = 0;
@@ -1326,6 +1339,7 @@ class ContactDriver {
     }
     // Plans a step of at most step.length. Returns false on a fault.
     bool plan_step(Step step, bool starts_slip, bool starts_rolling) {
+        allowed_ = static_cast<double>(step.length);
         const Leg& leg = legs_[leg_];
         bool to_end = false;
         if (!step.stretched) {
@@ -1542,7 +1556,7 @@ class ContactDriver {
         onset_.reset();
         form_.select(slips ? System::onset : mode_, pair);
         start_state();
-        const int n = form_.dimension(), clock = form_.clock(), order = settings_.order;
+        const int n = form_.dimension(), clock = form_.clock(), order = order_.next();
         const auto expand = [&](int to_order) {
             if (slips) form_.set_path(path);
             if (rolls) form_.set_rotation(rotation_);
@@ -1589,7 +1603,7 @@ class ContactDriver {
     std::size_t find_path(SlipPath<P>& path, const Expand& expand, const Onset& onset) {
         std::vector<SlipStart<P>> start{{&path, onset.across, onset.along}};
         const SlipStartFault why =
-            find_slip_paths(start, {settings_.order, onset.acceleration, error(), error(6), onset.must_be_straight},
+            find_slip_paths(start, {order_.next(), onset.acceleration, error(), error(6), onset.must_be_straight},
                             expand, [&](const Series<T>& series) { return step_of(series, form_.blocks(sizes_, 0)); });
         if (why == SlipStartFault::does_not_grow)
             fail(fmt::format("{} at {} does not grow from its start {}", onset.name, plane_at(*contact_), at_time()));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <utility>
@@ -30,18 +31,20 @@ struct ModeStep {
     /// The time at the end of the step.
     P clock_at_end() const {
         P value(0);
-        for (int k = order(); k >= 0; --k) value = value * length + coefficient(clock, k);
+        for (int k = last_of_clock(); k >= 0; --k) value = value * length + coefficient(clock, k);
         return value;
     }
     /// s at which the clock is t, for a clock that increases.
     P when(const P& t, const P& start) const {
         if (!stretched) return t - start;
+        std::vector<P> c;
+        for (int k = 0; k <= last_of_clock(); ++k) c.push_back(coefficient(clock, k));
         P low(0), high = length, s = length / P(2);
         for (int i = 0; i < 300; ++i) {
             P value(0), slope(0);
-            for (int k = order(); k >= 0; --k) {
+            for (std::size_t k = c.size(); k-- > 0;) {
                 slope = slope * s + value;
-                value = value * s + coefficient(clock, k);
+                value = value * s + c[k];
             }
             (value < t ? low : high) = s;
             P next = s - (value - t) / slope;
@@ -61,6 +64,16 @@ struct ModeStep {
     /// The values of three observed functions from the index `first` on.
     Vector3<P> observed_vector(int first, const P& s) const {
         return {observed(first, s), observed(first + 1, s), observed(first + 2, s)};
+    }
+
+  private:
+    // The order of the last term of the clock that is not negligible beside the duration of the step.
+    int last_of_clock() const {
+        if constexpr (std::same_as<P, double>) {
+            return order();
+        } else {
+            return expansion.last_term(clock, length);
+        }
     }
 };
 
@@ -100,5 +113,34 @@ double taylor_step(const Expanded& series, int order, const std::vector<Block>& 
         }
     return std::exp2(std::min(log2_step, 1000.0));
 }
+
+/// The order of the Taylor series of the next step in multiprecision. Events may end steps much earlier than the series
+/// allows, for example where impacts accumulate; a lower order then gives the same errors by fewer operations. Each
+/// step selects the order for the next one.
+class StepOrder {
+  public:
+    /// Compiled series in binary64 have a fixed order.
+    template <class P>
+    static constexpr bool is_for = !std::same_as<P, double>;
+
+    explicit StepOrder(int most) : most_(most), next_(most) {}
+    int next() const { return next_; }
+    /// A step has ended after `length` of the `allowed` length, at which a series of this order has errors of
+    /// 10^-digits. `exact`: digits of the arithmetic.
+    void note(int order, double digits, double allowed, double length, double exact) {
+        // a mode may end where it starts
+        if (!(length > 0)) return;
+        // number of last coefficients that taylor_step() examines, and a margin for a longer step (a power of ten);
+        // the low coefficients of a polynomial say nothing about the ones above
+        constexpr double examined = 5, margin = 0.5, least = 12;
+        const double shorter = std::log10(allowed / length) - margin;
+        // c_k = R^-k, so allowed / R = 10^(-digits / order)
+        const double wanted = std::max(least, std::ceil(exact / (digits / order + shorter) + examined));
+        next_ = shorter > 0 && wanted < most_ ? static_cast<int>(wanted) : most_;
+    }
+
+  private:
+    int most_, next_;
+};
 
 }  // namespace polhode::contact

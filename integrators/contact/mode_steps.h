@@ -339,6 +339,9 @@ class StepExpansion {
         series_->evaluate(s, y);
     }
 
+    /// The order of the last term of component i that is not negligible at s, for Taylor series.
+    int last_term(int i, const P& s) const { return series_->last_term(i, T(s)); }
+
   private:
     // exactly one is not null
     const Series<T>* series_ = nullptr;

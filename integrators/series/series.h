@@ -12,6 +12,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -114,13 +115,15 @@ class Series {
         }
     }
 
-    /// y(t + h) by Horner's rule.
+    /// y(t + h) by Horner's rule. In multiprecision without the highest terms if they are below the rounding error,
+    /// because steps up to an event may be short.
     template <class P>
     void evaluate(const P& h, P* y) const {
         const auto at_step = [&](const T& step) {
             for (int i = 0; i < dimension(); ++i) {
-                T sum = row(i)[order_];
-                for (int k = order_ - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
+                const int last = last_term(i, step);
+                T sum = row(i)[last];
+                for (int k = last - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
                 y[i] = static_cast<P>(sum);
             }
         };
@@ -128,6 +131,21 @@ class Series {
             at_step(h);
         else
             at_step(T(h));
+    }
+
+    /// The order of the last term c_k h^k of state variable i that is not negligible beside the first three.
+    int last_term(int i, const T& h) const {
+        const T* c = row(i);
+        int last = order_;
+        if constexpr (requires { T::bits; }) {
+            constexpr int sure = 10;
+            const double step = log2_magnitude(h);
+            double least = -std::numeric_limits<double>::infinity();
+            for (int k = 0; k < std::min(3, order_); ++k) least = std::max(least, log2_magnitude(c[k]) + k * step);
+            least -= T::bits + sure;
+            while (last > 0 && log2_magnitude(c[last]) + last * step < least) --last;
+        }
+        return last;
     }
 
   private:

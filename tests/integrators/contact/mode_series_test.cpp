@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "integrators/contact/mode_step.h"
+
 namespace polhode::contact {
 namespace {
 
@@ -38,6 +40,19 @@ TEST(ModeSeries, CompiledAndInterpretedCoefficientsAgree) {
     std::vector<double> ends(3), expected(3);
     compiled.evaluate(0.25, ends.data()), interpreted.evaluate(0.25, expected.data());
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(ends[i], expected[i], 1e-15);
+}
+
+// Steps of a ten millionth of the possible length need a few orders, until one takes its full length.
+TEST(StepOrder, FollowsTheLengthOfSteps) {
+    StepOrder order(48);
+    order.note(48, 35, 0.04, 4e-9, 50);
+    const int low = order.next();
+    EXPECT_GE(low, 12);
+    EXPECT_LE(low, 15);
+    order.note(low, 35, 1e-3, 0, 50);
+    EXPECT_EQ(order.next(), low);
+    order.note(low, 35, 1e-3, 0.9e-3, 50);
+    EXPECT_EQ(order.next(), 48);
 }
 
 }  // namespace

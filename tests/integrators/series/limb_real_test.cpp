@@ -204,5 +204,32 @@ RC_GTEST_PROP(LimbReal, GivesTheTaylorCoefficientsOfMpfr, ()) {
     for (int i = 0; i < n; ++i) RC_ASSERT(abs(P(end[i] - other[i])) <= P(1e-44));
 }
 
+// x' = x, t' = 1, q' = t^3
+struct GrowthAndPower {
+    template <class S>
+    void derivative(const S* y, S* dy) const {
+        dy[0] = y[0];
+        dy[1] = S(1);
+        dy[2] = y[1] * y[1] * y[1];
+    }
+};
+
+// A short step does not need the highest terms, but a variable may start with a high power.
+TEST(LimbReal, EvaluatesShortSteps) {
+    using R = Real<50>;
+    Series<LimbReal<50>> series(cast_recording<LimbReal<50>>(record<R>(GrowthAndPower{}, 3)), 40);
+    const std::vector<R> start{R(1), R(0), R(0)};
+    series.expand(start.data());
+    for (const double size : {0.5, 1e-3, 1e-20, 1e-60}) {
+        const R h(size);
+        std::vector<R> end(3);
+        series.evaluate(h, end.data());
+        EXPECT_LE(abs(R(end[0] - exp(h))), R(1e-49)) << size;
+        EXPECT_LE(abs(R(end[2] / (h * h * h * h) - R(0.25))), R(1e-49)) << size;
+    }
+    EXPECT_EQ(series.last_term(0, LimbReal<50>(4)), 40);
+    EXPECT_LE(series.last_term(0, LimbReal<50>(R(1e-20))), 3);
+}
+
 }  // namespace
 }  // namespace polhode::truth

@@ -151,5 +151,45 @@ TEST(TouchingSpheres, ImpactsAlternateAtOneInstant) {
     expect_momentum(truth, 0.5, 1.25);
 }
 
+// A smooth ball falls between two smooth ones of half its mass, which it pushes apart. All angles to the vertical are
+// equal, also for unequal masses, so both contacts open at one instant: where the speed of the lower balls, with
+// v^2 = 2 g d cos^2 a (cos a_0 - cos a), is largest, at cos a = 2/3 cos a_0.
+TEST(TouchingSpheres, ContactsOpenAtOneInstant) {
+    const auto ball = [](const std::string& name, const std::string& mass, const std::string& position) {
+        return R"({"name": ")" + name + R"(", "body": {"shape": {"type": "sphere", "radius": 0.15625}, "mass": )" +
+               mass + R"(}, "initial": {"position": )" + position + "}}";
+    };
+    const auto scene = [&](const std::string& second_mass) {
+        return touching_scene(ball("a", "1", "[-0.1875, 0, 0.15625]") + "," +
+                                  ball("b", second_mass, "[0.1875, 0, 0.15625]") + "," +
+                                  ball("c", "2", "[0, 0, 0.40625]"),
+                              R"("planes": [{"normal": [0, 0, 1], "offset": 0, "restitution": 0}],
+                                 "contacts": [{"all": true, "restitution": 0}])",
+                              0.75);
+    };
+    const DecimalReference truth = touching_truth(scene("1"));
+    EXPECT_EQ(kinds_of(truth), "lifts_off lifts_off lands ");
+    const long double g = 10, d = 0.3125L, c_0 = 0.8L, c = 2 * c_0 / 3;
+    const long double speed = c * std::sqrt(2 * g * d * (c_0 - c)),
+                      fall = std::sqrt(2 * g * d * ((1 - c * c) * (c_0 - c) + c));
+    expect_touching_decimal(truth.columns[6][touching_rate], -speed);
+    expect_touching_decimal(truth.columns[7][touching_rate], speed);
+    expect_touching_decimal(truth.contact_events.back().normal_impulse, 2 * fall);
+    const Scene unequal = scene("1.5");
+    const DecimalReference exact = touching_truth(unequal);
+    EXPECT_EQ(kinds_of(exact), "lifts_off lifts_off lands ");
+    for (const char* name : {"taylor", "dop853", "cvode_adams"}) {
+        Settings settings;
+        settings.samples = 2, settings.tolerance = 1e-10;
+        const Trajectory run = solve(unequal, *find_method(name), settings);
+        ASSERT_EQ(run.status, Status::ok) << name << ": " << run.message;
+        for (std::size_t row = 6; row < 9; ++row)
+            for (int axis = 0; axis < 3; ++axis)
+                EXPECT_NEAR(run.samples[row].position_W[axis],
+                            std::stod(exact.columns[row][touching_place + static_cast<std::size_t>(axis)]), 1e-8)
+                    << name;
+    }
+}
+
 }  // namespace
 }  // namespace polhode

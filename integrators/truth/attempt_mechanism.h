@@ -63,12 +63,10 @@ Attempt attempt_by_mechanism_series(const Problem& problem, const std::vector<do
     auto second = in_thread([&] {
         WithReactions<P, MaximalForm<P>> bodies(scene, motions, std::span<const std::array<P, 2>>(coordinates));
         std::vector<Block> blocks = bodies.blocks(problem.scales);
-        return split_run(
-            taylor<P>(std::move(bodies), legs, sample_times, std::move(blocks), problem.scales, runs.coarse));
+        return split_run(taylor<P>(std::move(bodies), legs, sample_times, std::move(blocks), runs.coarse));
     });
     std::vector<Block> blocks = tree.blocks(mechanism_of(problem).scales());
-    const auto first =
-        split_run(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), problem.scales, runs.fine));
+    const auto first = split_run(taylor<P>(std::move(tree), legs, sample_times, std::move(blocks), runs.fine));
     const auto other = second.get();
     return compare_runs(
         problem, sample_times, first.first, other.first,

@@ -7,7 +7,8 @@
 
 #include "integrators/truth/attempt.h"
 #include "integrators/truth/compare.h"
-#include "integrators/truth/impacts.h"
+#include "integrators/truth/euler_form.h"
+#include "integrators/truth/momentum_form.h"
 #include "integrators/truth/taylor.h"
 
 namespace polhode::truth {
@@ -39,10 +40,9 @@ Attempt attempt_by_taylor(const Problem& problem, const std::vector<double>& sam
     const TaylorRuns runs(local_digits, most_taylor_steps);
     const Scene& scene = problem.scene;
     const Vector3<double>& moments = problem.body.principal.moments;
-    auto second = in_thread([&] {
-        return taylor<P, MomentumFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, runs.coarse);
-    });
-    const Run<P> first = taylor<P, EulerFormWithPlanes<P>>(scene, sample_times, problem.scales, moments, runs.fine);
+    auto second = in_thread(
+        [&] { return taylor<P, MomentumForm<P>>(scene, sample_times, problem.scales, moments, runs.coarse); });
+    const Run<P> first = taylor<P, EulerForm<P>>(scene, sample_times, problem.scales, moments, runs.fine);
     const Run<P> other = second.get();
     return compare_runs(
         problem, sample_times, first, other,

@@ -5,7 +5,7 @@
 //   Formulas::series                      Taylor series, Euler's equations and world momenta (attempt_taylor.h)
 //   Formulas::collocation                 Radau IIA, the same formulations, for stiff motion (attempt_collocation.h)
 //   Formulas::closed_form                 from both ends, start checked by a series (attempt_closed_form.cpp)
-//   attempt_contact()                     Taylor series, contact modes with friction (attempt_contact.h)
+//   attempt_contact()                     Taylor series, contact modes (attempt_contact.h, attempt_spheres.h)
 //   Formulas::series_with_formula_loads   Taylor series, Euler's equations and world momenta (attempt_formula.h)
 //   Formulas::mechanism_with_formula_loads Taylor series, joint and maximal coordinates (formula_mechanism_attempt.h)
 //   Formulas::series_in_joint_coordinates Taylor series, joint and maximal coordinates (attempt_mechanism.h)
@@ -99,11 +99,25 @@ Attempt refused_attempt(const std::string& why) {
     return result;
 }
 
+// Whether the motion is followed by contact modes.
+bool has_contacts(const Problem& problem) {
+    return has_sphere_contacts(problem.scene) || !problem.scene.planes.empty();
+}
+
+Attempt attempt_contact(const Problem& problem, const std::vector<double>& times, double local_digits) {
+    if (has_sphere_contacts(problem.scene))
+        return fits_50_digits(local_digits) ? truth::attempt_by_sphere_contacts<50>(problem, times, local_digits)
+                                            : truth::attempt_by_sphere_contacts<100>(problem, times, local_digits);
+    return fits_50_digits(local_digits) ? truth::attempt_by_contact_modes<50>(problem, times, local_digits)
+                                        : truth::attempt_by_contact_modes<100>(problem, times, local_digits);
+}
+
 Attempt attempt(const Problem& problem, const std::vector<double>& times, double local_digits) {
     const bool use_50_digits = fits_50_digits(local_digits);
     if (contact::has_joint_events(problem.scene))
         return use_50_digits ? truth::attempt_by_joint_events<50>(problem, times, local_digits)
                              : truth::attempt_by_joint_events<100>(problem, times, local_digits);
+    if (has_contacts(problem)) return attempt_contact(problem, times, local_digits);
     switch (select_formulas(problem)) {
         case Formulas::closed_form:
             return truth::attempt_by_closed_form(problem, times, local_digits);
@@ -164,27 +178,6 @@ double digits_lost_by_momenta(const Problem& problem) {
     return std::log10(std::max({I[0], I[1], I[2]}) / std::min({I[0], I[1], I[2]}));
 }
 
-// Whether the motion is followed by its contact modes: with friction, with formulas, or for a hull of one piece. A body
-// of several pieces that comes to rest without friction has contact modes from that time on.
-bool has_contact_modes(const Problem& problem) {
-    if (has_sphere_contacts(problem.scene)) return true;
-    if (problem.scene.planes.empty()) return false;
-    return problem.body.geometry->pieces.size() == 1 || has_formula_loads(problem.scene) ||
-           std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.friction > 0; });
-}
-// The fault of a run that follows impacts only (taylor.h), if lasting contact ends it.
-bool needs_contact_modes(const Scene& scene, const std::string& fault) {
-    return !scene.planes.empty() && fault.find("comes to rest on a plane") != std::string::npos;
-}
-
-Attempt attempt_contact(const Problem& problem, const std::vector<double>& times, double local_digits) {
-    if (has_sphere_contacts(problem.scene))
-        return fits_50_digits(local_digits) ? truth::attempt_by_sphere_contacts<50>(problem, times, local_digits)
-                                            : truth::attempt_by_sphere_contacts<100>(problem, times, local_digits);
-    return fits_50_digits(local_digits) ? truth::attempt_by_contact_modes<50>(problem, times, local_digits)
-                                        : truth::attempt_by_contact_modes<100>(problem, times, local_digits);
-}
-
 // Repeats attempts until the digits agree. Each attempt adds the digits that the last one lost (local minus agreed).
 Truth compute(const Scene& scene, const std::vector<double>& times, int digits) {
     const Problem problem = pose(scene);
@@ -204,18 +197,12 @@ Truth compute(const Scene& scene, const std::vector<double>& times, int digits) 
     // Momenta that do not represent a rate let it grow without bound. A closed form, if there is one, is used instead.
     const double lost_digits = digits_lost_by_momenta(problem);
     if (lost_digits + digits > 50) local = std::max(local, min_100_digits);
-    const bool without_momenta =
-        lost_digits + digits > 100 && !prefers_closed_form(problem) && truth::has_single_closed_form(problem);
-    bool by_modes = has_contact_modes(problem);
+    const bool without_momenta = !has_contacts(problem) && lost_digits + digits > 100 &&
+                                 !prefers_closed_form(problem) && truth::has_single_closed_form(problem);
     for (int attempts = 0; attempts < 3 && local <= 94; ++attempts) {
-        Attempt result = by_modes          ? attempt_contact(problem, times, local)
-                         : without_momenta ? truth::attempt_by_series_and_closed_form(problem, times, local)
-                                           : attempt(problem, times, local);
+        Attempt result = without_momenta ? truth::attempt_by_series_and_closed_form(problem, times, local)
+                                         : attempt(problem, times, local);
         fault = result.fault;
-        if (!by_modes && needs_contact_modes(scene, fault)) {
-            by_modes = true;
-            continue;
-        }
         if (may_need_digits(fault, local)) {
             local += 10;
             continue;

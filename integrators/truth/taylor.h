@@ -1,15 +1,14 @@
 // Taylor series method for any polynomial formulation. The requested digits set the order; the last coefficients set
-// the step (A. Jorba and M. Zou 2005, Exp. Math. 14, 99); samples come from the polynomial; steps end at events.
+// the step (A. Jorba and M. Zou 2005, Exp. Math. 14, 99); samples come from the polynomial; steps end where loads
+// change.
 //
-// taylor() records a formulation's right-hand side (Series), expands it at each step and returns a Run. A formulation
-// that satisfies SupportsPlanes also stops at the first contact in a step and applies the impact (apply_impact()).
+// taylor() records a formulation's right-hand side (Series), expands it at each step and returns a Run.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +18,6 @@
 #include "integrators/series/series.h"
 #include "integrators/truth/allowance.h"
 #include "integrators/truth/motion.h"
-#include "motion/contact.h"
 #include "motion/problem.h"
 
 namespace polhode::truth {
@@ -60,77 +58,17 @@ double log2_size(const Block& block, Component&& component) {
     return largest;
 }
 
-/// A formulation with planes. `geometry()` is in its body axes; `placement(y)` returns the body's placement.
-/// `max_speed(a, b)` bounds the speed of the body's points if the first block of y is at most a long and the
-/// translation block at most b. `apply_impact(tolerance, y)` applies the impact of all contacts within the tolerance.
-template <class Form, class P>
-concept SupportsPlanes = requires(Form form, const P& x, P* y) {
-    form.geometry();
-    form.placement(y);
-    form.max_speed(x, x);
-    form.apply_impact(x, y);
-};
-
-/// Upper bound of the length of the three variables from `first` on, over y(t + s), 0 <= s <= h.
-template <class P, class T>
-P block_bound(const Series<T>& series, int first, const P& h) {
-    P squares(0);
-    for (int i = first; i < first + 3; ++i) {
-        P sum(0), power(1);
-        for (int k = 0; k <= series.order(); ++k, power *= h) sum += abs(P(series.coefficient(i, k))) * power;
-        squares += sum * sum;
-    }
-    return square_root(squares);
-}
-
-/// Time from the start of the step until the first gap closes within the step of length h; nothing if none closes.
-template <class P, class T, class Form>
-std::optional<P> find_impact(const Form& form, const Series<T>& series, const P& h) {
-    std::vector<P> y(form.dimension());
-    const auto at = [&](const P& s) {
-        series.evaluate(s, y.data());
-        return form.placement(y.data());
-    };
-    return first_contact(form.geometry(), at, P(0), h,
-                         form.max_speed(block_bound(series, 0, h), block_bound(series, 10, h)));
-}
-
 /// Default handler of each step's polynomial: does nothing.
 struct IgnoreStep {
     template <class P, class Step>
     void operator()(const P&, const P&, const Step&) const {}
 };
 
-/// Applies the impact at t to y. Returns false and sets a fault if the motion cannot be followed further.
-template <class P, class Form, class Sample>
-bool apply_impact(const Form& form, const TaylorSettings& settings, const P& t, const Scales& scales, P* y,
-                  Run<P, Sample>& run) {
-    constexpr std::size_t most_impacts = 100'000;
-    run.impacts.push_back(t);
-    const double reach = form.geometry().reach.template convert_to<double>();
-    // gaps that differ by no more than the error of the steps close together
-    const ImpactOutcome outcome = form.apply_impact(P(reach * std::pow(10.0, 6 - settings.digits)), y);
-    // below this speed the height of the flight parabola is within the error of the steps
-    const double resting = std::pow(10.0, -settings.digits / 2) * (scales.velocity + reach * scales.angular_velocity);
-    const char* why = nullptr;
-    if (!outcome.resolved)
-        why = "no impulses were found for simultaneous contacts";
-    else if (!outcome.has_impact || outcome.separation <= resting)
-        why = "the body comes to rest on a plane, and resting contact is not supported";
-    else if (run.impacts.size() > most_impacts)
-        why = "too many impacts";
-    if (why)
-        run.fault = fmt::format("{} impact{} up to t = {:.10g} s: {}", run.impacts.size(),
-                                run.impacts.size() == 1 ? "" : "s", t.template convert_to<double>(), why);
-    return !why;
-}
-
 /// Follows the legs with a formulation of one or several bodies. `blocks` initially hold estimates of the largest
-/// lengths. `scales` are used only by formulations with planes. on_step(t, h, series) receives the polynomial of the
-/// step from t to t + h.
+/// lengths. on_step(t, h, series) receives the polynomial of the step from t to t + h.
 template <class P, class Form, class OnStep = IgnoreStep>
 auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& sample_times, std::vector<Block> blocks,
-            [[maybe_unused]] const Scales& scales, const TaylorSettings& settings, const OnStep& on_step = {}) {
+            const TaylorSettings& settings, const OnStep& on_step = {}) {
     using T = typename SeriesScalar<P>::Type;
     Run<P, decltype(form.motion(nullptr))> run;
     const int n = form.dimension();
@@ -178,16 +116,9 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
                 return false;
             }
             const bool to_end = remaining <= step;
-            P h = to_end ? remaining : P(step);
-            P reached = to_end ? P(leg.end) : t + h;
-            bool impact = false;
-            if constexpr (SupportsPlanes<Form, P>)
-                if (form.geometry().any())
-                    if (const std::optional<P> after = find_impact(form, series, h)) {
-                        h = *after, reached = t + h;
-                        impact = true;
-                    }
-            if (!to_end && !impact && reached <= t) {
+            const P h = to_end ? remaining : P(step);
+            const P reached = to_end ? P(leg.end) : t + h;
+            if (!to_end && reached <= t) {
                 run.fault = "step size below the spacing of numbers";
                 return false;
             }
@@ -198,8 +129,6 @@ auto taylor(Form form, const std::vector<Leg>& legs, const std::vector<double>& 
             on_step(t, h, series);
             series.evaluate(h, y.data());
             t = reached;
-            if constexpr (SupportsPlanes<Form, P>)
-                if (impact && !apply_impact(form, settings, t, scales, y.data(), run)) return false;
         }
         return true;
     });
@@ -212,7 +141,7 @@ auto taylor(const Scene& scene, const std::vector<double>& sample_times, const S
             const Vector3<double>& moments, const TaylorSettings& settings, const OnStep& on_step = {}) {
     Form form(scene);
     std::vector<Block> blocks = form.blocks(scales, moments);
-    return taylor<P>(std::move(form), itinerary(scene), sample_times, std::move(blocks), scales, settings, on_step);
+    return taylor<P>(std::move(form), itinerary(scene), sample_times, std::move(blocks), settings, on_step);
 }
 
 }  // namespace polhode::truth

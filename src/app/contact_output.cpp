@@ -80,29 +80,21 @@ void require_contacts(const Scene& scene, const ContactOptions& options, const s
     if (options.events == reactions) throw UsageError("--events and --reactions name the same file; give two files");
 }
 
-bool write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout) {
-    if (!options.any()) return true;
+void write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout) {
+    if (!options.any()) return;
     if (contact::has_joint_events(scene)) {
         write_output(options.events, joint_events_csv(scene, truth));
-        return true;
-    }
-    if (truth.contact_intervals.empty()) {
-        std::fputs(
-            "polhode: no events or modes: this motion has impacts without friction only, which are not recorded "
-            "for hulls of several points\n",
-            stderr);
-        return false;
+        return;
     }
     if (!options.events.empty()) write_output(options.events, events_csv(scene, truth));
-    if (!options.modes) return true;
+    if (!options.modes) return;
     if (to_stdout)
         write_output("", modes_table(scene, truth));
     else
         std::fputs(modes_table(scene, truth).c_str(), stderr);
-    return true;
 }
 
-bool write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
+void write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
                     bool to_stdout) {
     DecimalReference as_text;
     for (const contact::Event<double>& e : record.events) {
@@ -116,10 +108,10 @@ bool write_contacts(const Scene& scene, const ContactOptions& options, const con
     for (const contact::Interval<double>& in : record.intervals)
         as_text.contact_intervals.push_back({shortest_decimal(in.from), shortest_decimal(in.to), in.plane,
                                              contact::mode_names[static_cast<std::size_t>(in.mode)], in.largest_ratio});
-    return write_contacts(scene, options, as_text, to_stdout);
+    write_contacts(scene, options, as_text, to_stdout);
 }
 
-bool write_joint_events(const Scene& scene, const ContactOptions& options,
+void write_joint_events(const Scene& scene, const ContactOptions& options,
                         const std::vector<contact::JointEvent<double>>& events) {
     DecimalReference as_text;
     for (const contact::JointEvent<double>& e : events)
@@ -128,7 +120,7 @@ bool write_joint_events(const Scene& scene, const ContactOptions& options,
                                           contact::joint_event_names[static_cast<std::size_t>(e.kind)],
                                           shortest_decimal(e.impulse),
                                           {}});
-    return write_contacts(scene, options, as_text, false);
+    write_contacts(scene, options, as_text, false);
 }
 
 std::vector<std::string> reaction_names(const Scene& scene) {

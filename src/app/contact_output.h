@@ -27,16 +27,15 @@ void add_contact_options(CLI::App& command, ContactOptions& options);
 void require_contacts(const Scene& scene, const ContactOptions& options, const std::string& output,
                       const std::string& reactions);
 
-/// Writes events to the file and modes to stdout, or to stderr if `to_stdout` is false. Returns false, with a message
-/// on stderr, if the reference has no contact modes.
-bool write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout);
+/// Writes events to the file and modes to stdout, or to stderr if `to_stdout` is false.
+void write_contacts(const Scene& scene, const ContactOptions& options, const DecimalReference& truth, bool to_stdout);
 
 /// Writes the record of a run in binary64 in the same form.
-bool write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
+void write_contacts(const Scene& scene, const ContactOptions& options, const contact::Record<double>& record,
                     bool to_stdout);
 
 /// Writes the events of joints with friction or limits.
-bool write_joint_events(const Scene& scene, const ContactOptions& options,
+void write_joint_events(const Scene& scene, const ContactOptions& options,
                         const std::vector<contact::JointEvent<double>>& events);
 
 /// Names of what exerts a reaction: planes, or joints and then loops.

@@ -145,18 +145,23 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
                      const Settings& settings) {
     if (!options.contacts.any()) return true;
-    if (contact::has_joint_events(problem.scene) && follows_events(method))
-        return write_joint_events(problem.scene, options.contacts,
-                                  contact::follow_joints_in_binary64(problem, settings, method.steps).events);
     const bool to_stdout = !options.output.empty();
+    if (contact::has_joint_events(problem.scene) && follows_events(method)) {
+        write_joint_events(problem.scene, options.contacts,
+                           contact::follow_joints_in_binary64(problem, settings, method.steps).events);
+        return true;
+    }
     if (method.family == Family::reference) {
         constexpr int digits = 17;
-        return write_contacts(problem.scene, options.contacts,
-                              decimal_reference(problem.scene, options.samples, digits), to_stdout);
+        write_contacts(problem.scene, options.contacts, decimal_reference(problem.scene, options.samples, digits),
+                       to_stdout);
+        return true;
     }
-    if (follows_contacts(method))
-        return write_contacts(problem.scene, options.contacts,
-                              contact::record_contacts(problem, settings, method.steps), to_stdout);
+    if (follows_contacts(method)) {
+        write_contacts(problem.scene, options.contacts, contact::record_contacts(problem, settings, method.steps),
+                       to_stdout);
+        return true;
+    }
     std::fputs(
         fmt::format("polhode: --modes and --events: {} does not record contacts; use taylor or truth\n", method.name)
             .c_str(),

@@ -138,6 +138,26 @@ TEST(ContactReference, ImpactsOfADiscAccumulateWithAConstantRatio) {
     for (std::size_t i = 1; i < impulses.size(); ++i) expect_close(impulses[i] / impulses[i - 1], ratio, 1e-7L);
 }
 
+// The impulses of a tumbling box without friction change its momentum:
+// m v = m v_0 + m g t + sum of J.
+TEST(ContactReference, BoxWithoutFrictionBounces) {
+    const Scene scene =
+        contact_scene(R"({"shape": {"type": "box", "half_extents": [0.25, 0.125, 0.0625]}, "mass": 2})",
+                      R"({"position": [0, 0, 0.75], "velocity": [0.5, 0, -1], "angular_velocity": [3, -2, 1]})",
+                      "[0, 0, -10]", R"("offset": 0, "restitution": 0.75)", 1);
+    const DecimalReference truth = available(scene);
+    ASSERT_GE(truth.contact_events.size(), 2U);
+    long double impulses = 0;
+    for (const DecimalContactEvent& event : truth.contact_events) {
+        EXPECT_EQ(event.event, "impact");
+        EXPECT_GT(value(event.normal_impulse), 0);
+        impulses += value(event.normal_impulse);
+    }
+    constexpr std::size_t vx = 10;
+    expect_close(value(truth.columns[2][vx]), 0.5L, 1e-18L);
+    expect_close(2 * value(truth.columns[2][vx + 2]), -2 - 20 + impulses, 1e-16L);
+}
+
 /// At loose tolerances the slip of an impact ends as well, after few steps.
 TEST(ContactReference, LooseTolerancesFollowImpactsWithSlip) {
     const Scene scene =

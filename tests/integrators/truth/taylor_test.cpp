@@ -79,8 +79,7 @@ TEST(TruthTaylor, BodiesSideBySideMoveAsEachDoesAlone) {
     const truth::TaylorSettings settings{36, 32, 1, 100'000};
     const SideBySide form(scenes);
     ASSERT_EQ(form.dimension(), 13 + 7 + 13);
-    const auto all =
-        truth::taylor<P>(form, itinerary(scenes[0]), times, form.blocks(problems), problems[0].scales, settings);
+    const auto all = truth::taylor<P>(form, itinerary(scenes[0]), times, form.blocks(problems), settings);
     ASSERT_EQ(all.fault, "");
     ASSERT_EQ(all.motions.size(), times.size());
     for (std::size_t body = 0; body < scenes.size(); ++body) {
@@ -109,27 +108,6 @@ TEST(TruthTaylor, EndsWhereItWouldTakeMoreStepsThanAreAllowed) {
     const auto run = truth::taylor<P, Form>(scene, {0, scene.duration}, problem.scales, problem.body.principal.moments,
                                             {36, 32, 1, 3});
     EXPECT_EQ(run.fault, "the step limit is reached");
-}
-
-// y' = -y, whose coefficients alternate in sign
-struct Decay {
-    template <class S>
-    void derivative(const S* y, S* dy) const {
-        for (int i = 0; i < 4; ++i) dy[i] = S(-1) * y[i];
-    }
-};
-
-TEST(TruthTaylor, NoBlockIsLongerWithinAStepThanItsBound) {
-    Series<P> series(record<P>(Decay{}, 4), 40);
-    const P start[] = {P(100), P(3), P(-4), P(12)};
-    series.expand(start);
-    for (const double length : {1e-3, 0.5, 2.0}) {
-        const P bound = truth::block_bound(series, 1, P(length));
-        // the block is longest at the start: |(3, -4, 12)| = 13
-        EXPECT_GE(bound, P(13));
-        // the sum of the magnitudes of all terms is the series of e^t
-        EXPECT_LT(abs(bound - P(13) * exp(P(length))), P(1e-25));
-    }
 }
 
 }  // namespace

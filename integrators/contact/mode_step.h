@@ -131,7 +131,7 @@ class StepOrder {
         // a mode may end where it starts
         if (!(length > 0)) return;
         // number of last coefficients that taylor_step() examines, and a margin for a longer step (a power of ten);
-        // the low coefficients of a polynomial say nothing about the ones above
+        // low orders do not show whether higher coefficients vanish
         constexpr double examined = 5, margin = 0.5, least = 12;
         const double shorter = std::log10(allowed / length) - margin;
         // c_k = R^-k, so allowed / R = 10^(-digits / order)

@@ -41,8 +41,8 @@ struct Form : truth::MaximalForm<P> {
 
 std::vector<Shown> solved(const Form& form, const Scene& scene, const std::vector<double>& times) {
     const Scales scales{5, 5, 5};
-    const auto run = truth::taylor<P>(form, itinerary(scene), times, form.blocks(scales),
-                                      truth::TaylorSettings{42, 34, 1, 20'000});
+    const auto run =
+        truth::taylor<P>(form, itinerary(scene), times, form.blocks(scales), truth::TaylorSettings{42, 34, 1, 20'000});
     EXPECT_EQ(run.fault, "") << scene.name;
     EXPECT_EQ(run.motions.size(), times.size()) << scene.name;
     return run.motions;

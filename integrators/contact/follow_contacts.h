@@ -31,6 +31,7 @@
 
 #include "integrators/contact/contact_record.h"
 #include "integrators/contact/event_roots.h"
+#include "integrators/contact/flat_rims.h"
 #include "integrators/contact/mode_series.h"
 #include "integrators/contact/mode_step.h"
 #include "integrators/contact/mode_steps.h"
@@ -66,6 +67,7 @@ class ContactDriver {
     ContactDriver(const Scene& scene, const std::vector<double>& sample_times, const ContactSettings& settings)
         : scene_(&scene),
           geometry_(make_geometry(scene)),
+          rims_(geometry_),
           form_(scene, geometry_),
           settings_(settings),
           samples_(sample_times),
@@ -112,7 +114,9 @@ class ContactDriver {
         note_length(planned.step);
         move_to(planned.step, planned.reached, planned.found.has_value());
         if (!planned.found) check_face();
-        const bool continues = !fails() && !planned.found;
+        if (planned.flat && planned.flat->crosses && contact_ && *contact_ == planned.flat->pair)
+            fail(on_a_rim("falls flat", planned.flat->pair));
+        const bool continues = !fails() && !planned.found && !planned.flat;
         if (!fails() && planned.found) handle(*planned.found);
         if (continues && planned.starts_rolling) {
             rotation_.starts_rolling = false, rotation_.path = {};
@@ -261,17 +265,24 @@ class ContactDriver {
         } what = What::gap;
         std::size_t pair = 0;  // the observed gap, or the index in TwoContacts
     };
+    /// A rim that becomes parallel to a plane, or ceases to be, ends a step.
+    struct Flat {
+        Pair pair;
+        bool crosses = false;  // it becomes parallel at the end of the step
+    };
     /// A step that is not taken yet.
     struct Planned {
         Step step;
         std::optional<Found> found;  // the event at its end
         P reached{0};                // time at its end
         bool starts_slip = false, starts_rolling = false;
+        std::optional<Flat> flat{};  // why the step is shorter
         KnownTimes<P, BodyMotion<P>> motions{};
     };
 
     const Scene* scene_;
     ContactGeometry<P> geometry_;
+    FlatRims<P> rims_;
     Form form_;
     ContactSettings settings_;
     SampleQueue samples_;
@@ -382,6 +393,7 @@ class ContactDriver {
     // a start that touches a plane within 10^-12 of the body's size touches it exactly: the plane is moved there
     void start_at_contact() {
         zeros_.assign(geometry_.size(), 0);
+        rims_.update(geometry_, motion_.q);
         for (std::size_t plane = 0; plane < geometry_.planes.size(); ++plane) {
             const Placement<P> at{motion_.q, motion_.position_W, motion_.velocity_W, {}};
             const P distance = geometry_.distance(plane, at);
@@ -408,6 +420,7 @@ class ContactDriver {
     /// here, if the transition is not an impact.
     void transition(const EventKind* arrived) {
         form_.set_time(t_);
+        if (rims_.update(geometry_, motion_.q)) leave_system();
         const std::vector<std::size_t> near = touching();
         if (t_ == stalled_at_) {
             if (++stalled_ > 1000) return fail(stalled_fault(near));
@@ -463,7 +476,7 @@ class ContactDriver {
                     zeros_[index_of(resting_pairs[i])] = 2;
         }
         if (!all.empty()) lasting = all.front();
-        if (all.size() > 1 && !start_face(all)) return;
+        if ((all.size() > 1 || (lasting && flat_rim(*lasting))) && !start_face(all)) return;
         if (former_two) return leave_planes(*former_two, lasting, impacts.landed);
         if (arrived && *arrived == EventKind::lifts_off) {
             if (lasting && former_contact && *lasting == *former_contact) lasting.reset();
@@ -486,6 +499,10 @@ class ContactDriver {
                 const Pair pair = form_.pair_at(k);
                 const ContactResponse<P> at = form_.response(pair, motion_);
                 if (!(at.velocity[2] < P(-resting))) continue;
+                if (flat_rim(pair) && !is_central(pair, at)) {
+                    fail(on_a_rim("lands flat", pair));
+                    return any;
+                }
                 if (!impact(pair, at, resting, impacts.landed, impacts.accumulated)) return true;
                 again = any = true;
             }
@@ -683,6 +700,23 @@ class ContactDriver {
     std::string spins_on_face() const {
         return fmt::format("spins on a face {}: the pressure under a face is not determined by rigid laws", at_time());
     }
+    // the rim of this contact, if it is parallel to the plane
+    const typename FlatRims<P>::Rim* flat_rim(Pair pair) const {
+        return rims_.flat(geometry_, pair.plane, pair.piece, motion_.q);
+    }
+    // Whether an impact on a whole rim acts at its centre: by symmetry, if it neither slips with friction nor turns the
+    // body.
+    bool is_central(Pair pair, const ContactResponse<P>& at) const {
+        const Vector3<double> arm = face_point(pair);
+        const Vector3<P> n = rotate_back(motion_.q, geometry_.planes[pair.plane].normal_W);
+        const P slip = length(Vector3<P>(at.velocity[0], at.velocity[1], P(0)));
+        const P turn = P(reach()) * length(cross(n, motion_.angular_velocity_B)), small(error(2) * speed());
+        return (!(mu(pair) > P(0)) || slip <= small) && turn <= small && std::hypot(arm[0], arm[1]) <= 1e-12 * reach();
+    }
+    std::string on_a_rim(const char* what, Pair pair) const {
+        return fmt::format("{} on {} {}: impulses along a rim are not determined by rigid laws", what, plane_at(pair),
+                           at_time());
+    }
     // the point of the face in the contact's axes, from the centre of mass, m
     Vector3<double> face_point(Pair pair) const {
         const ContactPlane<P>& plane = geometry_.planes[pair.plane];
@@ -691,6 +725,7 @@ class ContactDriver {
         return cast<double>(ContactAxes<P>(plane.normal_W).from_world(arm));
     }
     bool spans_area(const std::vector<Pair>& points) const {
+        if (std::ranges::any_of(points, [&](const Pair& pair) { return flat_rim(pair) != nullptr; })) return true;
         double largest = 0;
         const Vector3<double> a = face_point(points[0]);
         for (const Pair& second : points)
@@ -730,6 +765,13 @@ class ContactDriver {
     // whether the point is on the inner side of each border of the face
     bool is_within_face(double x, double y) const {
         const double rounding = 1e-12 * reach() * reach();
+        for (const Pair& pair : face_)
+            if (const auto* rim = flat_rim(pair)) {
+                const Vector3<double> middle = face_point(pair);
+                const double radius = static_cast<double>(rim->radius);
+                if (std::hypot(x - middle[0], y - middle[1]) <= radius * (1 + 1e-12)) return true;
+            }
+        if (face_.size() < 3) return false;
         for (const Pair& first : face_)
             for (const Pair& second : face_) {
                 const Vector3<double> a = face_point(first), edge = face_point(second) - a;
@@ -1264,6 +1306,7 @@ class ContactDriver {
     }
     /// Plans a step of the present mode. Returns false if the mode ends before.
     bool plan_step_of_mode() {
+        if (rims_.update(geometry_, motion_.q)) leave_system();
         if (!series_) enter_system();
         const int clock = form_.clock();
         if (!may_step()) return false;
@@ -1316,11 +1359,23 @@ class ContactDriver {
         if (form_.is_stretched_by_rolling()) limit(form_.first_rotation_function());
         return shortest;
     }
+    bool has_formulas() const {
+        if constexpr (requires { form_.has_formulas(); }) return form_.has_formulas();
+        return false;
+    }
     void start_steps(double slip) {
         slip_scale_ = slip;
         // the clock comes last
         const std::size_t components = static_cast<std::size_t>(form_.clock()) + 1;
-        steps_.start(form_, y_.data(), scales_of(form_.blocks(sizes_, slip), components, scene_->duration));
+        // the gap of a disc changes fast where the disc is almost parallel to the plane
+        std::vector<double> functions;
+        if (rims_.any() && !has_formulas()) {
+            functions.assign(static_cast<std::size_t>(form_.first_variable()) - components, 0);
+            for (std::size_t i = 0; i < form_.observed_gaps().size(); ++i)
+                functions[static_cast<std::size_t>(form_.own_functions()) + i] = reach();
+        }
+        steps_.start(form_, y_.data(), scales_of(form_.blocks(sizes_, slip), components, scene_->duration),
+                     std::move(functions));
     }
     bool plan_step_of_method(Step step, double slip) {
         // the error of a slip must be small relative to the slip, because its direction matters: start again where it
@@ -1347,14 +1402,75 @@ class ContactDriver {
         } else {
             limit_to_leg(step, leg, to_end);
         }
+        std::optional<Flat> flat = limit_to_rims(step);
+        if (fails()) return false;
+        if (flat) to_end = false;
         const std::optional<Found> found = first_event(step);
-        if (found) step.length = found->s, to_end = false;
+        if (found) step.length = found->s, to_end = false, flat.reset();
         const P reached = to_end ? P(leg.end) : step.clock_at_end();
         if (!found && !to_end && !(reached > t_) && !step.stretched) {
             fail("step size below the spacing of numbers " + at_time());
             return false;
         }
-        planned_.emplace(Planned{step, found, reached, starts_slip, starts_rolling});
+        planned_.emplace(Planned{step, found, reached, starts_slip, starts_rolling, flat});
+        return true;
+    }
+    // Shortens a step in which a rim passes through an attitude parallel to a plane (flat_rims.h).
+    std::optional<Flat> limit_to_rims(Step& step) {
+        std::optional<Flat> first;
+        if (!rims_.any()) return first;
+        std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
+        const auto motion_in = [&](const P& s) {
+            step.expansion.evaluate(s, y.data());
+            return form_.motion(y.data());
+        };
+        for (const typename FlatRims<P>::Rim& rim : rims_.all())
+            for (std::size_t plane = 0; plane < geometry_.planes.size(); ++plane) {
+                const Vector3<P>& n = geometry_.planes[plane].normal_W;
+                const auto tilt_at = [&](const P& s) { return rims_.tilt(rim, n, motion_in(s).q); };
+                const Pair pair{plane, rim.piece};
+                const Vector3<P> start = rims_.tilt(rim, n, motion_.q);
+                if (!geometry_.pieces[rim.piece].extended) {
+                    if (rims_.has_turned(rim, start, tilt_at(step.length)) ||
+                        rims_.has_turned(rim, start, tilt_at(step.length / P(2)))) {
+                        if (!stay_apart(step, pair, gap(index_of(pair), motion_) - length(start), motion_in)) return {};
+                        first = Flat{pair};
+                    }
+                    continue;
+                }
+                const Vector3<P> rate =
+                    transposed(rim.axes) * cross(rotate_back(motion_.q, n), motion_.angular_velocity_B);
+                if (!rims_.is_planar(start, rate)) continue;
+                constexpr int parts = 16;
+                for (int i = 1; i <= parts; ++i) {
+                    P low = step.length * P(i - 1) / P(parts), high = step.length * P(i) / P(parts);
+                    const Vector3<P> before = i == 1 ? start : tilt_at(low);
+                    if (!(dot(before, tilt_at(high)) < P(0))) continue;
+                    for (int k = 0; k < 400 && high - low > P(2) * Elementary<P>::epsilon() * high; ++k) {
+                        const P middle = (low + high) / P(2);
+                        (dot(before, tilt_at(middle)) < P(0) ? high : low) = middle;
+                    }
+                    step.length = high;
+                    first = Flat{pair, true};
+                    break;
+                }
+            }
+        return first;
+    }
+    // Limits a step so that a piece with the present distance from a plane certainly stays apart.
+    template <class MotionIn>
+    bool stay_apart(Step& step, Pair pair, const P& distance, const MotionIn& motion_in) {
+        if (!(distance > P(1e-9 * reach()))) {
+            fail(on_a_rim("turns", pair));
+            return false;
+        }
+        P speed(0);
+        for (const P& s : {P(0), P(step.length / P(2)), step.length}) {
+            const BodyMotion<P> m = motion_in(s);
+            speed = std::max(speed, length(m.velocity_W) + P(reach()) * length(m.angular_velocity_B));
+        }
+        const P longest = distance / (P(2) * speed);
+        while (step.clock_at_end() - t_ > longest) step.length = step.length / P(2);
         return true;
     }
     // Moves along the step, whose length ends at the time t.

@@ -85,6 +85,22 @@ struct SlipPath {
     }
 };
 
+/// The rotation that a contact permits: any; about the line of an edge only; none on a face.
+template <class P>
+struct PermittedRotation {
+    enum class Kind { any, about_axis, none } kind = Kind::any;
+    Vector3<P> axis_B{};  ///< unit, a principal axis of inertia
+    P moment{0};          ///< about this axis, kg m^2
+
+    /// The angular acceleration by a torque in body axes, if it is restricted.
+    template <class S>
+    Vector3<S> response(const Vector3<S>& torque_B) const {
+        if (kind == Kind::none) return {};
+        const S share = (P(1) / moment) * dot(axis_B, torque_B);
+        return share * axis_B;
+    }
+};
+
 /// Variables of a state with a common scale.
 struct Block {
     int first, size;

@@ -296,7 +296,8 @@ class ContactDriver {
     std::optional<TwoContacts<P>> two_;        // lasting contacts of a ball with two planes; contact_ is then the first
     std::array<std::size_t, 2> slip_zeros_{};  // known order of the zeros of their slips at the start of the mode
     std::optional<Pair> lifted_;               // the one of them that has just lifted off
-    std::vector<Pair> face_;                   // all points of a face in contact, which does not rotate; else empty
+    std::vector<Pair> face_;                   // all points of a face or an edge in contact; else empty
+    std::optional<Vector3<P>> edge_B_;         // direction of the edge
     System mode_ = System::flight;
     std::vector<std::size_t> zeros_;  // known order of the zero of each pair's gap at the start of the mode
     bool has_started_ = false;        // the first transition
@@ -494,6 +495,11 @@ class ContactDriver {
     bool apply_impacts(const std::vector<std::size_t>& near, double resting, int rounds, Impacts& impacts) {
         bool any = false;
         for (int round = 0; round < rounds; ++round) {
+            if (impact_together(near, resting, impacts)) {
+                if (fails()) return true;
+                any = true;
+                continue;
+            }
             bool again = false;
             for (const std::size_t k : near) {
                 const Pair pair = form_.pair_at(k);
@@ -503,7 +509,7 @@ class ContactDriver {
                     fail(on_a_rim("lands flat", pair));
                     return any;
                 }
-                if (!impact(pair, at, resting, impacts.landed, impacts.accumulated)) return true;
+                if (!impact(pair, at, resting, impacts)) return true;
                 again = any = true;
             }
             if (!again) return any;
@@ -670,11 +676,11 @@ class ContactDriver {
         if (!fails()) open_interval();
     }
     void release_face() {
-        face_.clear();
-        form_.hold_attitude(false);
+        face_.clear(), edge_B_.reset();
+        form_.permit({});
     }
-    /// Starts contact at several points. Supported for points of one plane that are not on a line, without rotation:
-    /// a body that rests or slides on a face. Returns false if the motion cannot be followed.
+    /// Starts contact at several points of one plane: without rotation on a face, in planar motion along an edge.
+    /// Returns false if the motion cannot be followed.
     bool start_face(const std::vector<Pair>& points) {
         const auto other = std::find_if(points.begin(), points.end(),
                                         [&](const Pair& pair) { return pair.plane != points.front().plane; });
@@ -683,19 +689,50 @@ class ContactDriver {
                              plane_at(points.front()), plane_at(*other), at_time()));
             return false;
         }
-        if (!spans_area(points)) {
-            fail(fmt::format("touches {} along an edge {}: the forces at two points are not determined by rigid laws",
-                             plane_at(points.front()), at_time()));
-            return false;
-        }
+        face_ = points;
+        if (!spans_area(points)) return start_edge();
         if (length(motion_.angular_velocity_B) * P(reach()) > P(error(6) * speed())) {
             fail(spins_on_face());
             return false;
         }
         motion_.angular_velocity_B = Vector3<P>();
-        face_ = points;
-        form_.hold_attitude(true);
+        form_.permit({PermittedRotation<P>::Kind::none});
         return true;
+    }
+    /// Starts contact along an edge in planar motion: the body rotates about a principal axis parallel to the edge. Its
+    /// motion then does not depend on how the force is distributed along the edge.
+    bool start_edge() {
+        const Plane& plane = scene_->planes[face_.front().plane];
+        if (plane.rolling_friction > 0 || plane.torsional_friction > 0) {
+            fail(fmt::format("touches {} along an edge {}: torsional and rolling friction are not supported there",
+                             plane_at(face_.front()), at_time()));
+            return false;
+        }
+        const Vector3<P> n = rotate_back(motion_.q, geometry_.planes[face_.front().plane].normal_W);
+        Vector3<P> along;
+        for (const Pair& pair : face_) {
+            const Vector3<P> from_first =
+                geometry_.pieces[pair.piece].lowest_point(n) - geometry_.pieces[face_.front().piece].lowest_point(n);
+            if (length(from_first) > length(along)) along = from_first;
+        }
+        const Vector3<P> axis = (P(1) / length(along)) * along;
+        const Vector3<P> Ia = mass_properties<P>(scene_->body).inertia * axis;
+        const P moment = dot(axis, Ia), turn = dot(axis, motion_.angular_velocity_B);
+        constexpr double principal = 1e-12;
+        const bool is_planar =
+            length(Vector3<P>(motion_.angular_velocity_B - turn * axis)) * P(reach()) <= P(error(6) * speed());
+        if (length(Vector3<P>(Ia - moment * axis)) > P(principal) * moment || !is_planar) {
+            fail(turns_on_edge());
+            return false;
+        }
+        motion_.angular_velocity_B = turn * axis;
+        edge_B_ = axis;
+        form_.permit({PermittedRotation<P>::Kind::about_axis, axis, moment});
+        return true;
+    }
+    std::string turns_on_edge() const {
+        return fmt::format("touches {} along an edge {}: the forces at two points are not determined by rigid laws",
+                           plane_at(face_.front()), at_time());
     }
     std::string spins_on_face() const {
         return fmt::format("spins on a face {}: the pressure under a face is not determined by rigid laws", at_time());
@@ -735,19 +772,19 @@ class ContactDriver {
             }
         return largest > 1e-9 * reach() * reach();
     }
-    // the force of the plane on a face, in the contact's axes
+    // the force of the plane on a face or an edge, in the contact's axes
     Vector3<P> face_force() const {
         const ContactResponse<P> at = form_.response(*contact_, motion_);
-        Vector3<P> held = -(mass_properties<P>(scene_->body).mass * at.acceleration);
-        if (mode_ == System::rolling) return held;
+        if (mode_ == System::rolling) return -(inverse(at.matrix) * at.acceleration);
         const P slip = square_root(P(at.velocity[0] * at.velocity[0] + at.velocity[1] * at.velocity[1]));
         Vector3<P> direction;
         if (onset_)
             direction = *onset_;
         else if (slip > P(0))
             direction = Vector3<P>(at.velocity[0] / slip, at.velocity[1] / slip, P(0));
-        const P friction = mu(*contact_) * held[2];
-        return {-friction * direction[0], -friction * direction[1], held[2]};
+        const P& friction = mu(*contact_);
+        const Vector3<P> f(-friction * direction[0], -friction * direction[1], P(1));
+        return -(at.acceleration[2] / Vector3<P>(at.matrix * f)[2]) * f;
     }
     /// The pressure under a face acts at a point (x, y) where it balances the moment of loads and friction about the
     /// centre of mass. The body tips over if this point is not within the face, and rotates if a moment about the
@@ -757,10 +794,26 @@ class ContactDriver {
         const ContactAxes<P> axes(geometry_.planes[contact_->plane].normal_W);
         const Vector3<double> F = cast<double>(face_force());
         const Vector3<double> M = cast<double>(axes.from_world(-form_.load_torque(motion_)));
+        if (edge_B_) return check_edge(cast<double>(axes.from_world(rotate(motion_.q, *edge_B_))), F, M);
         const double h = -face_point(face_.front())[2];
         const double y = (M[0] - h * F[1]) / F[2], x = -(M[1] + h * F[0]) / F[2];
         if (std::abs(M[2] - (x * F[1] - y * F[0])) > 1e-9 * F[2] * reach()) return fail(spins_on_face());
         if (!is_within_face(x, y)) fail(fmt::format("tips over {}", at_time()));
+    }
+    // The force along an edge acts at p + x e, where it balances the moment M about the horizontal direction across the
+    // edge; the moment about the normal must vanish.
+    void check_edge(const Vector3<double>& e, const Vector3<double>& F, const Vector3<double>& M) {
+        const Vector3<double> p = face_point(face_.front()), normal(0, 0, 1), across = cross(normal, e);
+        const Vector3<double> rest = cross(p, F) - M;
+        const double x = dot(rest, across) / F[2];
+        if (std::abs(dot(rest, normal) + x * dot(F, across)) > 1e-9 * F[2] * reach()) return fail(turns_on_edge());
+        double least = 0, most = 0;
+        for (const Pair& pair : face_) {
+            const double place = dot(e, Vector3<double>(face_point(pair) - p));
+            least = std::min(least, place), most = std::max(most, place);
+        }
+        const double rounding = 1e-12 * reach();
+        if (x < least - rounding || x > most + rounding) fail(fmt::format("tips over {}", at_time()));
     }
     // whether the point is on the inner side of each border of the face
     bool is_within_face(double x, double y) const {
@@ -942,12 +995,55 @@ class ContactDriver {
     }
 
     /// Applies the impact at a pair. Returns false if the motion cannot be followed.
-    bool impact(Pair pair, const ContactResponse<P>& before, double resting, bool& landed,
-                std::optional<Pair>& accumulated) {
-        constexpr std::size_t most_impacts = 100'000;
+    bool impact(Pair pair, const ContactResponse<P>& before, double resting, Impacts& impacts) {
         const BodyMotion<P> start = motion_;
+        if (!resolve_shock(pair, before, scene_->planes[pair.plane])) return false;
+        return note_impact(pair, start, P(-before.velocity[2]), resting, impacts);
+    }
+    /// Without friction, the impacts of several points on one plane at one time follow Moreau's law (motion/impact.h),
+    /// which does not depend on their order: a box that lands flat stays flat. Returns whether there were any.
+    bool impact_together(const std::vector<std::size_t>& near, double resting, Impacts& impacts) {
+        std::vector<Pair> approaching;
+        P approach(0);
+        for (const std::size_t k : near) {
+            const Pair pair = form_.pair_at(k);
+            const P speed = -form_.response(pair, motion_).velocity[2];
+            if (!(speed > P(resting))) continue;
+            approaching.push_back(pair);
+            approach = std::max(approach, speed);
+        }
+        if (approaching.size() < 2 || mu(approaching.front()) > P(0)) return false;
+        const std::size_t number = approaching.front().plane;
+        if (std::ranges::any_of(approaching, [&](const Pair& pair) { return pair.plane != number; })) return false;
+        const ContactPlane<P>& plane = geometry_.planes[number];
+        const MassProperties<P> mass = mass_properties<P>(scene_->body);
+        const Vector3<P> n = rotate_back(motion_.q, plane.normal_W);
+        std::vector<Contact<P>> contacts;
+        for (const std::size_t k : near)
+            if (const Pair pair = form_.pair_at(k); pair.plane == number)
+                contacts.push_back(
+                    {motion_.position_W + rotate(motion_.q, geometry_.pieces[pair.piece].lowest_point(n)),
+                     plane.normal_W, plane.restitution, P(0)});
+        ImpactBody<P> body{P(1) / mass.mass, rotated(Matrix3<P>(inverse(mass.inertia)), motion_.q), motion_.position_W,
+                           motion_.velocity_W, rotate(motion_.q, motion_.angular_velocity_B)};
+        if (!resolve_impact(body, contacts).resolved) {
+            fail("no impulses were found for simultaneous contacts " + at_time());
+            return true;
+        }
+        const BodyMotion<P> start = motion_;
+        motion_.velocity_W = body.velocity_W;
+        motion_.angular_velocity_B = rotate_back(motion_.q, body.angular_velocity_W);
+        const auto separation = [&](const Pair& pair) { return form_.response(pair, motion_).velocity[2]; };
+        Pair fastest = approaching.front();
+        for (const Pair& pair : approaching)
+            if (separation(pair) > separation(fastest)) fastest = pair;
+        note_impact(fastest, start, approach, resting, impacts);
+        return true;
+    }
+    /// Records an impact that has changed the motion `start`, and sums the impacts that follow if they accumulate.
+    bool note_impact(Pair pair, const BodyMotion<P>& start, const P& approach, double resting, Impacts& impacts) {
+        constexpr std::size_t most_impacts = 100'000;
         const Plane& plane = scene_->planes[pair.plane];
-        if (!resolve_shock(pair, before, plane)) return false;
         const P separation = form_.response(pair, motion_).velocity[2];
         const P mass = mass_properties<P>(scene_->body).mass;
         const ContactAxes<P> axes(geometry_.planes[pair.plane].normal_W);
@@ -959,8 +1055,8 @@ class ContactDriver {
         run_.record.events.push_back({t_, pair.plane, separates || accumulates ? EventKind::impact : EventKind::lands,
                                       normal, impulse - normal * axes.normal_W});
         if (!separates || accumulates) {
-            landed = true;
-            if (accumulates) accumulated = pair, sum_impacts(pair, separation, P(separation / -before.velocity[2]));
+            impacts.landed = true;
+            if (accumulates) impacts.accumulated = pair, sum_impacts(pair, separation, P(separation / approach));
         }
         note_sizes();
         if (run_.record.events.size() > most_impacts) {

@@ -141,8 +141,8 @@ class ReducedForm {
         return all;
     }
 
-    /// Whether a contact face holds the attitude: the body then does not rotate.
-    void hold_attitude(bool held) { held_ = held; }
+    /// Restricts the rotation in contact.
+    void permit(const PermittedRotation<P>& rotation) { permitted_ = rotation; }
     /// Torque of the loads about the centre of mass, N m, world axes.
     Vector3<P> load_torque(const BodyMotion<P>& m) const {
         const auto acting = loads<P>(nullptr, time_, m.angular_velocity_B, m.q, m.position_W, m.velocity_W);
@@ -255,7 +255,7 @@ class ReducedForm {
     Forcing<P> forcing_;
     System system_ = System::flight;
     Pair pair_;
-    bool held_ = false;
+    PermittedRotation<P> permitted_;
     ContactAxes<P> axes_;
     std::vector<std::size_t> others_;
     BodyMotion<P> frozen_;         // shock: the motion before it
@@ -270,14 +270,15 @@ class ReducedForm {
     const SupportPiece<P>& piece() const { return geometry_->pieces[pair_.piece]; }
     const P& friction() const { return geometry_->planes[pair_.plane].friction; }
 
+    bool is_restricted() const { return permitted_.kind != PermittedRotation<P>::Kind::any; }
     // angular acceleration by a torque, and its part that is linear in the torque
     template <class S>
     Vector3<S> angular_acceleration(const Vector3<S>& w, const Vector3<S>& tau) const {
-        return held_ ? Vector3<S>() : inertia_.angular_acceleration(w, tau);
+        return is_restricted() ? permitted_.response(tau) : inertia_.angular_acceleration(w, tau);
     }
     template <class S>
     Vector3<S> turning(const Vector3<S>& tau) const {
-        return held_ ? Vector3<S>() : inertia_.response(tau);
+        return is_restricted() ? permitted_.response(tau) : inertia_.response(tau);
     }
     template <class S>
     Vector3<S> load_acceleration(const Quaternion<S>& q, const Vector3<S>& v) const {
@@ -470,7 +471,11 @@ class ReducedForm {
         if (rotation_.acts) {
             g = rotation_torque(q, n, w, y[10]);
             w_rate = rolling_acceleration(about, n, s, c, g, moment);
-        } else if (!held_) {
+        } else if (permitted_.kind == PermittedRotation<P>::Kind::about_axis) {
+            const Vector3<P>& a = permitted_.axis_B;
+            const S share = dot(a, moment) / dot(a, Vector3<S>(about * a));
+            w_rate = share * a;
+        } else if (!is_restricted()) {
             w_rate = inverse(about) * moment;
         }
         const Vector3<S> force_B = body_.mass * (c + cross(s, w_rate));

@@ -34,6 +34,7 @@ class MultiplierForm {
           loads_(scene),
           body_(mass_properties<P>(scene.body)),
           inverse_inertia_(inverse(body_.inertia)),
+          inverse_(inverse_inertia_),
           held_values_(static_cast<std::size_t>(loads_.terms().holds())) {
         const Vector3<double> m(static_cast<double>(body_.inertia[0][0]), static_cast<double>(body_.inertia[1][1]),
                                 static_cast<double>(body_.inertia[2][2]));
@@ -110,7 +111,17 @@ class MultiplierForm {
         return all;
     }
 
-    void hold_attitude(bool held) { held_ = held; }
+    void permit(const contact::PermittedRotation<P>& rotation) {
+        permitted_ = rotation;
+        inverse_ = inverse_inertia_;
+        if (rotation.kind == Permitted::any) return;
+        for (std::size_t j = 0; j < 3; ++j) {
+            Vector3<P> unit;
+            unit[j] = P(1);
+            const Vector3<P> column = rotation.response(unit);
+            for (std::size_t i = 0; i < 3; ++i) inverse_[i][j] = column[i];
+        }
+    }
     Vector3<P> load_torque(const Motion<P>& m) const {
         std::vector<P> y = load_state(), rate = y;
         find_rates(m, y, rate);
@@ -222,7 +233,7 @@ class MultiplierForm {
                     pace = pace * square_root(dot(rolls, rolls));
                 }
             } else {
-                put(dy, 0, held_ ? Vector3<S>() : Vector3<S>(vector_at(dy, 0) + cross(k.arm, F)));
+                put(dy, 0, permitted_part(quaternion_at(y, 3), Vector3<S>(vector_at(dy, 0) + cross(k.arm, F))));
             }
             put(dy, 10, vector_at(dy, 10) + F);
         }
@@ -241,11 +252,12 @@ class MultiplierForm {
     const ContactGeometry<P>* geometry_;
     FormulaMomentumForm<P> loads_;  // its time has the index of the clock
     MassProperties<P> body_;
-    Matrix3<P> inverse_inertia_;
+    Matrix3<P> inverse_inertia_, inverse_;  // the second one with restricted rotation
     double least_moment_ = 1;
     System system_ = System::flight;
     contact::Pair pair_;
-    bool held_ = false;  // the attitude is held by a face: I^-1 is zero
+    using Permitted = typename contact::PermittedRotation<P>::Kind;
+    contact::PermittedRotation<P> permitted_;
     std::vector<std::size_t> others_;
     Motion<P> frozen_;           // shock: the motion before it
     contact::SlipPath<P> path_;  // onset
@@ -304,7 +316,7 @@ class MultiplierForm {
         const Matrix3<S> axes = rotation_matrix(quaternion_at(y, 3));
         Kinematics<S> k;
         k.inverse_mass = P(1) / body_.mass;
-        if (!held_) k.inverse_inertia_W = axes * inverse_inertia_ * transposed(axes);
+        if (permitted_.kind != Permitted::none) k.inverse_inertia_W = axes * inverse_ * transposed(axes);
         const Vector3<S> L = vector_at(y, 0), w = k.inverse_inertia_W * L;
         const Vector3<S> center = axes * piece.center;
         Vector3<S> moves = cross(w, center);
@@ -327,6 +339,14 @@ class MultiplierForm {
         k.angular_acceleration = w_rate;
         k.acceleration = k.inverse_mass * vector_at(rate, 10) + cross(w_rate, k.arm) + cross(w, moves);
         return k;
+    }
+    // the part of a torque that changes L if the rotation is restricted
+    template <class S>
+    Vector3<S> permitted_part(const Quaternion<S>& q, const Vector3<S>& torque_W) const {
+        if (permitted_.kind == Permitted::any) return torque_W;
+        if (permitted_.kind == Permitted::none) return {};
+        const Vector3<S> axis = rotation_matrix(q) * permitted_.axis_B;
+        return dot(axis, torque_W) * axis;
     }
     // dL/dt = I W + w x L with the friction torques, and their functions as in contact/reduced_form.h
     template <class S>

@@ -74,7 +74,9 @@ void contacts(Report& report, const Problem& problem) {
     report.title("Contacts");
     if (problem.needs.user_torque) return report.line("user-defined torques are not supported together with planes");
     report.line("laws", "Coulomb friction; impacts by the shock equations of Darboux and Keller");
-    report.line("simultaneous impacts", "one after the other, in the order of planes and points of the hull");
+    const bool rough = std::ranges::any_of(problem.scene.planes, [](const Plane& plane) { return plane.friction > 0; });
+    report.line("simultaneous impacts", rough ? "one after the other, in the order of planes and points of the hull"
+                                              : "all points of a plane together, by Moreau's law");
     Settings settings;
     settings.samples = 1, settings.seconds_limit = 2, settings.tolerance = default_tolerance;
     const contact::Run<double> run = contact::follow_in_binary64(problem, settings);

@@ -679,7 +679,8 @@ class ContactDriver {
         face_.clear(), edge_B_.reset();
         form_.permit({});
     }
-    /// Starts contact at several points of one plane: without rotation on a face, in planar motion along an edge.
+    /// Starts contact at several points of one plane: without rotation on a face (with a spin if it is smooth), in
+    /// planar motion along an edge.
     /// Returns false if the motion cannot be followed.
     bool start_face(const std::vector<Pair>& points) {
         const auto other = std::find_if(points.begin(), points.end(),
@@ -691,12 +692,28 @@ class ContactDriver {
         }
         face_ = points;
         if (!spans_area(points)) return start_edge();
-        if (length(motion_.angular_velocity_B) * P(reach()) > P(error(6) * speed())) {
-            fail(spins_on_face());
-            return false;
+        if (length(motion_.angular_velocity_B) * P(reach()) <= P(error(6) * speed())) {
+            motion_.angular_velocity_B = Vector3<P>();
+            form_.permit({PermittedRotation<P>::Kind::none});
+            return true;
         }
-        motion_.angular_velocity_B = Vector3<P>();
-        form_.permit({PermittedRotation<P>::Kind::none});
+        // a smooth face may spin about a principal axis
+        const bool is_smooth = !(mu(points.front()) > P(0));
+        if (is_smooth && permit_axis(rotate_back(motion_.q, geometry_.planes[points.front().plane].normal_W)))
+            return true;
+        fail(spins_on_face());
+        return false;
+    }
+    /// Restricts the rotation to an axis. Returns false if it is not principal, or if the body rotates about others.
+    bool permit_axis(const Vector3<P>& axis_B) {
+        constexpr double principal = 1e-12;
+        const Vector3<P> Ia = mass_properties<P>(scene_->body).inertia * axis_B;
+        const P moment = dot(axis_B, Ia), turn = dot(axis_B, motion_.angular_velocity_B);
+        const Vector3<P> others = motion_.angular_velocity_B - turn * axis_B;
+        if (length(others) * P(reach()) > P(error(6) * speed())) return false;
+        if (length(Vector3<P>(Ia - moment * axis_B)) > P(principal) * moment) return false;
+        motion_.angular_velocity_B = turn * axis_B;
+        form_.permit({PermittedRotation<P>::Kind::about_axis, axis_B, moment});
         return true;
     }
     /// Starts contact along an edge in planar motion: the body rotates about a principal axis parallel to the edge. Its
@@ -716,18 +733,11 @@ class ContactDriver {
             if (length(from_first) > length(along)) along = from_first;
         }
         const Vector3<P> axis = (P(1) / length(along)) * along;
-        const Vector3<P> Ia = mass_properties<P>(scene_->body).inertia * axis;
-        const P moment = dot(axis, Ia), turn = dot(axis, motion_.angular_velocity_B);
-        constexpr double principal = 1e-12;
-        const bool is_planar =
-            length(Vector3<P>(motion_.angular_velocity_B - turn * axis)) * P(reach()) <= P(error(6) * speed());
-        if (length(Vector3<P>(Ia - moment * axis)) > P(principal) * moment || !is_planar) {
+        if (!permit_axis(axis)) {
             fail(turns_on_edge());
             return false;
         }
-        motion_.angular_velocity_B = turn * axis;
         edge_B_ = axis;
-        form_.permit({PermittedRotation<P>::Kind::about_axis, axis, moment});
         return true;
     }
     std::string turns_on_edge() const {

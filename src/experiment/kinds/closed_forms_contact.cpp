@@ -90,6 +90,30 @@ void ball_bounces_and_rolls(Comparison& c) {
     c.add("final v_y (m/s)", "v0 - 2/7 u0", v[1] - 2 * u[1] / 7, c.last().velocity_W[1]);
 }
 
+// The moment of inertia about the axis is m r^2 / 2.
+void cylinder_slides_and_rolls(Comparison& c) {
+    const Exact speed = first_velocity(c)[0], t = speed / (3 * mu(c) * -c.gravity()[2]), end = 2 * speed / 3;
+    c.add("start of rolling (s)", "v0 / (3 mu g)", t, c.event("rolls"));
+    c.add("final speed (m/s)", "2/3 v0", end, c.last().velocity_W[0]);
+    c.add("distance (m)", "t (v0 + v)/2 + (T - t) v", t * (speed + end) / 2 + (c.duration() - t) * end,
+          c.last().position_W[0]);
+}
+
+// With the angle a of both lines of centres to the vertical, the lower balls have v^2 = 2 g d cos^2 a (cos a0 - cos a).
+// The contacts open where it is largest, at cos a = 2/3 cos a0.
+void ball_parts_balls(Comparison& c) {
+    const Exact d = c.radius(1) + c.radius(2), height = c.first(2).position_W[2] - c.first(1).position_W[2],
+                cosine = 2 * height / (3 * d), g = -c.gravity()[2];
+    const Exact speed = cosine * sqrt(2 * g * (height - d * cosine));
+    c.add("final speed of the lower balls (m/s)", "sqrt(8/27 g d cos^3 a0)", speed, c.last(1).velocity_W[0]);
+    c.add_constant("momentum (N s)", 0, c.last(0).velocity_W[0] + c.last(1).velocity_W[0], speed);
+    const Exact fall = sqrt(2 * g * ((1 - cosine * cosine) * (height - d * cosine) + d * cosine));
+    const DecimalContactEvent* landing = c.find_event("lands");
+    std::optional<Exact> impulse;
+    if (landing) impulse = Exact(landing->normal_impulse);
+    c.add("normal impulse on the floor (N s)", "m sqrt(2 g d (sin^2 a (cos a0 - cos a) + cos a))", 2 * fall, impulse);
+}
+
 // Every impact ends the slip u = v -+ r w at floor and table: v changes by -2/7 u, w by +-5/7 u/r.
 void superball(Comparison& c) {
     Exact v = first_velocity(c)[0], w = 0;
@@ -303,6 +327,7 @@ std::span<const SceneForms> contact_forms() {
         {"contact/ball_incline_rolls", "E. J. Routh 1905", ball_incline_rolls},
         {"contact/ball_incline_slides", "E. J. Routh 1905", ball_incline_slides},
         {"contact/ball_leaves_ball", "D. Morin 2008", ball_leaves_ball},
+        {"contact/ball_parts_balls", "balance of energy", ball_parts_balls},
         {"contact/ball_pushes_hollow_ball", "balance of momentum", ball_pushes_hollow_ball},
         {"contact/billiard_natural_angle", "D. G. Alciatore, TP 3.3", billiard_natural_angle},
         {"contact/billiard_side_spin", "G.-G. Coriolis 1835", sliding_ball},
@@ -312,6 +337,7 @@ std::span<const SceneForms> contact_forms() {
         {"contact/bowling_ball", "D. C. Hopkins and J. D. Patterson 1977", sliding_ball},
         {"contact/capsule_lands", "J. H. Jellett 1872", capsule_lands},
         {"contact/chaplygin_ball", "S. A. Chaplygin 1903", chaplygin_ball},
+        {"contact/cylinder_slides_and_rolls", "D. Kleppner and R. J. Kolenkow 2014", cylinder_slides_and_rolls},
         {"contact/ellipsoid_bounces", "balance of momentum", ellipsoid_bounces},
         {"contact/eulers_disc", "E. J. Routh 1905", rolling_body},
         {"contact/forced_block", "J. P. Den Hartog 1931", forced_block},

@@ -113,6 +113,22 @@ TEST(FlatRims, PuckBouncesToRest) {
     EXPECT_LE(std::abs(std::stold(truth.columns[2][column_px + 2]) - 0.125L), 1e-20L);
 }
 
+// Without friction nothing changes the spin and the velocity along the floor.
+TEST(FlatRims, SmoothPuckAndBoxSpin) {
+    for (const std::string& shape :
+         {upright_cylinder, std::string(R"({"type": "box", "half_extents": [0.5, 0.25, 0.125]})")}) {
+        const DecimalReference truth = rim_truth(rim_scene(
+            shape, R"({"position": [0, 0, 0.25], "velocity": [1, 0, 0], "angular_velocity": [0, 0, 8]})", 0, 0.5));
+        ASSERT_FALSE(truth.contact_events.empty());
+        EXPECT_EQ(truth.contact_events.back().event, "accumulates");
+        constexpr std::size_t column_qw = 0, column_wz = 6;
+        EXPECT_LE(std::abs(std::stold(truth.columns[2][column_qw]) - std::cos(4.0L)), 1e-18L) << shape;
+        EXPECT_LE(std::abs(std::stold(truth.columns[2][column_wz]) - 8), 1e-19L) << shape;
+        EXPECT_LE(std::abs(std::stold(truth.columns[2][column_px]) - 1), 1e-19L) << shape;
+        EXPECT_LE(std::abs(std::stold(truth.columns[2][column_px + 2]) - 0.125L), 1e-19L) << shape;
+    }
+}
+
 TEST(FlatRims, NamesWhatIsNotDetermined) {
     const auto has = [](const std::string& fault, const char* text) {
         EXPECT_NE(fault.find(text), std::string::npos) << fault;

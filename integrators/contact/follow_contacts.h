@@ -1537,7 +1537,9 @@ class ContactDriver {
                 const Pair pair{plane, rim.piece};
                 const Vector3<P> start = rims_.tilt(rim, n, motion_.q);
                 if (!geometry_.pieces[rim.piece].extended) {
-                    if (rims_.has_turned(rim, start, tilt_at(step.length)) ||
+                    // the centre is not the lowest point for a plane of another direction, such as a wall
+                    const bool is_flat = rims_.flat(geometry_, plane, rim.piece, motion_.q) != nullptr;
+                    if (!is_flat || rims_.has_turned(rim, start, tilt_at(step.length)) ||
                         rims_.has_turned(rim, start, tilt_at(step.length / P(2)))) {
                         if (!stay_apart(step, pair, gap(index_of(pair), motion_) - length(start), motion_in)) return {};
                         first = Flat{pair};
@@ -1567,7 +1569,10 @@ class ContactDriver {
     template <class MotionIn>
     bool stay_apart(Step& step, Pair pair, const P& distance, const MotionIn& motion_in) {
         if (!(distance > P(1e-9 * reach()))) {
-            fail(on_a_rim("turns", pair));
+            fail(flat_rim(pair) ? on_a_rim("turns", pair)
+                                : fmt::format("reaches {} {} while its rim is parallel to another plane, which is not "
+                                              "supported",
+                                              plane_at(pair), at_time()));
             return false;
         }
         P speed(0);

@@ -142,6 +142,11 @@ TEST(FlatRims, NamesWhatIsNotDetermined) {
     has(rim_fault(rim_scene(R"({"type": "cylinder", "radius": 0.125, "half_height": 0.5})",
                             R"({"position": [0, 0, 0.5], "velocity": [1, 0, 0]})", 0.5, 0)),
         "tips over at t = 0 s");
+    Scene walled = rim_scene(upright_cylinder, R"({"position": [0, 0, 0.125], "velocity": [1, 0, 0]})", 0.05, 0);
+    Plane wall = walled.planes.front();
+    wall.name = "wall", wall.normal_W = {-1, 0, 0}, wall.offset = -0.5;
+    walled.planes.push_back(wall);
+    has(rim_fault(walled), "reaches wall at t = 0.2679");
 }
 
 }  // namespace

@@ -85,7 +85,8 @@ struct SlipPath {
     }
 };
 
-/// The rotation that a contact permits: any; about the line of an edge only; none on a face.
+/// The rotation that a contact permits: any; about the line of an edge or the normal of a smooth face; none on a face
+/// with friction.
 template <class P>
 struct PermittedRotation {
     enum class Kind { any, about_axis, none } kind = Kind::any;

@@ -8,20 +8,21 @@
 // Steps end where m passes through zero, because the square root of m . m would continue with the wrong sign.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "motion/contact.h"
 
 namespace polhode::contact {
 
+/// The discs of a hull. A disc is a piece { c + A u + r b } (body/support.h) whose A has a rank below 3.
 template <class P>
 class FlatRims {
   public:
     struct Rim {
         std::size_t piece = 0;
-        Matrix3<P> axes;  ///< A
+        Matrix3<P> axes;  ///< A, in columns, m
         P radius{0};      ///< m
     };
 
@@ -66,8 +67,8 @@ class FlatRims {
         }
         return changed;
     }
-    /// Whether the disc has the same inclination at two attitudes.
-    static bool has_turned(const Rim& rim, const Vector3<P>& before, const Vector3<P>& after) {
+    /// Whether the inclination of a disc differs at two attitudes.
+    static bool has_tilted(const Rim& rim, const Vector3<P>& before, const Vector3<P>& after) {
         return length(after - before) > P(small) * rim.radius;
     }
     /// Whether the inclination changes along itself, so that it may pass through zero.
@@ -75,12 +76,13 @@ class FlatRims {
         return !(length(cross(tilt, rate)) > P(small) * length(tilt) * length(rate));
     }
 
+    /// Whether a disc with the inclination m is parallel to the plane.
+    static bool is_parallel(const Rim& rim, const Vector3<P>& tilt) { return !(length(tilt) > P(small) * rim.radius); }
+
   private:
-    // a start that is parallel to this is parallel
+    // smaller inclinations (rad) are zero
     static constexpr double small = 1e-12;
     std::vector<Rim> rims_;
-
-    static bool is_parallel(const Rim& rim, const Vector3<P>& tilt) { return !(length(tilt) > P(small) * rim.radius); }
 };
 
 }  // namespace polhode::contact

@@ -141,7 +141,7 @@ class ClusterDriver {
         const Planned planned = std::move(*planned_);
         planned_.reset();
         if (planned.step) {
-            note_length(planned.step->length);
+            note_length(*planned.step);
             move_to(*planned.step, planned.reached, planned.found.has_value());
         }
         if (!planned.found) {
@@ -177,7 +177,7 @@ class ClusterDriver {
         if (planned_ && planned_->step && t > t_) {
             Step step = *planned_->step;
             step.length = step.when(t, t_);
-            note_length(step.length);
+            note_length(step);
             move_to(step, t, true);
         }
         planned_.reset();
@@ -216,7 +216,6 @@ class ClusterDriver {
   private:
     using T = typename SeriesScalar<P>::Type;
     using Step = ModeStep<P>;
-    static constexpr bool adapts_order = StepOrder::is_for<P>;
 
     struct Found {
         P s{0};
@@ -318,11 +317,9 @@ class ClusterDriver {
         for (Member* driver : drivers_) highest = std::max(highest, driver->step_order().next());
         return highest;
     }
-    void note_length(const P& length) {
-        if (!adapts_order) return;
+    void note_length(const Step& step) {
         for (Member* driver : drivers_)
-            driver->step_order().note(series_->order(), step_digits(), allowed_, static_cast<double>(length),
-                                      -std::log10(static_cast<double>(Elementary<P>::epsilon())));
+            driver->step_order().note(step.order(), step_digits(), allowed_, static_cast<double>(step.length));
     }
     // relative error of velocities and forces
     double rounding() const { return std::max(error(2), 30 * settings_.step_error); }
@@ -671,7 +668,7 @@ class ClusterDriver {
             series_.emplace(series_of_mode(settings_.steps ? order_of_starts : settings_.order));
         }
         if (!may_step()) return false;
-        if (adapts_order) series_->set_order(step_order());
+        if constexpr (StepOrder<P>::adapts) series_->set_order(step_order());
         const int clock = form_.clock();
         std::fill(y_.begin() + clock + 1, y_.end(), P(0));
         series_->expand(y_.data());

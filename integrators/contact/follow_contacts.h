@@ -134,7 +134,7 @@ class ContactDriver {
         }
         planned_.reset(), leave_system();
     }
-    StepOrder& step_order() { return order_; }
+    StepOrder<P>& step_order() { return order_; }
     /// Adds digits to the accuracy of the following steps.
     void set_further_digits(double digits) { further_digits_ = digits; }
     /// Adds to velocity and angular velocity (world axes).
@@ -245,7 +245,6 @@ class ContactDriver {
     using T = typename SeriesScalar<P>::Type;
 
     using Step = ModeStep<P>;
-    static constexpr bool adapts_order = StepOrder::is_for<P>;
     /// What impacts with planes at one time have led to.
     struct Impacts {
         bool landed = false;
@@ -321,7 +320,7 @@ class ContactDriver {
     double summed_slip_ = 0;                 // bound of the slip's error after a sum of impacts
     std::vector<P> y_;                       // the state of the mode
     double further_digits_ = 0;              // for the accuracy of steps
-    StepOrder order_;
+    StepOrder<P> order_;
     double allowed_ = 0;              // length of the planned step without events
     std::optional<Planned> planned_;  // refers to series_, start_series_ or steps_
 
@@ -355,9 +354,7 @@ class ContactDriver {
     double error(double further = 0) const { return std::pow(10.0, further - settings_.event_digits); }
     double step_digits() const { return settings_.digits + further_digits_; }
     void note_length(const Step& step) {
-        if (adapts_order)
-            order_.note(step.order(), step_digits(), allowed_, static_cast<double>(step.length),
-                        -std::log10(static_cast<double>(Elementary<P>::epsilon())));
+        order_.note(step.order(), step_digits(), allowed_, static_cast<double>(step.length));
     }
     double reach() const { return static_cast<double>(geometry_.reach); }
     double speed() const { return sizes_.velocity + reach() * sizes_.angular_velocity; }
@@ -734,13 +731,13 @@ class ContactDriver {
         }
         const Vector3<P> axis = (P(1) / length(along)) * along;
         if (!permit_axis(axis)) {
-            fail(turns_on_edge());
+            fail(undetermined_edge());
             return false;
         }
         edge_B_ = axis;
         return true;
     }
-    std::string turns_on_edge() const {
+    std::string undetermined_edge() const {
         return fmt::format("touches {} along an edge {}: the forces at two points are not determined by rigid laws",
                            plane_at(face_.front()), at_time());
     }
@@ -816,7 +813,7 @@ class ContactDriver {
         const Vector3<double> p = face_point(face_.front()), normal(0, 0, 1), across = cross(normal, e);
         const Vector3<double> rest = cross(p, F) - M;
         const double x = dot(rest, across) / F[2];
-        if (std::abs(dot(rest, normal) + x * dot(F, across)) > 1e-9 * F[2] * reach()) return fail(turns_on_edge());
+        if (std::abs(dot(rest, normal) + x * dot(F, across)) > 1e-9 * F[2] * reach()) return fail(undetermined_edge());
         double least = 0, most = 0;
         for (const Pair& pair : face_) {
             const double place = dot(e, Vector3<double>(face_point(pair) - p));
@@ -1013,6 +1010,7 @@ class ContactDriver {
     /// Without friction, the impacts of several points on one plane at one time follow Moreau's law (motion/impact.h),
     /// which does not depend on their order: a box that lands flat stays flat. Returns whether there were any.
     bool impact_together(const std::vector<std::size_t>& near, double resting, Impacts& impacts) {
+        if (near.size() < 2) return false;
         std::vector<Pair> approaching;
         P approach(0);
         for (const std::size_t k : near) {
@@ -1042,7 +1040,10 @@ class ContactDriver {
         }
         const BodyMotion<P> start = motion_;
         motion_.velocity_W = body.velocity_W;
-        motion_.angular_velocity_B = rotate_back(motion_.q, body.angular_velocity_W);
+        // impulses that balance leave a rotation of the size of rounding errors
+        const Vector3<P> jump = rotate_back(motion_.q, body.angular_velocity_W) - motion_.angular_velocity_B;
+        if (P(reach()) * length(jump) > contact_rounding(approach))
+            motion_.angular_velocity_B = motion_.angular_velocity_B + jump;
         const auto separation = [&](const Pair& pair) { return form_.response(pair, motion_).velocity[2]; };
         Pair fastest = approaching.front();
         for (const Pair& pair : approaching)
@@ -1419,7 +1420,7 @@ class ContactDriver {
         form_.set_time(t_);
         std::fill(y_.begin() + clock + 1, y_.begin() + form_.first_variable(), P(0));
         form_.refresh(y_.data());
-        if constexpr (adapts_order) series_->set_order(order_.next());
+        if constexpr (StepOrder<P>::adapts) series_->set_order(order_.next());
         series_->expand(y_.data());
         Step step{*series_, clock, form_.is_stretched()};
         double slip = 0;
@@ -1523,8 +1524,8 @@ class ContactDriver {
     }
     // Shortens a step in which a rim passes through an attitude parallel to a plane (flat_rims.h).
     std::optional<Flat> limit_to_rims(Step& step) {
-        std::optional<Flat> first;
-        if (!rims_.any()) return first;
+        std::optional<Flat> limit;
+        if (!rims_.any()) return limit;
         std::vector<P> y(static_cast<std::size_t>(form_.dimension()));
         const auto motion_in = [&](const P& s) {
             step.expansion.evaluate(s, y.data());
@@ -1536,40 +1537,46 @@ class ContactDriver {
                 const auto tilt_at = [&](const P& s) { return rims_.tilt(rim, n, motion_in(s).q); };
                 const Pair pair{plane, rim.piece};
                 const Vector3<P> start = rims_.tilt(rim, n, motion_.q);
-                if (!geometry_.pieces[rim.piece].extended) {
-                    // the centre is not the lowest point for a plane of another direction, such as a wall
-                    const bool is_flat = rims_.flat(geometry_, plane, rim.piece, motion_.q) != nullptr;
-                    if (!is_flat || rims_.has_turned(rim, start, tilt_at(step.length)) ||
-                        rims_.has_turned(rim, start, tilt_at(step.length / P(2)))) {
-                        if (!stay_apart(step, pair, gap(index_of(pair), motion_) - length(start), motion_in)) return {};
-                        first = Flat{pair};
-                    }
+                if (geometry_.pieces[rim.piece].extended) {
+                    const Vector3<P> rate =
+                        transposed(rim.axes) * cross(rotate_back(motion_.q, n), motion_.angular_velocity_B);
+                    if (rims_.is_planar(start, rate) && end_where_parallel(step, start, tilt_at))
+                        limit = Flat{pair, true};
                     continue;
                 }
-                const Vector3<P> rate =
-                    transposed(rim.axes) * cross(rotate_back(motion_.q, n), motion_.angular_velocity_B);
-                if (!rims_.is_planar(start, rate)) continue;
-                constexpr int parts = 16;
-                for (int i = 1; i <= parts; ++i) {
-                    P low = step.length * P(i - 1) / P(parts), high = step.length * P(i) / P(parts);
-                    const Vector3<P> before = i == 1 ? start : tilt_at(low);
-                    if (!(dot(before, tilt_at(high)) < P(0))) continue;
-                    for (int k = 0; k < 400 && high - low > P(2) * Elementary<P>::epsilon() * high; ++k) {
-                        const P middle = (low + high) / P(2);
-                        (dot(before, tilt_at(middle)) < P(0) ? high : low) = middle;
-                    }
-                    step.length = high;
-                    first = Flat{pair, true};
-                    break;
-                }
+                // the height of the centre is that of the rim while the rim stays parallel to this plane; it is not for
+                // a plane of another direction, such as a wall
+                if (rims_.is_parallel(rim, start) && !rims_.has_tilted(rim, start, tilt_at(step.length)) &&
+                    !rims_.has_tilted(rim, start, tilt_at(step.length / P(2))))
+                    continue;
+                const P before = step.length;
+                if (!stay_apart(step, pair, gap(index_of(pair), motion_) - length(start), motion_in)) return {};
+                if (!limit || step.length < before) limit = Flat{pair};
             }
-        return first;
+        return limit;
+    }
+    // Ends a step where an inclination that changes along itself passes through zero. Returns whether it does.
+    template <class TiltAt>
+    bool end_where_parallel(Step& step, const Vector3<P>& start, const TiltAt& tilt_at) const {
+        constexpr int parts = 16, most_halvings = 400;
+        for (int i = 1; i <= parts; ++i) {
+            P low = step.length * P(i - 1) / P(parts), high = step.length * P(i) / P(parts);
+            const Vector3<P> before = i == 1 ? start : tilt_at(low);
+            if (!(dot(before, tilt_at(high)) < P(0))) continue;
+            for (int k = 0; k < most_halvings && high - low > P(2) * Elementary<P>::epsilon() * high; ++k) {
+                const P middle = (low + high) / P(2);
+                (dot(before, tilt_at(middle)) < P(0) ? high : low) = middle;
+            }
+            step.length = high;
+            return true;
+        }
+        return false;
     }
     // Limits a step so that a piece with the present distance from a plane certainly stays apart.
     template <class MotionIn>
     bool stay_apart(Step& step, Pair pair, const P& distance, const MotionIn& motion_in) {
         if (!(distance > P(1e-9 * reach()))) {
-            fail(flat_rim(pair) ? on_a_rim("turns", pair)
+            fail(flat_rim(pair) ? on_a_rim("tilts", pair)
                                 : fmt::format("reaches {} {} while its rim is parallel to another plane, which is not "
                                               "supported",
                                               plane_at(pair), at_time()));

@@ -67,14 +67,7 @@ struct ModeStep {
     }
 
   private:
-    // The order of the last term of the clock that is not negligible beside the duration of the step.
-    int last_of_clock() const {
-        if constexpr (std::same_as<P, double>) {
-            return order();
-        } else {
-            return expansion.last_term(clock, length);
-        }
-    }
+    int last_of_clock() const { return expansion.last_term(clock, length); }
 };
 
 /// The last values of a function of time that is expensive to evaluate.
@@ -115,27 +108,28 @@ double taylor_step(const Expanded& series, int order, const std::vector<Block>& 
 }
 
 /// The order of the Taylor series of the next step in multiprecision. Events may end steps much earlier than the series
-/// allows, for example where impacts accumulate; a lower order then gives the same errors by fewer operations. Each
+/// allows, for example where impacts accumulate. A lower order is then accurate to rounding with fewer operations. Each
 /// step selects the order for the next one.
+template <class P>
 class StepOrder {
   public:
     /// Compiled series in binary64 have a fixed order.
-    template <class P>
-    static constexpr bool is_for = !std::same_as<P, double>;
+    static constexpr bool adapts = !std::same_as<P, double>;
 
     explicit StepOrder(int most) : most_(most), next_(most) {}
     int next() const { return next_; }
     /// A step has ended after `length` of the `allowed` length, at which a series of this order has errors of
-    /// 10^-digits. `exact`: digits of the arithmetic.
-    void note(int order, double digits, double allowed, double length, double exact) {
+    /// 10^-digits.
+    void note(int order, double digits, double allowed, double length) {
         // a mode may end where it starts
-        if (!(length > 0)) return;
+        if (!adapts || !(length > 0)) return;
         // number of last coefficients that taylor_step() examines, and a margin for a longer step (a power of ten);
         // low orders do not show whether higher coefficients vanish
         constexpr double examined = 5, margin = 0.5, least = 12;
         const double shorter = std::log10(allowed / length) - margin;
+        const double arithmetic = -std::log10(static_cast<double>(Elementary<P>::epsilon()));
         // c_k = R^-k, so allowed / R = 10^(-digits / order)
-        const double wanted = std::max(least, std::ceil(exact / (digits / order + shorter) + examined));
+        const double wanted = std::max(least, std::ceil(arithmetic / (digits / order + shorter) + examined));
         next_ = shorter > 0 && wanted < most_ ? static_cast<int>(wanted) : most_;
     }
 

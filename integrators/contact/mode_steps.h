@@ -339,8 +339,13 @@ class StepExpansion {
         series_->evaluate(s, y);
     }
 
-    /// The order of the last term of component i that is not negligible at s, for Taylor series.
-    int last_term(int i, const P& s) const { return series_->last_term(i, T(s)); }
+    /// The order of the last term of component i that is not negligible at s.
+    int last_term(int i, const P& s) const {
+        if constexpr (std::same_as<P, double>)
+            return order();
+        else
+            return series_->last_term(i, log2_magnitude(s));
+    }
 
   private:
     // exactly one is not null

@@ -120,8 +120,10 @@ class Series {
     template <class P>
     void evaluate(const P& h, P* y) const {
         const auto at_step = [&](const T& step) {
+            double log2_step = 0;
+            if constexpr (skips_terms) log2_step = log2_magnitude(step);
             for (int i = 0; i < dimension(); ++i) {
-                const int last = last_term(i, step);
+                const int last = last_term(i, log2_step);
                 T sum = row(i)[last];
                 for (int k = last - 1; k >= 0; --k) sum *= step, sum += row(i)[k];
                 y[i] = static_cast<P>(sum);
@@ -133,23 +135,24 @@ class Series {
             at_step(T(h));
     }
 
-    /// The order of the last term c_k h^k of state variable i that is not negligible beside the first three.
-    int last_term(int i, const T& h) const {
-        const T* c = row(i);
+    /// The order of the last term c_k h^k of state variable i that is not negligible beside the first three, given
+    /// log2 |h|. In binary64 the order of the series.
+    int last_term(int i, double log2_step) const {
         int last = order_;
-        if constexpr (requires { T::bits; }) {
-            constexpr int sure = 10;
-            const double step = log2_magnitude(h);
+        if constexpr (skips_terms) {
+            constexpr int guard_bits = 10;
+            const auto size = [&](int k) { return log2_magnitude(row(i)[k]) + k * log2_step; };
             double least = -std::numeric_limits<double>::infinity();
-            for (int k = 0; k < std::min(3, order_); ++k) least = std::max(least, log2_magnitude(c[k]) + k * step);
-            least -= T::bits + sure;
-            while (last > 0 && log2_magnitude(c[last]) + last * step < least) --last;
+            for (int k = 0; k < std::min(3, order_); ++k) least = std::max(least, size(k));
+            least -= T::bits + guard_bits;
+            while (last > 0 && size(last) < least) --last;
         }
         return last;
     }
 
   private:
     using Kind = typename TapeNode<T>::Kind;
+    static constexpr bool skips_terms = requires { T::bits; };
 
     // Where the coefficients of a node are: twice the index of the first one, plus 1 if all are kept.
     using Place = std::int32_t;

@@ -145,28 +145,24 @@ bool write_joints(const SolveOptions& options, const Problem& problem, const Cho
 bool report_contacts(const SolveOptions& options, const Problem& problem, const Method& method,
                      const Settings& settings) {
     if (!options.contacts.any()) return true;
+    const Scene& scene = problem.scene;
     const bool to_stdout = !options.output.empty();
-    if (contact::has_joint_events(problem.scene) && follows_events(method)) {
-        write_joint_events(problem.scene, options.contacts,
+    if (contact::has_joint_events(scene) && follows_events(method)) {
+        write_joint_events(scene, options.contacts,
                            contact::follow_joints_in_binary64(problem, settings, method.steps).events);
-        return true;
-    }
-    if (method.family == Family::reference) {
+    } else if (method.family == Family::reference) {
         constexpr int digits = 17;
-        write_contacts(problem.scene, options.contacts, decimal_reference(problem.scene, options.samples, digits),
-                       to_stdout);
-        return true;
+        write_contacts(scene, options.contacts, decimal_reference(scene, options.samples, digits), to_stdout);
+    } else if (follows_contacts(method)) {
+        write_contacts(scene, options.contacts, contact::record_contacts(problem, settings, method.steps), to_stdout);
+    } else {
+        std::fputs(fmt::format("polhode: --modes and --events: {} does not record contacts; use taylor or truth\n",
+                               method.name)
+                       .c_str(),
+                   stderr);
+        return false;
     }
-    if (follows_contacts(method)) {
-        write_contacts(problem.scene, options.contacts, contact::record_contacts(problem, settings, method.steps),
-                       to_stdout);
-        return true;
-    }
-    std::fputs(
-        fmt::format("polhode: --modes and --events: {} does not record contacts; use taylor or truth\n", method.name)
-            .c_str(),
-        stderr);
-    return false;
+    return true;
 }
 
 int solve_command(const SolveOptions& options) {

@@ -44,14 +44,14 @@ TEST(ModeSeries, CompiledAndInterpretedCoefficientsAgree) {
 
 // Steps of a ten millionth of the possible length need a few orders, until one takes its full length.
 TEST(StepOrder, FollowsTheLengthOfSteps) {
-    StepOrder order(48);
-    order.note(48, 35, 0.04, 4e-9, 50);
+    StepOrder<Real<50>> order(48);
+    order.note(48, 35, 0.04, 4e-9);
     const int low = order.next();
     EXPECT_GE(low, 12);
     EXPECT_LE(low, 15);
-    order.note(low, 35, 1e-3, 0, 50);
+    order.note(low, 35, 1e-3, 0);
     EXPECT_EQ(order.next(), low);
-    order.note(low, 35, 1e-3, 0.9e-3, 50);
+    order.note(low, 35, 1e-3, 0.9e-3);
     EXPECT_EQ(order.next(), 48);
 }
 
